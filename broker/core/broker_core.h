@@ -1,0 +1,93 @@
+// One MQTT-SN 1.2 broker without sockets, clocks or threads: datagrams and times in, actions out.
+//
+// It is the home of its sessions and the one writer of its log. Alone it appends nothing
+// (BrokerOptions::writes_log); in a cluster the member that owns it carries its events to the peers
+// and its peers' publishes back. Early or repeated ticks are harmless. Nothing here knows of the
+// cluster.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "broker/core/actions.h"
+#include "broker/core/counters.h"
+#include "broker/core/limits.h"
+#include "broker/core/log_event.h"
+#include "romano/base/bytes.h"
+#include "romano/base/endpoint.h"
+#include "romano/base/time.h"
+
+namespace romano::broker {
+
+class BrokerCore {
+public:
+    BrokerCore(const BrokerOptions& options, std::uint64_t seed);
+    ~BrokerCore();
+    BrokerCore(BrokerCore&&) noexcept;
+    BrokerCore& operator=(BrokerCore&&) noexcept;
+
+    /// A datagram from `from` that was sent to our service address `via`. Answers leave from `via`.
+    void on_datagram(Instant now, const Endpoint& via, const Endpoint& from, Bytes datagram,
+                     Actions& out);
+    void on_tick(Instant now, Actions& out);
+    [[nodiscard]] Instant next_wakeup() const;
+
+    // --- a cluster's side
+    // -------------------------------------------------------------------------
+
+    /// A peer's message, of its log (QoS 1, 2, retained) or forwarded (QoS 0): queue it for the own
+    /// subscribers, take a retained one into the store. Log messages of one peer come in order;
+    /// repeated positions are ignored.
+    void on_peer_message(Instant now, const MessagePtr& message, Actions& out);
+
+    /// How far the publishes of a peer's log have been worked through.
+    [[nodiscard]] Seq cursor(const LogId& log) const;
+    /// Appends a Cursor event for each log whose cursor moved since its last one.
+    void append_cursors(Actions& out);
+    /// Takes note that the log has been worked through up to `through` although it held no
+    /// publishes there.
+    void advance_cursor(const LogPosition& through);
+
+    /// Becomes the home of the session: appends SessionPut, queues the `missed` messages that match
+    /// its subscriptions, in order, and sends again what was in flight (PUBLISH with DUP). An own
+    /// session of the same client id with a higher (epoch, last_heard) stays, and the image is
+    /// dropped: returns false.
+    bool adopt(Instant now, SessionImage image, std::span<const MessagePtr> missed, Actions& out);
+
+    /// Stops being the home: appends SessionErased and forgets, publishing no will. Empty when
+    /// unknown.
+    std::optional<SessionImage> release(std::string_view client_id, Actions& out);
+
+    /// True when a datagram from there would reach a session that is homed here.
+    [[nodiscard]] bool serves(const Endpoint& from, Bytes datagram) const;
+
+    [[nodiscard]] std::optional<SessionImage> image(std::string_view client_id) const;
+    [[nodiscard]] std::vector<SessionImage> images() const;  // by client id
+    [[nodiscard]] std::vector<SessionImage> images_via(const Endpoint& via) const;
+
+    /// Sets a retained message of the broker itself under $SYS; neither logged nor forwarded.
+    void set_system_topic(Instant now, std::string_view topic, Bytes payload, Actions& out);
+
+    [[nodiscard]] std::vector<MessagePtr> retained() const;  // by topic; not $SYS
+    /// A peer's retained message from a snapshot: kept when later than ours, not delivered.
+    void put_retained(const MessagePtr& message);
+
+    [[nodiscard]] Seq last_seq() const;
+    void observe_time(HybridTime time);
+    [[nodiscard]] const Counters& counters() const;
+    [[nodiscard]] std::size_t session_count() const;
+    [[nodiscard]] std::size_t connected_count() const;
+
+    /// Asserts what must hold between the tables; the simulator calls it after every step.
+    void check_invariants() const;
+
+private:
+    class State;
+    std::unique_ptr<State> state_;
+};
+
+}  // namespace romano::broker

@@ -1,0 +1,42 @@
+// The broker core's bounds and timers. Every table and queue has one (promise P8).
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <string>
+
+#include "broker/core/log_position.h"
+#include "romano/base/time.h"
+#include "romano/mqttsn/types.h"
+
+namespace romano::broker {
+
+struct Limits {
+    std::size_t sessions = 20'000;
+    std::size_t subscriptions_per_session = 1'000;
+    std::size_t topics_per_session = 20'000;
+    std::size_t queued_per_session = 1'000;  // QoS 1/2 waiting, and everything for a sleeper
+    std::size_t retained_messages = 100'000;
+    std::size_t client_id_octets = 64;  // section 5.3.1 says 23; see G20
+    std::size_t payload_octets = 65'498;
+    std::size_t unreleased_per_session = 64;          // QoS 2 publishes whose PUBREL is outstanding
+    std::uint32_t stranger_answers_per_second = 100;  // DISCONNECT to one unknown address
+};
+
+struct BrokerOptions {
+    LogId log;                      // the broker's own
+    bool writes_log = false;        // false: a lone broker without persistence appends nothing
+    Duration unix_time_at_zero{0};  // wall clock at the Instant with count 0, for HybridTime
+    std::uint8_t gateway_id = 1;
+    Duration advertise_every{std::chrono::minutes{15}};  // 0: never
+    Duration t_retry{mqttsn::default_t_retry};
+    int n_retry = mqttsn::default_n_retry;
+    double keep_alive_tolerance = 1.5;
+    Duration clean_session_kept_for{std::chrono::minutes{10}};  // after disconnection; see G11
+    std::map<mqttsn::TopicId, std::string> predefined_topics;
+    Limits limits;
+};
+
+}  // namespace romano::broker

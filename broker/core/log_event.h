@@ -1,0 +1,100 @@
+// The events of a broker's log: all that must survive the broker, in the order in which it
+// happened.
+//
+// The writer is the home of the sessions it writes about. A mirror that applies every event in
+// order holds the same images as the home. QoS 0 and -1 traffic is not logged.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "broker/core/session_image.h"
+
+namespace romano::broker {
+
+/// The session as it now stands, replacing all that was known: a clean connect, or an adoption.
+struct SessionPut {
+    SessionImage image;
+};
+/// Address, state, keep-alive or epoch changed; the lists did not.
+struct SessionChanged {
+    SessionHeader header;
+};
+/// The session is gone for good, or was handed to another home.
+struct SessionErased {
+    ClientId client_id;
+};
+struct WillChanged {
+    ClientId client_id;
+    std::optional<Will> will;
+};
+/// Adds the subscription or replaces the one with the same filter.
+struct Subscribed {
+    ClientId client_id;
+    Subscription subscription;
+};
+struct Unsubscribed {
+    ClientId client_id;
+    std::string filter;
+};
+/// Adds the binding or replaces the one with the same id.
+struct TopicBound {
+    ClientId client_id;
+    TopicBinding binding;
+};
+
+/// One of the writer's sessions that a message was queued for.
+struct Route {
+    ClientId client_id;
+    mqttsn::Qos qos;
+    bool retain = false;
+};
+/// A publish of one of the writer's clients, or a will: QoS 1 or 2, or retained. The message's
+/// position is this event's. For QoS 2 `publisher` and `msg_id` let a repetition be recognised.
+struct Published {
+    MessagePtr message;
+    ClientId publisher;  // empty unless QoS 2 from a session
+    mqttsn::MsgId msg_id = mqttsn::no_msg_id;
+    std::vector<Route> routes;  // the writer's own sessions (QoS 1 and 2 only)
+};
+/// The writer worked on a peer's message (or a retained one): queued for these of its sessions.
+/// Implies Cursor at that position when the message is of a peer's log.
+struct Routed {
+    LogPosition message;
+    std::vector<Route> routes;
+};
+/// The writer has worked through that peer's publishes up to and including `through`.
+struct Cursor {
+    LogPosition through;
+};
+/// The delivery was sent with this msg id (QoS 2: before it is sent).
+struct DeliveryStarted {
+    ClientId client_id;
+    LogPosition message;
+    mqttsn::MsgId msg_id;
+    mqttsn::Qos qos;  // may be lower than routed: a client that refuses QoS 2
+};
+/// PUBREC arrived.
+struct DeliveryReleased {
+    ClientId client_id;
+    LogPosition message;
+};
+/// Acknowledged to the end, or dropped for good.
+struct DeliveryEnded {
+    ClientId client_id;
+    LogPosition message;
+};
+/// PUBREL arrived for a QoS 2 publish of the client: the msg id is free again.
+struct PublishReleased {
+    ClientId client_id;
+    mqttsn::MsgId msg_id;
+};
+
+using LogEvent = std::variant<SessionPut, SessionChanged, SessionErased, WillChanged, Subscribed,
+                              Unsubscribed, TopicBound, Published, Routed, Cursor, DeliveryStarted,
+                              DeliveryReleased, DeliveryEnded, PublishReleased>;
+
+}  // namespace romano::broker

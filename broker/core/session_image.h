@@ -1,0 +1,91 @@
+// What must survive of a session: plain data that its home can hand to another broker.
+//
+// The home works on its own `Session`; a mirror keeps SessionImages and applies log events to them.
+// Taking a session over means: image in, and go on where it stopped.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "broker/core/client_address.h"
+#include "broker/core/hybrid_time.h"
+#include "broker/core/message.h"
+#include "romano/mqttsn/types.h"
+
+namespace romano::broker {
+
+using ClientId = std::string;
+
+/// MQTT-SN 1.2 section 6.14, figure 4.
+enum class SessionState : std::uint8_t { active, asleep, awake, disconnected, lost };
+
+struct Subscription {
+    std::string filter;  // a name, a filter with wildcards, or a short name
+    /// How the client subscribed, and so how a plain match is delivered.
+    mqttsn::TopicIdType type = mqttsn::TopicIdType::normal;
+    mqttsn::TopicId predefined_id = mqttsn::no_topic_id;  // for type predefined
+    mqttsn::Qos granted = mqttsn::Qos::at_most_once;
+
+    friend bool operator==(const Subscription&, const Subscription&) = default;
+};
+
+struct TopicBinding {
+    mqttsn::TopicId id{};
+    std::string name;
+    bool known_to_client = false;  // from REGACK, SUBACK or an accepted REGISTER
+
+    friend bool operator==(const TopicBinding&, const TopicBinding&) = default;
+};
+
+struct Will {
+    std::string topic;
+    std::vector<std::uint8_t> message;
+    mqttsn::Qos qos = mqttsn::Qos::at_most_once;
+    bool retain = false;
+
+    friend bool operator==(const Will&, const Will&) = default;
+};
+
+enum class DeliveryStage : std::uint8_t {
+    queued,     // not sent yet
+    published,  // PUBLISH sent with msg_id; waiting for PUBACK or PUBREC
+    released,   // PUBREC received, PUBREL sent; waiting for PUBCOMP
+};
+
+/// A QoS 1 or 2 message on its way to the client. `message` is null in a mirror that has not seen
+/// the Published event yet; `position` always names it.
+struct Delivery {
+    LogPosition position;
+    MessagePtr message;
+    mqttsn::Qos qos = mqttsn::Qos::at_least_once;  // min(published, granted)
+    bool retain = false;                           // sent because of a new subscription
+    DeliveryStage stage = DeliveryStage::queued;
+    mqttsn::MsgId msg_id = mqttsn::no_msg_id;
+};
+
+/// What changes often, apart from the lists.
+struct SessionHeader {
+    ClientId client_id;
+    ClientAddress address;
+    Endpoint via;  // the service address that the client talks to
+    SessionState state = SessionState::active;
+    bool clean = true;
+    std::uint16_t keep_alive_s = 0;
+    std::uint16_t sleep_s = 0;
+    std::uint64_t epoch = 1;  // counts the homes at which the client was heard
+    HybridTime last_heard;    // not replicated per datagram: as of the last event
+    friend bool operator==(const SessionHeader&, const SessionHeader&) = default;
+};
+
+struct SessionImage {
+    SessionHeader header;
+    std::optional<Will> will;
+    std::vector<Subscription> subscriptions;
+    std::vector<TopicBinding> topics;
+    std::vector<Delivery> deliveries;       // in order; the first may be in flight
+    std::vector<mqttsn::MsgId> unreleased;  // QoS 2 msgIds received, PUBREL not yet seen
+};
+
+}  // namespace romano::broker

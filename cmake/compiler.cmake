@@ -1,0 +1,19 @@
+# How everything is compiled: warnings, sanitizers, ccache.
+
+add_library(project_warnings INTERFACE)
+target_compile_options(project_warnings INTERFACE
+    -Wall -Wextra -Wconversion -Wshadow -Wnon-virtual-dtor -Wold-style-cast -Wundef -Werror)
+
+if(ROMANO_SANITIZE)
+    add_compile_options(-fsanitize=${ROMANO_SANITIZE} -fno-omit-frame-pointer)
+    add_link_options(-fsanitize=${ROMANO_SANITIZE})
+    if(ROMANO_SANITIZE MATCHES "undefined")
+        add_compile_options(-fno-sanitize-recover=undefined)
+    endif()
+endif()
+
+find_program(CCACHE ccache)
+if(CCACHE)
+    set(CMAKE_C_COMPILER_LAUNCHER ${CCACHE})
+    set(CMAKE_CXX_COMPILER_LAUNCHER ${CCACHE})
+endif()

@@ -1,0 +1,172 @@
+// What brokers say to each other, as plain values. A transport turns them into octets and back.
+//
+// Beacons are best-effort and go to everybody, log batches are reliable and go to everybody; the
+// rest is addressed to one peer: reliable and in order, except QoS 0 forwards. Positions stand in
+// everything that matters, so that a transport that loses silently is noticed.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "broker/core/log_event.h"
+#include "broker/core/log_position.h"
+#include "broker/core/session_image.h"
+#include "election/elector.h"
+#include "romano/base/endpoint.h"
+
+namespace romano::cluster {
+
+using broker::BrokerId;
+using broker::LogId;
+using broker::LogPosition;
+using broker::Seq;
+
+/// Number of a view; the higher one wins.
+struct ViewNumber {
+    election::Term term = 0;
+    BrokerId leader{};
+    std::uint64_t count = 0;  // views that this leader made in this term
+
+    friend bool operator==(const ViewNumber&, const ViewNumber&) = default;
+    friend auto operator<=>(const ViewNumber&, const ViewNumber&) = default;
+};
+
+/// The agreed set of live brokers. Members are their logs: a restarted broker is another member.
+struct View {
+    ViewNumber number;
+    std::vector<LogId> members;  // sorted
+
+    friend bool operator==(const View&, const View&) = default;
+};
+
+struct Beacon {
+    std::string name;
+    LogId log;               // the sender's own
+    Seq last_seq = 0;        // end of the sender's log
+    std::uint64_t tick = 0;  // counts the sender's beacons
+    View view;
+    election::Claim claim;
+    std::vector<LogPosition> applied;  // how far the sender applied each peer's log
+    std::vector<Endpoint>
+        home_addresses;             // the service addresses that are the sender's by configuration
+    std::vector<Endpoint> serving;  // the service addresses that it answers on now
+    std::uint32_t sessions = 0;
+    std::uint32_t connected = 0;
+    bool leaving = false;  // the last beacon of an orderly stop
+};
+
+/// Events first_seq, first_seq + 1, ... of the sender's log.
+struct LogBatch {
+    LogId log;
+    Seq first_seq = 0;
+    std::vector<broker::LogEvent> events;
+};
+/// "I hold your log up to here."
+struct LogAck {
+    LogPosition through;
+};
+/// QoS 0 publishes for the receiver's subscribers; best-effort.
+struct ForwardBatch {
+    std::vector<broker::MessagePtr> messages;
+};
+struct ElectionMessage {
+    election::Ballot ballot;
+};
+
+// --- view change: overlay/cluster/view_change.h
+// ---------------------------------------------------
+
+/// The leader proposes; receivers freeze the logs of brokers that are members no more and answer.
+struct ViewProposal {
+    View view;
+    std::vector<LogId> removed;
+};
+/// The last event that the sender holds of each removed log.
+struct ViewHoldings {
+    ViewNumber number;
+    std::vector<LogPosition> holds;
+};
+/// Leader to the member that holds most: send the tail of that log to those that lack it.
+struct TailRequest {
+    ViewNumber number;
+    LogPosition after;  // exclusive
+    BrokerId to{};
+};
+struct LogTail {
+    LogId log;
+    Seq first_seq = 0;
+    std::vector<broker::LogEvent> events;
+};
+/// What becomes of a removed broker's service address and of the sessions that use it.
+struct Assignment {
+    LogPosition end;   // the removed log, and its agreed last event
+    Endpoint address;  // family none: the sessions without a service address of the removed broker
+    BrokerId heir{};
+};
+struct ViewAnnouncement {
+    View view;
+    std::vector<Assignment> assignments;
+    std::vector<LogPosition> ends;  // agreed last event of each removed log
+};
+
+// --- joining and healing
+// --------------------------------------------------------------------------
+
+/// "Send me all that is yours; I continue your log from there."
+struct SnapshotRequest {
+    LogId log;
+};
+/// A part of a snapshot of the sender's own state as of `as_of`; parts come in order.
+struct SnapshotPart {
+    LogPosition as_of;
+    std::uint32_t part = 0;
+    bool last = false;
+    std::vector<broker::SessionImage> sessions;
+    std::vector<broker::MessagePtr> retained;
+    std::vector<broker::MessagePtr>
+        publishes;                     // of the sender's log, not yet passed by all cursors
+    std::vector<LogPosition> cursors;  // the sender's own
+};
+
+// --- handing back an address, roaming
+// -------------------------------------------------------------
+
+/// Holder to owner: "bind this address beside me" (the holder goes on answering until it is told).
+struct AddressOffer {
+    Endpoint address;
+};
+/// Owner to holder: "bound; hand over".
+struct AddressBound {
+    Endpoint address;
+    bool bound = false;
+};
+/// Holder to owner: the sessions, all at once or in parts; with `last`, the address is the owner's
+/// alone.
+struct SessionHandoff {
+    Endpoint address;  // family none: roaming, one session
+    bool last = false;
+    std::vector<broker::SessionImage> sessions;
+};
+/// "A client of yours talks to me now: hand its session over."
+struct SessionRequest {
+    broker::ClientId client_id;
+};
+
+using ClusterMessage =
+    std::variant<Beacon, LogBatch, LogAck, ForwardBatch, ElectionMessage, ViewProposal,
+                 ViewHoldings, TailRequest, LogTail, ViewAnnouncement, SnapshotRequest,
+                 SnapshotPart, AddressOffer, AddressBound, SessionHandoff, SessionRequest>;
+
+/// How a message travels.
+enum class Delivery : std::uint8_t {
+    beacon,       // to all, best-effort, the newest counts
+    log,          // to all, reliable, in order
+    direct,       // to one, reliable, in order
+    best_effort,  // to one, may be lost
+};
+[[nodiscard]] Delivery delivery_of(const ClusterMessage& message);
+
+}  // namespace romano::cluster

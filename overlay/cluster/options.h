@@ -1,0 +1,27 @@
+// The cluster's settings; profiles set the times together.
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <string>
+
+#include "romano/base/time.h"
+
+namespace romano::cluster {
+
+inline constexpr std::uint32_t all_peers = std::numeric_limits<std::uint32_t>::max();
+
+struct ClusterOptions {
+    std::string elector = "component";
+    std::string detector = "fixed";
+    std::uint32_t rank = 0;    // configured capability: the highest leads
+    std::uint32_t acks = 1;    // peers that must hold an event before its effect is visible
+    bool acks_strict = false;  // alone: refuse with "congestion" instead of promising
+    Duration beacon_every{std::chrono::milliseconds{10}};
+    Duration detection_timeout{std::chrono::milliseconds{100}};
+    std::size_t log_events_kept = 200'000;  // for peers that lag; beyond it they need a snapshot
+};
+
+}  // namespace romano::cluster

@@ -1,0 +1,84 @@
+// One broker of a cluster, composed of its cores and still without I/O: broker core, cluster core.
+//
+// It holds back what clients may not see before peers hold the events behind it (Send::after),
+// carries log batches between the broker core and the peers, and turns view changes into adopted
+// sessions and addresses. The shell owns sockets, the transport and one timer.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "broker/core/broker_core.h"
+#include "overlay/cluster/options.h"
+#include "overlay/transport.h"
+#include "romano/base/bytes.h"
+#include "romano/base/endpoint.h"
+#include "romano/base/time.h"
+
+namespace romano::overlay {
+
+/// Serve this address from now on; answer with on_address(). With `beside`, another process on this
+/// host still holds it and lets it go when told: bind it all the same.
+struct TakeAddress {
+    Endpoint address;
+};
+/// Stop serving this address.
+struct GiveUpAddress {
+    Endpoint address;
+};
+/// A line for the trace: something that people want to know.
+struct Notice {
+    std::string text;
+};
+
+struct MemberActions {
+    broker::Actions clients;  // only Send and Multicast; all may go out at once
+    std::vector<Outgoing> peers;
+    std::vector<std::variant<TakeAddress, GiveUpAddress, Notice>> local;
+
+    void clear() {
+        clients.clear();
+        peers.clear();
+        local.clear();
+    }
+};
+
+struct MemberOptions {
+    broker::BrokerOptions broker;  // log and writes_log are set by the member
+    cluster::ClusterOptions cluster;
+    std::string name;
+    std::uint64_t incarnation = 0;  // higher at each start: the wall clock in nanoseconds
+    std::vector<Endpoint> home_addresses;
+};
+
+class Member {
+public:
+    Member(const MemberOptions& options, std::uint64_t seed);
+    ~Member();
+
+    void on_datagram(Instant now, const Endpoint& via, const Endpoint& from, Bytes datagram,
+                     MemberActions& out);
+    void on_peer_message(Instant now, const Envelope& envelope, MemberActions& out);
+    /// The answer to TakeAddress, and at the start for each home address: served, or held by
+    /// somebody else.
+    void on_address(Instant now, const Endpoint& address, bool served, MemberActions& out);
+    void on_tick(Instant now, MemberActions& out);
+    [[nodiscard]] Instant next_wakeup() const;
+
+    /// An orderly stop: the last beacon; the peers take over at once.
+    void leave(Instant now, MemberActions& out);
+
+    [[nodiscard]] const broker::BrokerCore& broker() const;
+    [[nodiscard]] const cluster::View& view() const;
+    [[nodiscard]] election::Leadership leadership() const;
+    void check_invariants() const;
+
+private:
+    class State;
+    std::unique_ptr<State> state_;
+};
+
+}  // namespace romano::overlay

@@ -1,0 +1,38 @@
+// What the cluster needs of a network between brokers. Two implementations: dds/ and sim/.
+//
+// Best-effort and reliable messages as overlay/cluster/messages.h says; a reliable message to a
+// peer that is unreachable for long may be lost, and its receiver notices by the positions. Sending
+// never blocks.
+#pragma once
+
+#include <functional>
+#include <optional>
+
+#include "overlay/cluster/messages.h"
+
+namespace romano::overlay {
+
+/// A received message with its sender, a broker's log (name and incarnation).
+struct Envelope {
+    broker::LogId from;
+    cluster::ClusterMessage message;
+};
+
+/// A message to send: to one broker, or to all others.
+struct Outgoing {
+    std::optional<broker::BrokerId> to;  // empty: broadcast
+    cluster::ClusterMessage message;
+};
+
+class Transport {
+public:
+    using Receiver = std::function<void(Envelope)>;
+
+    virtual ~Transport() = default;
+
+    /// Messages come to `receiver` on the owner's thread, never from within send().
+    virtual void start(Receiver receiver) = 0;
+    virtual void send(const Outgoing& message) = 0;
+};
+
+}  // namespace romano::overlay

@@ -1,0 +1,41 @@
+// An IP address and UDP port as plain octets, without any operating system's socket types.
+//
+// IPv4 addresses are held in the first four octets. `scope` is the interface index of a
+// link-local IPv6 address, 0 otherwise.
+#pragma once
+
+#include <array>
+#include <compare>
+#include <cstddef>
+#include <cstdint>
+
+namespace romano {
+
+struct Endpoint {
+    enum class Family : std::uint8_t { none, ipv4, ipv6 };
+
+    std::array<std::uint8_t, 16> address{};
+    std::uint32_t scope = 0;
+    std::uint16_t port = 0;
+    Family family = Family::none;
+
+    friend bool operator==(const Endpoint&, const Endpoint&) = default;
+    friend auto operator<=>(const Endpoint&, const Endpoint&) = default;
+
+    /// FNV-1a over all fields: stable between runs and machines.
+    [[nodiscard]] constexpr std::size_t hash() const {
+        std::uint64_t h = 0xcbf29ce484222325ULL;
+        const auto mix = [&h](std::uint64_t value) { h = (h ^ value) * 0x100000001b3ULL; };
+        const std::size_t used = family == Family::ipv6 ? 16 : 4;
+        for (std::size_t i = 0; i < used; ++i) mix(address[i]);
+        mix(port);
+        mix(scope);
+        return static_cast<std::size_t>(h ^ (h >> 32U));
+    }
+};
+
+struct EndpointHash {
+    std::size_t operator()(const Endpoint& endpoint) const { return endpoint.hash(); }
+};
+
+}  // namespace romano
