@@ -1,0 +1,33 @@
+// ROMANO messages to octets and back, without a heap. Decoding is total: any octets give a message
+// or the reason why they are none.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+
+#include "romano/base/bytes.h"
+#include "romano/base/result.h"
+#include "romano/message/messages.h"
+
+namespace romano::message {
+
+enum class Malformed : std::uint8_t {
+    header,         // fewer than two octets
+    length,         // the length octet differs from the received size
+    reserved_type,  // 0x0D to 0x10
+    size,           // not possible for this type
+    value,          // a field holds what it may not: an id that is none, a reserved movement
+};
+inline constexpr std::size_t malformed_kinds = 5;
+
+[[nodiscard]] Result<Message, Malformed> decode(Bytes data);
+
+/// Writes `message` to the front of `out`. Returns its size, 2 to 255 octets; 0 when it is longer,
+/// does not fit, or would not decode again.
+[[nodiscard]] std::size_t encode(const Message& message, MutableBytes out);
+
+/// The argument of the six standard movements: mm or millidegrees. Empty for the application's own.
+[[nodiscard]] std::optional<std::uint32_t> amount_of(const MovementControl& movement);
+
+}  // namespace romano::message
