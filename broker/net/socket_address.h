@@ -1,0 +1,37 @@
+// The operating system's socket addresses to and from the cores' Endpoint.
+#pragma once
+
+#include <netinet/in.h>
+#include <sys/socket.h>
+
+#include "romano/base/endpoint.h"
+
+namespace romano::net {
+
+/// Room for an IPv4 or IPv6 socket address, and its size as system calls want it.
+struct SocketAddress {
+    union {
+        sockaddr any;
+        sockaddr_in v4;
+        sockaddr_in6 v6;
+    };
+    socklen_t size = 0;
+
+    SocketAddress() : v6{} {}
+};
+
+[[nodiscard]] SocketAddress to_socket_address(const Endpoint& endpoint);
+
+/// Family none when the address is neither IPv4 nor IPv6.
+[[nodiscard]] Endpoint to_endpoint(const SocketAddress& address);
+
+[[nodiscard]] Endpoint to_endpoint(const in_addr& address, std::uint16_t port);
+/// `interface` counts for link-local addresses only.
+[[nodiscard]] Endpoint to_endpoint(const in6_addr& address, std::uint16_t port,
+                                   std::uint32_t interface);
+
+/// 0.0.0.0 or [::]: every address of the machine.
+[[nodiscard]] bool is_wildcard(const Endpoint& endpoint);
+[[nodiscard]] bool is_multicast(const Endpoint& endpoint);
+
+}  // namespace romano::net
