@@ -1,0 +1,82 @@
+#include "experiments/sweep/cell.h"
+
+#include <array>
+#include <cassert>
+#include <cstdio>
+#include <utility>
+
+namespace romano::experiments {
+namespace {
+
+constexpr std::array<std::pair<Fault, std::string_view>, 4> fault_names{{
+    {Fault::none, "none"},
+    {Fault::kill_leader, "kill-leader"},
+    {Fault::kill_home, "kill-home"},
+    {Fault::pause, "pause"},
+}};
+
+std::string shortest(double number) {
+    std::array<char, 32> text{};
+    std::snprintf(text.data(), text.size(), "%g", number);
+    return text.data();
+}
+
+}  // namespace
+
+std::string_view name_of(Fault fault) {
+    for (const auto& [value, name] : fault_names) {
+        if (value == fault) return name;
+    }
+    return "?";
+}
+
+std::optional<Fault> fault_named(std::string_view name) {
+    for (const auto& [value, known] : fault_names) {
+        if (known == name) return value;
+    }
+    return std::nullopt;
+}
+
+QosMix::QosMix(std::vector<std::uint8_t> levels) : levels_(std::move(levels)) {
+    assert(!levels_.empty());
+}
+
+std::string QosMix::text() const {
+    std::string text;
+    for (const std::uint8_t level : levels_) {
+        if (!text.empty()) text += '+';
+        text += static_cast<char>('0' + level);
+    }
+    return text;
+}
+
+std::optional<QosMix> parse_qos_mix(std::string_view text) {
+    std::vector<std::uint8_t> levels;
+    for (std::size_t i = 0; i < text.size(); ++i) {
+        if (i % 2 == 1) {
+            if (text[i] != '+') return std::nullopt;
+        } else {
+            if (text[i] < '0' || text[i] > '2') return std::nullopt;
+            levels.push_back(static_cast<std::uint8_t>(text[i] - '0'));
+        }
+    }
+    if (text.size() % 2 == 0) return std::nullopt;
+    return QosMix{std::move(levels)};
+}
+
+std::string describe(const Cell& cell) {
+    std::string text = std::to_string(cell.brokers) +
+                       (cell.brokers == 1 ? " broker, " : " brokers, ") +
+                       std::to_string(cell.robots) + (cell.robots == 1 ? " robot, " : " robots, ") +
+                       shortest(cell.rate_per_s) + "/s of " + std::to_string(cell.payload_octets) +
+                       " octets, QoS " + cell.qos.text();
+    if (!cell.elector.empty())
+        text += ", " + cell.elector + "/" + cell.detector + "/acks " + cell.acks;
+    text += ", ";
+    text += cell.fault == Fault::none ? "no fault" : name_of(cell.fault);
+    text +=
+        ", seed " + std::to_string(cell.seed) + ", repetition " + std::to_string(cell.repetition);
+    return text;
+}
+
+}  // namespace romano::experiments

@@ -1,0 +1,59 @@
+// One cell of a sweep: a point of its axes with one repetition, which is one run of real brokers
+// and robots. A cell's number is its place in the sweep file's order, from 1.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace romano::experiments {
+
+enum class Fault : std::uint8_t {
+    none,
+    kill_leader,  // kill -9 of the broker that leads
+    kill_home,    // kill -9 of a broker that does not lead
+    pause,        // SIGSTOP of such a broker, and SIGCONT after a while
+};
+[[nodiscard]] std::string_view name_of(Fault fault);
+[[nodiscard]] std::optional<Fault> fault_named(std::string_view name);
+
+/// The QoS levels that a robot's messages take in turn.
+class QosMix {
+public:
+    explicit QosMix(std::vector<std::uint8_t> levels);
+    [[nodiscard]] std::uint8_t level(std::uint32_t sequence) const {
+        return levels_[sequence % levels_.size()];
+    }
+    /// As in the sweep file: "1", "0+1+2".
+    [[nodiscard]] std::string text() const;
+    friend bool operator==(const QosMix&, const QosMix&) = default;
+
+private:
+    std::vector<std::uint8_t> levels_;  // never empty
+};
+/// "0+1+2", each level as often as it is named. Empty when the text is none.
+[[nodiscard]] std::optional<QosMix> parse_qos_mix(std::string_view text);
+
+struct Cell {
+    std::uint32_t number = 0;
+    std::uint32_t brokers = 1;
+    std::uint32_t robots = 1;
+    double rate_per_s = 1;  // of each publisher
+    std::uint32_t payload_octets = 32;
+    QosMix qos{{1}};
+    std::string elector;   // empty with one broker: nobody to elect, detect, wait for
+    std::string detector;  // empty with one broker
+    std::string acks;      // a number or "all"; empty with one broker
+    Fault fault = Fault::none;
+    std::uint64_t seed = 1;
+    std::uint32_t repetition = 1;
+
+    friend bool operator==(const Cell&, const Cell&) = default;
+};
+
+/// For people: "3 brokers, 20 robots, 5/s, QoS 0+1+2, kill-leader".
+[[nodiscard]] std::string describe(const Cell& cell);
+
+}  // namespace romano::experiments

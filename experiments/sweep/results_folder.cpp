@@ -1,0 +1,136 @@
+#include "experiments/sweep/results_folder.h"
+
+#include <algorithm>
+#include <fstream>
+#include <iterator>
+
+namespace romano::experiments {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* sweep_copy = "sweep.toml";
+
+std::string read_file(const fs::path& file) {
+    std::ifstream stream(file, std::ios::binary);
+    return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+void write_file(const fs::path& file, const std::string& text) {
+    std::ofstream stream(file, std::ios::binary | std::ios::trunc);
+    if (!stream.write(text.data(), static_cast<std::streamsize>(text.size())).flush()) {
+        throw SweepError("cannot write `" + file.string() + "`");
+    }
+}
+
+const CsvRow& sample_columns() {
+    static const CsvRow columns = {"publisher", "sequence", "stream",
+                                   "qos",       "receiver", "sent_s",
+                                   "delay_ms",  "copies",   "acknowledged_after_ms"};
+    return columns;
+}
+
+}  // namespace
+
+std::string file_stem(const Cell& cell) {
+    const std::string digits = std::to_string(cell.number);
+    return "cell-" + std::string(digits.size() < 4 ? 4 - digits.size() : 0, '0') + digits;
+}
+
+ResultsFolder::ResultsFolder(fs::path folder, const Sweep& sweep, bool fresh)
+    : folder_(std::move(folder)) {
+    std::error_code failed;
+    if (fresh) {
+        for (const char* ours :
+             {sweep_copy, "runs.csv", "samples", "traces", "manifest.json", "report.html"}) {
+            fs::remove_all(folder_ / ours, failed);
+        }
+    }
+    fs::create_directories(folder_ / "samples", failed);
+    if (!failed) fs::create_directories(folder_ / "traces", failed);
+    if (failed) {
+        throw SweepError("cannot make the results folder `" + folder_.string() +
+                         "`: " + failed.message());
+    }
+    if (fs::exists(folder_ / sweep_copy)) {
+        if (read_file(folder_ / sweep_copy) != sweep.text) {
+            throw SweepError("the sweep file has changed since `" + folder_.string() +
+                             "` was begun; use --fresh to start anew, or set another `output`");
+        }
+    } else {
+        write_file(folder_ / sweep_copy, sweep.text);
+    }
+    const auto rows = parse_csv(read_file(folder_ / "runs.csv"));
+    if (rows.empty()) {
+        write_file(folder_ / "runs.csv", csv_line(run_columns()));
+        return;
+    }
+    if (rows.front() != run_columns()) {
+        throw SweepError("`" + (folder_ / "runs.csv").string() +
+                         "` has the columns of another version; use --fresh to start anew");
+    }
+    std::string whole = csv_line(run_columns());
+    for (const CsvRow& fields : std::span{rows}.subspan(1)) {
+        if (auto row = run_from_csv(fields)) {
+            rows_.push_back(std::move(*row));
+            whole += csv_line(fields);
+        }
+    }
+    write_file(folder_ / "runs.csv", whole);  // without a last row that was cut off
+}
+
+bool ResultsFolder::has(const Cell& cell) const {
+    return std::ranges::any_of(rows_, [&](const RunRow& row) { return row.cell == cell; });
+}
+
+void ResultsFolder::append(const RunRow& row) {
+    std::ofstream stream(folder_ / "runs.csv", std::ios::binary | std::ios::app);
+    if (!(stream << csv_line(to_csv(row))).flush()) {
+        throw SweepError("cannot write `" + (folder_ / "runs.csv").string() + "`");
+    }
+    rows_.push_back(row);
+}
+
+void ResultsFolder::write_samples(const Cell& cell, const DeliveryAccount& account) const {
+    std::string text = csv_line(sample_columns());
+    for (const auto& messages : account.by_publisher()) {
+        for (const PublishedMessage& message : messages) {
+            const auto& acknowledged = message.acknowledged_at_s;
+            for (const Delivery& delivery : message.deliveries) {
+                const auto since_sent_ms = [&message](const std::optional<double>& at_s) {
+                    return at_s ? csv_number((*at_s - message.sent_at_s) * 1e3) : std::string{};
+                };
+                text +=
+                    csv_line({std::to_string(message.publisher), std::to_string(message.sequence),
+                              message.stream == Stream::group ? "group" : "one-to-one",
+                              std::to_string(message.qos), std::to_string(delivery.receiver),
+                              csv_number(message.sent_at_s), since_sent_ms(delivery.first_at_s),
+                              std::to_string(delivery.copies), since_sent_ms(acknowledged)});
+            }
+        }
+    }
+    write_file(folder_ / "samples" / (file_stem(cell) + ".csv"), text);
+}
+
+fs::path ResultsFolder::trace_file(const Cell& cell, const std::string& name) const {
+    return folder_ / "traces" / (file_stem(cell) + "-" + name + ".txt");
+}
+
+std::vector<Sample> read_samples(const fs::path& folder, const Cell& cell) {
+    const auto rows = parse_csv(read_file(folder / "samples" / (file_stem(cell) + ".csv")));
+    std::vector<Sample> samples;
+    if (rows.empty() || rows.front() != sample_columns()) return samples;
+    for (const CsvRow& fields : std::span{rows}.subspan(1)) {
+        if (fields.size() != sample_columns().size()) continue;
+        samples.push_back({.publisher = static_cast<RobotNumber>(std::stoul(fields[0])),
+                           .sequence = static_cast<std::uint32_t>(std::stoul(fields[1])),
+                           .stream = fields[2] == "group" ? Stream::group : Stream::one_to_one,
+                           .qos = static_cast<std::uint8_t>(std::stoul(fields[3])),
+                           .receiver = static_cast<RobotNumber>(std::stoul(fields[4])),
+                           .sent_s = parse_csv_number(fields[5]).value_or(0),
+                           .delay_ms = parse_csv_number(fields[6])});
+    }
+    return samples;
+}
+
+}  // namespace romano::experiments

@@ -1,0 +1,54 @@
+// The folder a sweep writes: runs.csv, samples/, traces/, manifest.json, report.html. It is also
+// the sweep's memory: rows that stand in runs.csv are done, and a sweep goes on behind them.
+#pragma once
+
+#include <filesystem>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "experiments/measure/delivery_account.h"
+#include "experiments/sweep/run_row.h"
+#include "experiments/sweep/sweep_file.h"
+
+namespace romano::experiments {
+
+class ResultsFolder {
+public:
+    /// Opens the folder, or makes it. With `fresh`, results of before are deleted. Throws
+    /// SweepError when they belong to another text of the sweep file, or the folder cannot be
+    /// written.
+    ResultsFolder(std::filesystem::path folder, const Sweep& sweep, bool fresh);
+
+    [[nodiscard]] const std::filesystem::path& path() const { return folder_; }
+    [[nodiscard]] const std::vector<RunRow>& rows() const { return rows_; }
+    [[nodiscard]] bool has(const Cell& cell) const;
+
+    void append(const RunRow& row);
+    /// Raw samples: one line a (message, receiver) pair.
+    void write_samples(const Cell& cell, const DeliveryAccount& account) const;
+    /// Where a broker's trace of this cell goes.
+    [[nodiscard]] std::filesystem::path trace_file(const Cell& cell, const std::string& name) const;
+
+private:
+    std::filesystem::path folder_;
+    std::vector<RunRow> rows_;
+};
+
+/// "cell-0012": samples and traces of a cell are named so.
+[[nodiscard]] std::string file_stem(const Cell& cell);
+
+/// The samples as written, for figures that need every message.
+struct Sample {
+    RobotNumber publisher;
+    std::uint32_t sequence;
+    Stream stream;
+    std::uint8_t qos;
+    RobotNumber receiver;
+    double sent_s;
+    std::optional<double> delay_ms;
+};
+[[nodiscard]] std::vector<Sample> read_samples(const std::filesystem::path& folder,
+                                               const Cell& cell);
+
+}  // namespace romano::experiments

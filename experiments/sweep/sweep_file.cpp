@@ -1,0 +1,376 @@
+#include "experiments/sweep/sweep_file.h"
+
+#include <toml++/toml.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <fstream>
+#include <functional>
+#include <initializer_list>
+#include <optional>
+#include <span>
+#include <sstream>
+
+namespace romano::experiments {
+namespace {
+
+using Seconds = std::chrono::duration<double>;
+
+constexpr std::array<std::pair<Pattern, std::string_view>, 3> pattern_names{{
+    {Pattern::swarm, "swarm"},
+    {Pattern::common, "common"},
+    {Pattern::commands, "commands"},
+}};
+
+constexpr std::array<std::string_view, 1> elector_names{"component"};
+constexpr std::array<std::string_view, 1> detector_names{"fixed"};
+
+std::string listed(std::span<const std::string_view> names) {
+    std::string text;
+    for (const std::string_view name : names) {
+        if (!text.empty()) text += ", ";
+        text += name;
+    }
+    return text;
+}
+
+/// The value as the file has it: 12, "kill", [1, 2].
+std::string as_written(const toml::node& node) {
+    std::ostringstream text;
+    if (node.is_table() || node.is_array_of_tables()) return "a table";
+    if (const auto word = node.value_exact<std::string>()) return '"' + *word + '"';
+    node.visit([&text](const auto& value) { text << value; });
+    return text.str();
+}
+
+std::string seconds_text(Seconds seconds) {
+    std::ostringstream text;
+    text << seconds.count() << " s";
+    return text.str();
+}
+
+/// Reads one table: every access names its key, so that the rest is unknown.
+class Table {
+public:
+    Table(const toml::table& table, const std::string& file, std::string section)
+        : table_(table), file_(file), section_(std::move(section)) {}
+
+    [[noreturn]] void refuse(const toml::node& node, const std::string& setting,
+                             const std::string& allowed) const {
+        throw SweepError(where(node.source()) + "`" + section_ + setting + " = " +
+                         as_written(node) + "`: " + allowed);
+    }
+
+    void allow_only(std::initializer_list<std::string_view> keys) const {
+        for (const auto& [key, node] : table_) {
+            if (std::ranges::find(keys, key.str()) != keys.end()) continue;
+            throw SweepError(where(key.source()) + "unknown setting `" + section_ +
+                             std::string{key.str()} + "`; known are " +
+                             listed({keys.begin(), keys.size()}));
+        }
+    }
+
+    [[nodiscard]] const toml::node* find(std::string_view key) const { return table_.get(key); }
+
+    std::int64_t integer(const std::string& key, std::int64_t fallback, std::int64_t low,
+                         std::int64_t high) const {
+        const toml::node* node = find(key);
+        return node == nullptr ? fallback : integer_in(*node, key, low, high);
+    }
+    std::int64_t integer_in(const toml::node& node, const std::string& key, std::int64_t low,
+                            std::int64_t high) const {
+        const auto value = node.value_exact<std::int64_t>();
+        if (!value || *value < low || *value > high) {
+            refuse(node, key,
+                   "a whole number from " + std::to_string(low) + " to " + std::to_string(high) +
+                       " is allowed");
+        }
+        return *value;
+    }
+    double number_in(const toml::node& node, const std::string& key, double low, double high,
+                     const char* allowed) const {
+        const auto value = node.value<double>();
+        if (!node.is_number() || !std::isfinite(*value) || *value < low || *value > high) {
+            refuse(node, key, allowed);
+        }
+        return *value;
+    }
+    Seconds seconds(const std::string& key, Seconds fallback) const {
+        const toml::node* node = find(key);
+        if (node == nullptr) return fallback;
+        return Seconds{number_in(*node, key, 0, 86400, "seconds from 0 to 86400 are allowed")};
+    }
+    std::string word(const std::string& key, const std::string& fallback) const {
+        const toml::node* node = find(key);
+        if (node == nullptr) return fallback;
+        const auto value = node->value_exact<std::string>();
+        if (!value || value->empty()) refuse(*node, key, "a text is allowed");
+        return *value;
+    }
+
+    /// Each value of an axis; a single value stands for a list of one.
+    template <typename Value>
+    std::vector<Value> axis(const std::string& key, Value fallback,
+                            const std::function<Value(const toml::node&)>& read) const {
+        const toml::node* node = find(key);
+        if (node == nullptr) return {fallback};
+        const toml::array* list = node->as_array();
+        if (list == nullptr) return {read(*node)};
+        if (list->empty()) refuse(*node, key, "at least one value is needed");
+        std::vector<Value> values;
+        for (const toml::node& item : *list) {
+            values.push_back(read(item));
+            if (std::ranges::count(values, values.back()) > 1) {
+                refuse(*node, key, "a value may stand there once");
+            }
+        }
+        return values;
+    }
+
+private:
+    [[nodiscard]] std::string where(const toml::source_region& source) const {
+        return file_ + ", line " + std::to_string(source.begin.line) + ": ";
+    }
+
+    const toml::table& table_;
+    const std::string& file_;
+    std::string section_;
+};
+
+struct Axes {
+    std::vector<std::uint32_t> brokers;
+    std::vector<std::uint32_t> robots;
+    std::vector<double> rate;
+    std::vector<std::uint32_t> payload;
+    std::vector<QosMix> qos;
+    std::vector<std::string> elector;
+    std::vector<std::string> detector;
+    std::vector<std::string> acks;
+    std::vector<Fault> fault;
+    std::vector<std::uint64_t> seed;
+};
+
+std::vector<std::uint32_t> counts(const Table& table, const std::string& key,
+                                  std::uint32_t fallback, std::uint32_t low, std::uint32_t high) {
+    return table.axis<std::uint32_t>(key, fallback, [&, low, high](const toml::node& node) {
+        return static_cast<std::uint32_t>(table.integer_in(node, key, low, high));
+    });
+}
+
+std::vector<std::string> words(const Table& table, const std::string& key,
+                               const std::string& fallback,
+                               std::span<const std::string_view> allowed) {
+    return table.axis<std::string>(key, fallback, [&table, &key, allowed](const toml::node& node) {
+        const auto word = node.value_exact<std::string>();
+        if (!word || std::ranges::find(allowed, *word) == allowed.end()) {
+            table.refuse(node, key, "allowed are " + listed(allowed));
+        }
+        return *word;
+    });
+}
+
+QosMix read_qos(const Table& table, const toml::node& node) {
+    std::optional<QosMix> mix;
+    if (const auto level = node.value_exact<std::int64_t>()) {
+        mix = parse_qos_mix(std::to_string(*level));
+    } else if (const auto text = node.value_exact<std::string>()) {
+        mix = parse_qos_mix(*text);
+    }
+    if (!mix) table.refuse(node, "qos", "allowed are 0, 1, 2 or a mix such as \"0+1+2\"");
+    return *mix;
+}
+
+std::string read_acks(const Table& table, const toml::node& node) {
+    if (node.value_exact<std::string>() == "all") return "all";
+    if (!node.is_integer())
+        table.refuse(node, "acks", "a number of peers from 0 to 31, or \"all\"");
+    return std::to_string(table.integer_in(node, "acks", 0, 31));
+}
+
+Axes read_axes(const Table& table) {
+    table.allow_only({"brokers", "robots", "rate", "payload", "qos", "elector", "detector", "acks",
+                      "fault", "seed"});
+    Axes axes;
+    axes.brokers = counts(table, "brokers", 1, 1, 32);
+    axes.robots = counts(table, "robots", 10, 1, 5000);
+    axes.rate = table.axis<double>("rate", 1, [&table](const toml::node& node) {
+        return table.number_in(node, "rate", 0.01, 100'000,
+                               "messages per second from 0.01 to 100000 are allowed");
+    });
+    // A message carries its publisher, number and time: 16 octets. One datagram holds the rest.
+    axes.payload = counts(table, "payload", 32, 16, 1400);
+    axes.qos = table.axis<QosMix>(
+        "qos", QosMix{{1}}, [&table](const toml::node& node) { return read_qos(table, node); });
+    axes.elector = words(table, "elector", "component", elector_names);
+    axes.detector = words(table, "detector", "fixed", detector_names);
+    axes.acks = table.axis<std::string>(
+        "acks", "1", [&table](const toml::node& node) { return read_acks(table, node); });
+    axes.fault = table.axis<Fault>("fault", Fault::none, [&table](const toml::node& node) {
+        const auto word = node.value_exact<std::string>();
+        const auto fault = fault_named(word.value_or(""));
+        if (!fault) {
+            table.refuse(node, "fault", "allowed are none, kill-leader, kill-home, pause");
+        }
+        return *fault;
+    });
+    axes.seed = table.axis<std::uint64_t>("seed", 1, [&table](const toml::node& node) {
+        return static_cast<std::uint64_t>(table.integer_in(node, "seed", 0, INT64_MAX));
+    });
+    return axes;
+}
+
+/// All combinations that make sense. With one broker there is nobody to take over: its faults are
+/// left out, and what only a cluster has does not vary.
+void append_cells(const Axes& axes, std::vector<Cell>& cells) {
+    std::vector<Cell> points{Cell{}};
+    const auto vary = [&points](const auto& values, const auto& set) {
+        std::vector<Cell> varied;
+        for (const Cell& point : points) {
+            for (const auto& value : values) set(varied.emplace_back(point), value);
+        }
+        points = std::move(varied);
+    };
+    vary(axes.seed, [](Cell& cell, std::uint64_t seed) { cell.seed = seed; });
+    vary(axes.robots, [](Cell& cell, std::uint32_t robots) { cell.robots = robots; });
+    vary(axes.rate, [](Cell& cell, double rate) { cell.rate_per_s = rate; });
+    vary(axes.payload, [](Cell& cell, std::uint32_t octets) { cell.payload_octets = octets; });
+    vary(axes.qos, [](Cell& cell, const QosMix& qos) { cell.qos = qos; });
+    vary(axes.brokers, [](Cell& cell, std::uint32_t brokers) { cell.brokers = brokers; });
+    vary(axes.elector, [](Cell& cell, const std::string& name) { cell.elector = name; });
+    vary(axes.detector, [](Cell& cell, const std::string& name) { cell.detector = name; });
+    vary(axes.acks, [](Cell& cell, const std::string& acks) { cell.acks = acks; });
+    vary(axes.fault, [](Cell& cell, Fault fault) { cell.fault = fault; });
+    for (Cell& point : points) {
+        if (point.brokers == 1) {
+            if (point.fault != Fault::none) continue;
+            point.elector = point.detector = point.acks = "";
+        }
+        if (std::ranges::count(cells, point) == 0) cells.push_back(point);
+    }
+}
+
+Pattern read_pattern(const Table& table) {
+    const std::string word = table.word("pattern", "swarm");
+    for (const auto& [pattern, name] : pattern_names) {
+        if (name == word) return pattern;
+    }
+    table.refuse(*table.find("pattern"), "pattern", "allowed are swarm, common, commands");
+}
+
+/// Two octets of a loopback network: "127.50".
+std::string read_network(const Table& table) {
+    const std::string network = table.word("network", "127.50");
+    int second = -1;
+    int used = 0;
+    const bool fine = std::sscanf(network.c_str(), "127.%3d%n", &second, &used) == 1 &&
+                      static_cast<std::size_t>(used) == network.size() && second >= 0 &&
+                      second <= 255;
+    if (!fine) {
+        table.refuse(*table.find("network"), "network",
+                     "the first two octets of a loopback network, 127.0 to 127.255, are allowed");
+    }
+    return network;
+}
+
+SweepSettings read_settings(const Table& table, const std::string& file_name) {
+    table.allow_only({"name", "pattern", "repetitions", "duration", "fault_after", "pause", "drain",
+                      "start_within", "retry", "group", "domain_base", "network", "port", "output",
+                      "axes"});
+    SweepSettings settings;
+    settings.name = table.word("name", std::filesystem::path{file_name}.stem().string());
+    if (settings.name.find('/') != std::string::npos) {
+        table.refuse(*table.find("name"), "name", "a name without / is allowed");
+    }
+    settings.pattern = read_pattern(table);
+    settings.repetitions = static_cast<std::uint32_t>(table.integer("repetitions", 1, 1, 1000));
+    settings.duration = table.seconds("duration", settings.duration);
+    settings.fault_after = table.seconds("fault_after", settings.fault_after);
+    settings.pause = table.seconds("pause", settings.pause);
+    settings.drain = table.seconds("drain", settings.drain);
+    settings.start_within = table.seconds("start_within", settings.start_within);
+    settings.retry = table.seconds("retry", settings.retry);
+    if (settings.retry < Seconds{0.05}) {
+        table.refuse(*table.find("retry"), "retry", "at least 0.05 seconds are allowed");
+    }
+    settings.group = static_cast<std::uint32_t>(table.integer("group", settings.group, 1, 5000));
+    // Cyclone DDS's ports are 7400 + 250 * domain: up to 65535.
+    settings.domain_base = static_cast<std::uint32_t>(
+        table.integer("domain_base", settings.domain_base, 0, 232 - domains_in_turn));
+    settings.network = read_network(table);
+    settings.port = static_cast<std::uint16_t>(table.integer("port", settings.port, 1, 65535));
+    settings.output = table.word("output", "results/" + settings.name);
+    return settings;
+}
+
+}  // namespace
+
+std::string_view name_of(Pattern pattern) {
+    for (const auto& [value, name] : pattern_names) {
+        if (value == pattern) return name;
+    }
+    return "?";
+}
+
+Sweep parse_sweep(std::string_view text, const std::string& file_name) {
+    toml::table document;
+    try {
+        document = toml::parse(text, file_name);
+    } catch (const toml::parse_error& error) {
+        throw SweepError(file_name + ", line " + std::to_string(error.source().begin.line) +
+                         ": no TOML: " + std::string{error.description()});
+    }
+    const Table table{document, file_name, ""};
+    Sweep sweep{
+        .settings = read_settings(table, file_name), .cells = {}, .text = std::string{text}};
+
+    std::vector<Cell> points;
+    const toml::node* axes = table.find("axes");
+    if (axes == nullptr) {
+        throw SweepError(file_name +
+                         ": no [axes]; at least `[axes]` with `brokers = [1]` is needed");
+    }
+    if (const toml::table* one = axes->as_table()) {
+        append_cells(read_axes({*one, file_name, "axes."}), points);
+    } else if (axes->is_array_of_tables()) {
+        for (const toml::node& each : *axes->as_array()) {
+            append_cells(read_axes({*each.as_table(), file_name, "axes."}), points);
+        }
+    } else {
+        table.refuse(*axes, "axes", "a table [axes], or several [[axes]], are allowed");
+    }
+
+    const SweepSettings& settings = sweep.settings;
+    const bool faults =
+        std::ranges::any_of(points, [](const Cell& cell) { return cell.fault != Fault::none; });
+    if (faults && settings.fault_after >= settings.duration) {
+        throw SweepError(file_name + ": fault_after (" + seconds_text(settings.fault_after) +
+                         ") must be less than duration (" + seconds_text(settings.duration) + ")");
+    }
+    for (std::uint32_t repetition = 1; repetition <= settings.repetitions; ++repetition) {
+        for (Cell cell : points) {
+            cell.number = static_cast<std::uint32_t>(sweep.cells.size() + 1);
+            cell.repetition = repetition;
+            sweep.cells.push_back(cell);
+        }
+    }
+    if (sweep.cells.empty()) {
+        throw SweepError(file_name + ": no cell to run: a fault needs at least 2 brokers");
+    }
+    return sweep;
+}
+
+Sweep read_sweep(const std::filesystem::path& file) {
+    std::ifstream stream(file);
+    std::ostringstream text;
+    if (std::filesystem::is_directory(file) || !stream || !(text << stream.rdbuf())) {
+        throw SweepError("cannot read the sweep file `" + file.string() + "`: " +
+                         (std::filesystem::is_directory(file)
+                              ? "it is a folder"
+                              : (std::filesystem::exists(file) ? "it is empty or not readable"
+                                                               : "no such file")));
+    }
+    return parse_sweep(text.str(), file.filename().string());
+}
+
+}  // namespace romano::experiments

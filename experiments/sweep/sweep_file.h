@@ -1,0 +1,61 @@
+// What a sweep file says: axes to vary, and the settings that all of its cells share. TOML; the
+// keys and their defaults are explained in experiments/README.md.
+//
+// Reading is strict: an unknown key, a wrong type or an impossible value is a SweepError, one
+// sentence that names the setting, the value and what is allowed. Nothing has started by then.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <filesystem>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "experiments/sweep/cell.h"
+
+namespace romano::experiments {
+
+struct SweepError : std::runtime_error {
+    using std::runtime_error::runtime_error;
+};
+
+/// Who publishes what to whom.
+enum class Pattern : std::uint8_t {
+    swarm,     // each robot: its messages go in turn to one other robot and to its group
+    common,    // the paper's delay experiment: one server publishes to `common`, all robots listen
+    commands,  // the paper's delivery experiment: one server publishes to each robot in turn
+};
+[[nodiscard]] std::string_view name_of(Pattern pattern);
+
+struct SweepSettings {
+    std::string name;
+    Pattern pattern = Pattern::swarm;
+    std::uint32_t repetitions = 1;
+    std::chrono::duration<double> duration{10};      // of the load
+    std::chrono::duration<double> fault_after{4};    // from the start of the load
+    std::chrono::duration<double> pause{2};          // SIGSTOP to SIGCONT
+    std::chrono::duration<double> drain{5};          // at most, for the last deliveries
+    std::chrono::duration<double> start_within{15};  // for all brokers to be in one view
+    std::chrono::duration<double> retry{1};          // the robots' Tretry
+    std::uint32_t group = 5;                         // robots that share a group topic
+    std::uint32_t domain_base = 40;                  // first DDS domain id
+    std::string network = "127.50";                  // brokers listen on <network>.<cell>.<broker>
+    std::uint16_t port = 11883;
+    std::filesystem::path output;
+};
+
+/// Cells take their DDS domain ids from this many, in turn.
+inline constexpr std::uint32_t domains_in_turn = 40;
+
+struct Sweep {
+    SweepSettings settings;
+    std::vector<Cell> cells;  // in order of their numbers: repetitions outermost
+    std::string text;         // the file, as read
+};
+
+[[nodiscard]] Sweep parse_sweep(std::string_view text, const std::string& file_name);
+[[nodiscard]] Sweep read_sweep(const std::filesystem::path& file);
+
+}  // namespace romano::experiments

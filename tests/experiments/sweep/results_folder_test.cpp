@@ -1,0 +1,107 @@
+// A results folder is the sweep's memory: what is done is not done again.
+
+#include "experiments/sweep/results_folder.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <fstream>
+
+namespace romano::experiments {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::HasSubstr;
+
+class ResultsFolders : public ::testing::Test {
+protected:
+    void SetUp() override {
+        folder_ = fs::temp_directory_path() / ("romano-results-" + std::to_string(::getpid()));
+        fs::remove_all(folder_);
+    }
+    void TearDown() override { fs::remove_all(folder_); }
+
+    RunRow row_of(const Cell& cell) const {
+        RunRow row;
+        row.cell = cell;
+        row.delivery_ratio = 1;
+        return row;
+    }
+
+    fs::path folder_;
+    Sweep sweep_ = parse_sweep("[axes]\nbrokers = [1, 2, 3]\n", "try.toml");
+};
+
+TEST_F(ResultsFolders, RememberTheCellsThatWereRun) {
+    {
+        ResultsFolder results{folder_, sweep_, false};
+        EXPECT_FALSE(results.has(sweep_.cells[0]));
+        results.append(row_of(sweep_.cells[0]));
+    }
+    const ResultsFolder again{folder_, sweep_, false};
+    EXPECT_TRUE(again.has(sweep_.cells[0]));
+    EXPECT_FALSE(again.has(sweep_.cells[1]));
+    EXPECT_EQ(again.rows().at(0).delivery_ratio, 1);
+}
+
+TEST_F(ResultsFolders, ForgetARowThatWasCutOff) {
+    {
+        ResultsFolder results{folder_, sweep_, false};
+        results.append(row_of(sweep_.cells[0]));
+    }
+    const std::string line = csv_line(to_csv(row_of(sweep_.cells[1])));
+    std::ofstream(folder_ / "runs.csv", std::ios::app) << line.substr(0, line.size() / 2);
+    {
+        ResultsFolder results{folder_, sweep_, false};
+        EXPECT_FALSE(results.has(sweep_.cells[1]));
+        results.append(row_of(sweep_.cells[1]));
+    }
+    EXPECT_EQ((ResultsFolder{folder_, sweep_, false}.rows().size()), 2u);
+}
+
+TEST_F(ResultsFolders, RefuseAChangedSweepFileUntilFresh) {
+    {
+        ResultsFolder results{folder_, sweep_, false};
+        results.append(row_of(sweep_.cells[0]));
+    }
+    const Sweep changed = parse_sweep("[axes]\nbrokers = [1, 2]\n", "try.toml");
+    try {
+        const ResultsFolder results{folder_, changed, false};
+        FAIL() << "accepted";
+    } catch (const SweepError& error) {
+        EXPECT_THAT(error.what(), HasSubstr("the sweep file has changed since"));
+        EXPECT_THAT(error.what(), HasSubstr("--fresh"));
+    }
+    EXPECT_TRUE((ResultsFolder{folder_, changed, true}.rows().empty()));
+}
+
+TEST_F(ResultsFolders, AFreshStartLeavesOtherFilesAlone) {
+    fs::create_directories(folder_);
+    std::ofstream(folder_ / "notes.txt") << "mine";
+    const ResultsFolder results{folder_, sweep_, true};
+    EXPECT_TRUE(fs::exists(folder_ / "notes.txt"));
+}
+
+TEST_F(ResultsFolders, KeepRawSamplesOnePerMessageAndReceiver) {
+    const ResultsFolder results{folder_, sweep_, false};
+    DeliveryAccount account;
+    const std::vector<RobotNumber> receivers = {0, 2};
+    account.on_published(1, Stream::group, 1, 0.5, receivers);
+    account.on_arrived(1, 0, 2, 0.75);
+    results.write_samples(sweep_.cells[0], account);
+    const auto samples = read_samples(folder_, sweep_.cells[0]);
+    ASSERT_EQ(samples.size(), 2u);
+    EXPECT_EQ(samples[0].receiver, 0u);
+    EXPECT_EQ(samples[0].delay_ms, std::nullopt);
+    EXPECT_EQ(samples[1].delay_ms, 250);
+    EXPECT_EQ(samples[1].stream, Stream::group);
+    EXPECT_EQ(samples[1].sent_s, 0.5);
+}
+
+TEST_F(ResultsFolders, ThatCannotBeMadeAreRefused) {
+    EXPECT_THROW((ResultsFolder{"/proc/nowhere", sweep_, false}), SweepError);
+}
+
+}  // namespace
+}  // namespace romano::experiments

@@ -1,0 +1,207 @@
+// What a sweep file may say, which cells come of it, and the sentence for everything else.
+
+#include "experiments/sweep/sweep_file.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+namespace romano::experiments {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::SizeIs;
+
+std::string refusal_of(std::string_view text) {
+    try {
+        (void)parse_sweep(text, "try.toml");
+    } catch (const SweepError& error) {
+        return error.what();
+    }
+    return "accepted";
+}
+
+TEST(SweepFile, NeedsNoMoreThanAxes) {
+    const Sweep sweep = parse_sweep("[axes]\n", "folder/small.toml");
+    EXPECT_EQ(sweep.settings.name, "small");
+    EXPECT_EQ(sweep.settings.output, "results/small");
+    ASSERT_THAT(sweep.cells, SizeIs(1));
+    EXPECT_EQ(sweep.cells[0].payload_octets, 32u);
+}
+
+TEST(SweepFile, ReadsEverySetting) {
+    const Sweep sweep = parse_sweep(R"(
+        name = "all"
+        pattern = "common"
+        repetitions = 2
+        duration = 7
+        fault_after = 2.5
+        pause = 1
+        drain = 3
+        start_within = 9
+        retry = 0.5
+        group = 4
+        domain_base = 100
+        network = "127.50"
+        port = 1884
+        output = "somewhere/else"
+        [axes]
+        brokers = 3
+        robots = [5, 10]
+        rate = 2.5
+        payload = 64
+        qos = [1, "0+1+2"]
+        acks = [0, "all"]
+        fault = "pause"
+        seed = 42
+    )",
+                                    "try.toml");
+    EXPECT_EQ(sweep.settings.pattern, Pattern::common);
+    EXPECT_EQ(sweep.settings.duration.count(), 7);
+    EXPECT_EQ(sweep.settings.port, 1884);
+    EXPECT_EQ(sweep.settings.output, "somewhere/else");
+    ASSERT_THAT(sweep.cells, SizeIs(16));
+    const Cell& last = sweep.cells.back();
+    EXPECT_EQ(last.number, 16u);
+    EXPECT_EQ(last.robots, 10u);
+    EXPECT_EQ(last.qos.text(), "0+1+2");
+    EXPECT_EQ(last.acks, "all");
+    EXPECT_EQ(last.fault, Fault::pause);
+    EXPECT_EQ(last.seed, 42u);
+    EXPECT_EQ(last.repetition, 2u);
+}
+
+TEST(Cells, AreAllCombinationsRepetitionsOutermost) {
+    const Sweep sweep =
+        parse_sweep("repetitions = 2\n[axes]\nbrokers = [2, 3]\nrobots = [5, 6]\n", "try.toml");
+    ASSERT_THAT(sweep.cells, SizeIs(8));
+    for (std::size_t i = 0; i < 8; ++i) {
+        EXPECT_EQ(sweep.cells[i].number, i + 1);
+        EXPECT_EQ(sweep.cells[i].repetition, i / 4 + 1);
+        EXPECT_EQ(sweep.cells[i].robots, i / 2 % 2 == 0 ? 5u : 6u);
+        EXPECT_EQ(sweep.cells[i].brokers, i % 2 == 0 ? 2u : 3u);
+    }
+}
+
+TEST(Cells, OfOneBrokerHaveNoFaultAndNothingOfACluster) {
+    const Sweep sweep = parse_sweep(
+        "[axes]\nbrokers = [1, 2]\nacks = [0, 1]\nfault = [\"none\", \"kill-leader\"]\n",
+        "try.toml");
+    ASSERT_THAT(sweep.cells, SizeIs(5));
+    EXPECT_EQ(sweep.cells[0].brokers, 1u);
+    EXPECT_EQ(sweep.cells[0].acks, "");
+    EXPECT_EQ(sweep.cells[1].brokers, 2u);
+    EXPECT_THAT(refusal_of("[axes]\nbrokers = 1\nfault = \"pause\"\n"),
+                HasSubstr("a fault needs at least 2 brokers"));
+}
+
+TEST(Cells, OfSeveralTablesAreTheirUnion) {
+    const Sweep sweep =
+        parse_sweep("[[axes]]\nbrokers = [1, 2]\n[[axes]]\nbrokers = [2, 3]\n", "try.toml");
+    ASSERT_THAT(sweep.cells, SizeIs(3));
+    EXPECT_EQ(sweep.cells[2].brokers, 3u);
+}
+
+TEST(QosMixes, GiveEachMessageItsLevelInTurn) {
+    const auto mix = parse_qos_mix("0+1+1+2");
+    ASSERT_TRUE(mix);
+    std::string levels;
+    for (std::uint32_t i = 0; i < 8; ++i) levels += std::to_string(mix->level(i));
+    EXPECT_EQ(levels, "01120112");
+    for (const char* wrong : {"", "3", "0+", "+1", "0,1", "0++1", "-1"}) {
+        EXPECT_FALSE(parse_qos_mix(wrong)) << wrong;
+    }
+}
+
+struct Refusal {
+    const char* text;
+    const char* sentence;
+};
+
+class Refusals : public ::testing::TestWithParam<Refusal> {};
+
+TEST_P(Refusals, NameSettingValueAndWhatIsAllowed) {
+    EXPECT_EQ(refusal_of(GetParam().text), GetParam().sentence);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    SweepFile, Refusals,
+    ::testing::Values(
+        Refusal{"durations = 3\n[axes]",
+                "try.toml, line 1: unknown setting `durations`; known are name, pattern, "
+                "repetitions, duration, fault_after, pause, drain, start_within, retry, group, "
+                "domain_base, network, port, output, axes"},
+        Refusal{"[axes]\nbroker = 3",
+                "try.toml, line 2: unknown setting `axes.broker`; known are brokers, robots, "
+                "rate, payload, qos, elector, detector, acks, fault, seed"},
+        Refusal{"[axes]\nbrokers = [1, 0]",
+                "try.toml, line 2: `axes.brokers = 0`: a whole number from 1 to 32 is allowed"},
+        Refusal{"[axes]\nbrokers = \"two\"",
+                "try.toml, line 2: `axes.brokers = \"two\"`: a whole number from 1 to 32 is "
+                "allowed"},
+        Refusal{"[axes]\nbrokers = []",
+                "try.toml, line 2: `axes.brokers = []`: at least one value is needed"},
+        Refusal{"[axes]\nbrokers = [2, 2]",
+                "try.toml, line 2: `axes.brokers = [ 2, 2 ]`: a value may stand there once"},
+        Refusal{"[axes]\nfault = \"kill\"",
+                "try.toml, line 2: `axes.fault = \"kill\"`: allowed are none, kill-leader, "
+                "kill-home, pause"},
+        Refusal{"[axes]\nqos = 3",
+                "try.toml, line 2: `axes.qos = 3`: allowed are 0, 1, 2 or a mix such as "
+                "\"0+1+2\""},
+        Refusal{"[axes]\npayload = 8",
+                "try.toml, line 2: `axes.payload = 8`: a whole number from 16 to 1400 is allowed"},
+        Refusal{"[axes]\nrate = 0",
+                "try.toml, line 2: `axes.rate = 0`: messages per second from 0.01 to 100000 are "
+                "allowed"},
+        Refusal{"[axes]\nelector = \"king\"",
+                "try.toml, line 2: `axes.elector = \"king\"`: allowed are component"},
+        Refusal{"[axes]\nacks = \"some\"",
+                "try.toml, line 2: `axes.acks = \"some\"`: a number of peers from 0 to 31, or "
+                "\"all\""},
+        Refusal{"duration = \"long\"\n[axes]",
+                "try.toml, line 1: `duration = \"long\"`: seconds from 0 to 86400 are allowed"},
+        Refusal{"pattern = \"mesh\"\n[axes]",
+                "try.toml, line 1: `pattern = \"mesh\"`: allowed are swarm, common, commands"},
+        Refusal{"network = \"10.0\"\n[axes]",
+                "try.toml, line 1: `network = \"10.0\"`: the first two octets of a loopback "
+                "network, 127.0 to 127.255, are allowed"},
+        Refusal{"duration = 3\n[axes]\nbrokers = 2\nfault = \"pause\"",
+                "try.toml: fault_after (4 s) must be less than duration (3 s)"},
+        Refusal{"name = \"x\"",
+                "try.toml: no [axes]; at least `[axes]` with `brokers = [1]` is needed"},
+        Refusal{"axes = 3",
+                "try.toml, line 1: `axes = 3`: a table [axes], or several [[axes]], are allowed"}));
+
+TEST(SweepFile, ThatIsNoTomlIsRefusedWithItsLine) {
+    EXPECT_THAT(refusal_of("name = \n"), HasSubstr("try.toml, line 1: no TOML: "));
+}
+
+TEST(SweepFile, ThatCannotBeReadIsRefusedByName) {
+    const auto refusal = [](const char* file) -> std::string {
+        try {
+            (void)read_sweep(file);
+        } catch (const SweepError& error) {
+            return error.what();
+        }
+        return "accepted";
+    };
+    EXPECT_EQ(refusal("/nowhere/at-all.toml"),
+              "cannot read the sweep file `/nowhere/at-all.toml`: no such file");
+    EXPECT_EQ(refusal("/tmp"), "cannot read the sweep file `/tmp`: it is a folder");
+}
+
+TEST(SweepFiles, OfThisRepositoryAreValid) {
+    int files = 0;
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(
+             std::string{ROMANO_SOURCE_DIR} + "/experiments")) {
+        if (entry.path().extension() != ".toml") continue;
+        ++files;
+        EXPECT_NO_THROW((void)read_sweep(entry.path())) << entry.path();
+    }
+    EXPECT_GT(files, 0);
+}
+
+}  // namespace
+}  // namespace romano::experiments
