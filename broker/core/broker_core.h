@@ -54,8 +54,12 @@ public:
 
     /// Becomes the home of the session: appends SessionPut, queues the `missed` messages that match
     /// its subscriptions, in order, and sends again what was in flight (PUBLISH with DUP). An own
-    /// session of the same client id with a higher (epoch, last_heard) stays, and the image is
-    /// dropped: returns false.
+    /// session of the same client id that outranks() the image stays, and the image is dropped:
+    /// returns false.
+    ///
+    /// `missed`: what this broker has worked through and the image's `worked_through` has not, of
+    /// all logs, the own one included. The other way round needs nothing: what the image is ahead
+    /// of is skipped for this session when it comes here.
     bool adopt(Instant now, SessionImage image, std::span<const MessagePtr> missed, Actions& out);
 
     /// Stops being the home: appends SessionErased and forgets, publishing no will. Empty when

@@ -20,8 +20,9 @@ enum class Drop : std::uint8_t {
     retries_exhausted,  // the client did not answer
     refused_by_client,  // the client answered with a return code other than 0
     encapsulation,      // a forwarder's frame that holds none or a nested one
+    no_room,            // a table was full: answered by "congestion" where there is an answer
 };
-inline constexpr std::size_t drop_kinds = 10;
+inline constexpr std::size_t drop_kinds = 11;
 
 struct Counters {
     std::array<std::uint64_t, 256> received_by_type{};  // by MsgType

@@ -33,6 +33,7 @@ struct BrokerOptions {
     Duration advertise_every{std::chrono::minutes{15}};  // 0: never
     Duration t_retry{mqttsn::default_t_retry};
     int n_retry = mqttsn::default_n_retry;
+    Duration t_wait{mqttsn::default_t_wait};  // after a client's "congestion"
     double keep_alive_tolerance = 1.5;
     Duration clean_session_kept_for{std::chrono::minutes{10}};  // after disconnection; see G11
     std::map<mqttsn::TopicId, std::string> predefined_topics;

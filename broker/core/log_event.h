@@ -19,9 +19,11 @@ namespace romano::broker {
 struct SessionPut {
     SessionImage image;
 };
-/// Address, state, keep-alive or epoch changed; the lists did not.
+/// Address, state, keep-alive or epoch changed; the lists did not, except as `forgets_topics` says.
 struct SessionChanged {
     SessionHeader header;
+    /// A kept session was connected anew: no topic id counts as known to the client any more (G14).
+    bool forgets_topics = false;
 };
 /// The session is gone for good, or was handed to another home.
 struct SessionErased {
@@ -61,7 +63,8 @@ struct Published {
     std::vector<Route> routes;  // the writer's own sessions (QoS 1 and 2 only)
 };
 /// The writer worked on a peer's message (or a retained one): queued for these of its sessions.
-/// Implies Cursor at that position when the message is of a peer's log.
+/// Implies Cursor at that position when the message is of a peer's log and a live one: the routes
+/// of a retained message that a new subscription asked for have `retain` set and imply nothing.
 struct Routed {
     LogPosition message;
     std::vector<Route> routes;

@@ -74,8 +74,9 @@ struct SessionHeader {
     bool clean = true;
     std::uint16_t keep_alive_s = 0;
     std::uint16_t sleep_s = 0;
-    std::uint64_t epoch = 1;  // counts the homes at which the client was heard
-    HybridTime last_heard;    // not replicated per datagram: as of the last event
+    std::uint64_t epoch = 1;   // counts the homes at which the client was heard
+    bool provisional = false;  // adopted, and the client was not heard at this home yet
+    HybridTime last_heard;     // a mirror's is as of the last event, not of the last datagram
     friend bool operator==(const SessionHeader&, const SessionHeader&) = default;
 };
 
@@ -86,6 +87,17 @@ struct SessionImage {
     std::vector<TopicBinding> topics;
     std::vector<Delivery> deliveries;       // in order; the first may be in flight
     std::vector<mqttsn::MsgId> unreleased;  // QoS 2 msgIds received, PUBREL not yet seen
+    /// How far the home had worked through each log, its own included, sorted by log: what was
+    /// published up to there is in `deliveries`, done, or was not for this session.
+    std::vector<LogPosition> worked_through;
 };
+
+/// Which of two copies of one session counts when brokers meet: the higher epoch, then one whose
+/// client was heard at its home, then the one that was heard later.
+[[nodiscard]] inline bool outranks(const SessionHeader& a, const SessionHeader& b) {
+    if (a.epoch != b.epoch) return a.epoch > b.epoch;
+    if (a.provisional != b.provisional) return b.provisional;
+    return a.last_heard > b.last_heard;
+}
 
 }  // namespace romano::broker
