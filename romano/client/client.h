@@ -1,0 +1,279 @@
+// An MQTT-SN 1.2 client without a socket, a clock, a heap or exceptions.
+//
+//   client::Client<> robot{{.t_retry = 2s}, seed};
+//   client::OutputFor<> out;
+//   robot.connect(now, {.client_id = "robot-7"}, out);
+//   robot.subscribe(now, topic_name("commands/#"), Qos::exactly_once, out);
+//   robot.publish(now, topic_name("pose"), as_octets("x=1"), {.qos = Qos::at_least_once}, out);
+//
+// After each call the owner sends out.datagrams() to the broker and handles out.events()
+// (events.h); it calls on_datagram() with what comes from the broker's address, and on_tick() at
+// next_wakeup().
+//
+// It connects with or without a will, registers names by itself before it publishes on them,
+// publishes and receives at every QoS (QoS 2 exactly once), repeats what is not answered (Tretry,
+// Nretry), registers anew after PUBACK 2, pauses for T_WAIT after "congestion", keeps the session
+// alive, answers the broker's pings and sleeps. Operations may be asked for at any time, also
+// before CONNACK: they wait in a bounded queue and go out one after the other, as the specification
+// wants. It does not choose a gateway (discovery.h) nor connect again by itself after Lost.
+//
+// The exchanges have a file each: connection.cpp (6.2, 6.12), registering.cpp (6.5),
+// publishing.cpp (6.6, 6.8), subscribing.cpp (6.9), receiving.cpp (6.10), keep_alive.cpp (6.11),
+// sleeping.cpp (6.14), will_update.cpp (6.4).
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string_view>
+
+#include "romano/base/bytes.h"
+#include "romano/base/random.h"
+#include "romano/base/result.h"
+#include "romano/base/time.h"
+#include "romano/client/events.h"
+#include "romano/client/limits.h"
+#include "romano/client/operations.h"
+#include "romano/client/retry_timer.h"
+#include "romano/client/topic_table.h"
+#include "romano/mqttsn/frame.h"
+#include "romano/mqttsn/messages.h"
+#include "romano/mqttsn/types.h"
+
+namespace romano::client {
+
+/// Section 7.2.
+struct Timing {
+    Duration t_retry{mqttsn::default_t_retry};
+    Duration t_wait{mqttsn::default_t_wait};
+    int n_retry = mqttsn::default_n_retry;
+};
+
+/// The views must stay valid until another connect().
+struct Will {
+    std::string_view topic;
+    Bytes message;
+    mqttsn::Qos qos = mqttsn::Qos::at_most_once;
+    bool retain = false;
+};
+struct ConnectOptions {
+    std::string_view client_id;
+    bool clean_session = true;
+    std::chrono::seconds keep_alive{60};  // 0: no supervision; at most 65535
+    std::optional<Will> will = std::nullopt;
+};
+
+struct PublishOptions {
+    mqttsn::Qos qos = mqttsn::Qos::at_most_once;
+    bool retain = false;
+};
+
+/// The ways to name a topic. The octets of a short name are one or two.
+constexpr mqttsn::TopicRef topic_name(std::string_view name) {
+    return {mqttsn::TopicIdType::normal, name, mqttsn::no_topic_id};
+}
+constexpr mqttsn::TopicRef short_topic(std::string_view name) {
+    return {mqttsn::TopicIdType::short_name, name, mqttsn::no_topic_id};
+}
+constexpr mqttsn::TopicRef predefined_topic(mqttsn::TopicId id) {
+    return {mqttsn::TopicIdType::predefined, {}, id};
+}
+
+/// Why an operation was not begun.
+enum class Refusal : std::uint8_t {
+    queue_full,     // too much waits for the broker already
+    too_long,       // no datagram of this client holds it
+    invalid_topic,  // empty, a short name over two octets, or a plain name at QoS -1
+    not_connected,  // QoS 0 is not kept for a later connection
+};
+
+enum class State : std::uint8_t {
+    disconnected,  // never connected, refused, said so, or lost
+    connecting,
+    connected,
+    disconnecting,
+    falling_asleep,
+    asleep,
+    awake,  // asleep, and collecting its messages
+};
+
+class ClientCore {
+public:
+    ClientCore(const ClientCore&) = delete;
+    ClientCore& operator=(const ClientCore&) = delete;
+
+    /// Begins a connection; from any state. With a clean session the known topic ids are forgotten.
+    /// Ends in Connected, Refused or Lost.
+    void connect(Instant now, const ConnectOptions& options, Output& out);
+
+    /// Ends in Disconnected, also when nobody answers. Waiting operations are kept.
+    void disconnect(Instant now, Output& out);
+
+    /// Tells the broker to keep messages; ends in Asleep. From then on the client collects them by
+    /// itself within each `duration`. connect() without clean session ends the sleep.
+    void sleep(Instant now, std::chrono::seconds duration, Output& out);
+
+    /// Collects now what the broker keeps for the sleeper; ends in Asleep.
+    void wake(Instant now, Output& out);
+
+    /// QoS -1 needs a short or predefined topic, and no connection. QoS 0 leaves at once when the
+    /// topic's id is known. Ends in Published or Failed.
+    Result<OperationId, Refusal> publish(Instant now, const mqttsn::TopicRef& topic, Bytes data,
+                                         const PublishOptions& options, Output& out);
+
+    /// Ends in Subscribed or Failed.
+    Result<OperationId, Refusal> subscribe(Instant now, const mqttsn::TopicRef& topic,
+                                           mqttsn::Qos qos, Output& out);
+
+    /// Ends in Unsubscribed.
+    Result<OperationId, Refusal> unsubscribe(Instant now, const mqttsn::TopicRef& topic,
+                                             Output& out);
+
+    /// publish() does this by itself; of use to know a topic's id early. Ends in Registered or
+    /// Failed.
+    Result<OperationId, Refusal> register_name(Instant now, std::string_view name, Output& out);
+
+    /// Replaces the will's topic, QoS and Retain; an empty topic deletes the will. Ends in
+    /// WillUpdated or Failed, as does the next.
+    Result<OperationId, Refusal> update_will_topic(Instant now, std::string_view topic,
+                                                   const PublishOptions& options, Output& out);
+    Result<OperationId, Refusal> update_will_message(Instant now, Bytes message, Output& out);
+
+    /// Whatever came from the broker's address. What is no message, or none that a client receives
+    /// in this state, is dropped and counted.
+    void on_datagram(Instant now, Bytes datagram, Output& out);
+
+    /// Early or repeated ticks are harmless.
+    void on_tick(Instant now, Output& out);
+
+    /// `never` when nothing is due; may be in the past.
+    [[nodiscard]] Instant next_wakeup() const;
+
+    [[nodiscard]] State state() const { return state_; }
+    [[nodiscard]] bool is_connected() const { return state_ == State::connected; }
+    /// True when no operation waits for the broker.
+    [[nodiscard]] bool is_idle() const { return operations_.empty(); }
+    [[nodiscard]] std::uint32_t dropped() const { return dropped_; }
+
+protected:
+    struct Storage {
+        MutableBytes queue;
+        std::span<TopicTable::Entry> topics;
+        std::span<char> names;
+        std::span<mqttsn::MsgId> unreleased;
+        std::size_t datagram_octets;
+    };
+    ClientCore(const Storage& storage, const Timing& timing, std::uint64_t seed);
+    ~ClientCore() = default;
+
+private:
+    enum class ConnectStep : std::uint8_t { connect, will_topic, will_message };
+
+    // connection.cpp
+    void send_connect_step(Output& out);
+    void send_disconnect(Output& out);
+    void on_connack(Instant now, const mqttsn::Connack& message, Output& out);
+    void on_will_prompt(Instant now, ConnectStep step, Output& out);
+    void on_disconnect(Instant now, Output& out);
+    void become_lost(Output& out);
+
+    // registering.cpp
+    void begin_register(Instant now, Operation operation, Output& out);
+    void send_register(const Operation& operation, Output& out);
+    void on_regack(Instant now, const mqttsn::Regack& message, Output& out);
+    void on_register(const mqttsn::Register& message, Output& out);
+
+    // publishing.cpp
+    [[nodiscard]] std::optional<mqttsn::TopicId> wire_topic(const mqttsn::TopicRef& topic) const;
+    [[nodiscard]] bool leaves_at_once(Instant now, mqttsn::Qos qos) const;
+    void begin_publish(Instant now, Operation operation, Output& out);
+    void send_publish(const Operation& operation, mqttsn::TopicId topic, bool dup, Output& out);
+    void send_pubrel(const Operation& operation, Output& out);
+    void on_puback(Instant now, const mqttsn::Puback& message, Output& out);
+    void on_pubrec(Instant now, const mqttsn::Pubrec& message, Output& out);
+    void on_pubcomp(Instant now, const mqttsn::Pubcomp& message, Output& out);
+
+    // subscribing.cpp
+    void begin_subscribe(Instant now, Operation operation, Output& out);
+    void send_subscribe(const Operation& operation, bool dup, Output& out);
+    void on_suback(Instant now, const mqttsn::Suback& message, Output& out);
+    void on_unsuback(Instant now, const mqttsn::Unsuback& message, Output& out);
+
+    // will_update.cpp
+    void send_will_update(const Operation& operation, Output& out);
+    void on_will_response(Instant now, Operation::Kind kind, mqttsn::ReturnCode code, Output& out);
+
+    // receiving.cpp
+    void on_publish(Bytes body, const mqttsn::Publish& message, Output& out);
+    [[nodiscard]] bool is_new(mqttsn::MsgId msg_id);
+    void on_pubrel(const mqttsn::Pubrel& message, Output& out);
+
+    // keep_alive.cpp
+    void on_answer(Instant now);
+    void on_pingresp(Instant now, Output& out);
+    void tick_keep_alive(Instant now, Output& out);
+
+    // sleeping.cpp
+    void begin_collecting(Instant now, Output& out);
+    void fall_asleep(Instant now, Output& out);
+
+    // operations in their turn: client.cpp
+    void dispatch(Instant now, const mqttsn::Frame& frame, Output& out);
+    Result<OperationId, Refusal> enqueue(Instant now, Operation operation, std::string_view name,
+                                         Bytes data, Output& out);
+    void carry_on(Instant now, Output& out);
+    void begin_front(Instant now, Output& out);
+    void send_front_again(Output& out);
+    void await_answer(Instant now, const Operation& operation);
+    [[nodiscard]] std::optional<Operation> awaited(Operation::Kind kind, Operation::Stage stage,
+                                                   mqttsn::MsgId msg_id) const;
+    [[nodiscard]] mqttsn::TopicRef front_topic(const Operation& operation) const;
+    void finish_front(Instant now, const Event& event, Output& out);
+    void refuse_front(Instant now, Operation operation, mqttsn::ReturnCode code, Output& out);
+    void pause(Instant now, Output& out);
+    [[nodiscard]] mqttsn::MsgId next_msg_id();
+    template <typename M>
+    void send(const M& message, Output& out);
+
+    Timing timing_;
+    ConnectOptions options_;
+    TopicTable topics_;
+    OperationQueue operations_;
+    std::span<mqttsn::MsgId> unreleased_;  // QoS 2 received, oldest first; PUBREL has not come
+    std::size_t unreleased_count_ = 0;
+    std::size_t datagram_octets_;
+
+    State state_ = State::disconnected;
+    ConnectStep connect_step_ = ConnectStep::connect;
+    bool unfinished_ = false;        // the last Output was too small for all that could be sent
+    std::uint16_t queued_qos0_ = 0;  // while one waits, later ones wait behind it
+    std::uint16_t sleep_duration_s_ = 0;
+    std::uint16_t last_msg_id_;
+    std::uint16_t last_operation_ = 0;
+    std::uint32_t dropped_ = 0;
+
+    RetryTimer exchange_;  // of connecting, of the front operation, of collecting...
+    RetryTimer ping_;      // of a keep-alive PINGREQ, beside the exchange
+    Instant ping_due_ = never;
+    Instant collect_due_ = never;            // asleep: the next PINGREQ with client id
+    Instant paused_until_ = Instant::min();  // T_WAIT after "congestion"
+};
+
+/// A client with its storage. It stays where it was made.
+template <typename Limits = HostLimits>
+class Client final : public ClientCore {
+public:
+    explicit Client(const Timing& timing = {}, std::uint64_t seed = 0)
+        : ClientCore({queue_, topics_, names_, unreleased_, Limits::datagram_octets}, timing,
+                     seed) {}
+
+private:
+    std::uint8_t queue_[Limits::queue_octets];
+    TopicTable::Entry topics_[Limits::topics];
+    char names_[Limits::name_octets];
+    mqttsn::MsgId unreleased_[Limits::unreleased];
+};
+
+}  // namespace romano::client
