@@ -6,23 +6,13 @@
 #pragma once
 
 #include <functional>
-#include <optional>
 
-#include "overlay/cluster/messages.h"
+#include "overlay/cluster/envelope.h"
 
 namespace romano::overlay {
 
-/// A received message with its sender, a broker's log (name and incarnation).
-struct Envelope {
-    broker::LogId from;
-    cluster::ClusterMessage message;
-};
-
-/// A message to send: to one broker, or to all others.
-struct Outgoing {
-    std::optional<broker::BrokerId> to;  // empty: broadcast
-    cluster::ClusterMessage message;
-};
+using cluster::Envelope;
+using cluster::Outgoing;
 
 class Transport {
 public:

@@ -49,12 +49,15 @@ struct Beacon {
     std::uint64_t tick = 0;  // counts the sender's beacons
     View view;
     election::Claim claim;
+    std::vector<BrokerId> hears;       // whose beacons reach the sender: a link counts both ways
     std::vector<LogPosition> applied;  // how far the sender applied each peer's log
     std::vector<Endpoint>
         home_addresses;             // the service addresses that are the sender's by configuration
     std::vector<Endpoint> serving;  // the service addresses that it answers on now
     std::uint32_t sessions = 0;
     std::uint32_t connected = 0;
+    std::uint64_t transport_octets_sent = 0;  // between brokers, since the start
+    std::uint64_t transport_octets_received = 0;
     bool leaving = false;  // the last beacon of an orderly stop
 };
 
@@ -115,9 +118,11 @@ struct ViewAnnouncement {
 // --- joining and healing
 // --------------------------------------------------------------------------
 
-/// "Send me all that is yours; I continue your log from there."
+/// "I hold your log up to `after`: send the rest (LogTail), or where you do not have it any more,
+/// and to a newcomer (after 0), all that is yours (SnapshotPart); I continue your log from there."
 struct SnapshotRequest {
     LogId log;
+    Seq after = 0;
 };
 /// A part of a snapshot of the sender's own state as of `as_of`; parts come in order.
 struct SnapshotPart {
@@ -143,22 +148,35 @@ struct AddressBound {
     Endpoint address;
     bool bound = false;
 };
-/// Holder to owner: the sessions, all at once or in parts; with `last`, the address is the owner's
-/// alone.
+/// Holder to owner: the sessions, in parts; with `last`, the owner adopts them and speaks for them.
+/// The holder keeps its copies, silent, until HandoffAck, so that a crash in between loses nothing.
 struct SessionHandoff {
     Endpoint address;  // family none: roaming, one session
     bool last = false;
     std::vector<broker::SessionImage> sessions;
+    std::vector<LogPosition>
+        cursors;  // each log's publishes up to here are in the sessions' queues
+};
+/// Owner to holder: the sessions stand in my log and are held by peers; forget yours.
+struct HandoffAck {
+    Endpoint address;
+    broker::ClientId client_id;  // roaming only
 };
 /// "A client of yours talks to me now: hand its session over."
 struct SessionRequest {
     broker::ClientId client_id;
 };
+/// After a heal two brokers may be home to one client: "this is my copy". A receiver whose own copy
+/// is outranked hands it over; another one answers with its own claim.
+struct SessionClaim {
+    broker::SessionHeader header;
+};
 
 using ClusterMessage =
     std::variant<Beacon, LogBatch, LogAck, ForwardBatch, ElectionMessage, ViewProposal,
                  ViewHoldings, TailRequest, LogTail, ViewAnnouncement, SnapshotRequest,
-                 SnapshotPart, AddressOffer, AddressBound, SessionHandoff, SessionRequest>;
+                 SnapshotPart, AddressOffer, AddressBound, SessionHandoff, SessionRequest,
+                 HandoffAck, SessionClaim>;
 
 /// How a message travels.
 enum class Delivery : std::uint8_t {

@@ -9,6 +9,7 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <variant>
 #include <vector>
 
 #include "broker/core/broker_core.h"
@@ -67,6 +68,9 @@ public:
     void on_address(Instant now, const Endpoint& address, bool served, MemberActions& out);
     void on_tick(Instant now, MemberActions& out);
     [[nodiscard]] Instant next_wakeup() const;
+
+    /// What the transport has carried so far: told to people in $SYS/brokers/<name>.
+    void on_transport_octets(std::uint64_t sent, std::uint64_t received);
 
     /// An orderly stop: the last beacon; the peers take over at once.
     void leave(Instant now, MemberActions& out);
