@@ -38,7 +38,7 @@
 #include "romano/client/operations.h"
 #include "romano/client/retry_timer.h"
 #include "romano/client/topic_table.h"
-#include "romano/mqttsn/frame.h"
+#include "romano/mqttsn/codec.h"
 #include "romano/mqttsn/messages.h"
 #include "romano/mqttsn/types.h"
 
@@ -172,12 +172,15 @@ private:
     enum class ConnectStep : std::uint8_t { connect, will_topic, will_message };
 
     // connection.cpp
+    void begin_connect_step(Instant now, ConnectStep step, Output& out);
     void send_connect_step(Output& out);
-    void send_disconnect(Output& out);
-    void on_connack(Instant now, const mqttsn::Connack& message, Output& out);
     void on_will_prompt(Instant now, ConnectStep step, Output& out);
+    void on_connack(Instant now, const mqttsn::Connack& message, Output& out);
+    void send_disconnect(Output& out);
     void on_disconnect(Instant now, Output& out);
-    void become_lost(Output& out);
+    void become_disconnected(const Event& why, Output& out);
+    void stop_timers();
+    [[nodiscard]] std::uint16_t keep_alive_s() const;
 
     // registering.cpp
     void begin_register(Instant now, Operation operation, Output& out);
@@ -186,12 +189,13 @@ private:
     void on_register(const mqttsn::Register& message, Output& out);
 
     // publishing.cpp
-    [[nodiscard]] std::optional<mqttsn::TopicId> wire_topic(const mqttsn::TopicRef& topic) const;
     [[nodiscard]] bool leaves_at_once(Instant now, mqttsn::Qos qos) const;
+    [[nodiscard]] std::optional<mqttsn::TopicId> publish_topic_id(
+        const mqttsn::TopicRef& topic) const;
     void begin_publish(Instant now, Operation operation, Output& out);
-    void send_publish(const Operation& operation, mqttsn::TopicId topic, bool dup, Output& out);
-    void send_pubrel(const Operation& operation, Output& out);
+    static void send_publish(const Operation& operation, Bytes data, bool dup, Output& out);
     void on_puback(Instant now, const mqttsn::Puback& message, Output& out);
+    void on_puback_of_qos0(Instant now, const mqttsn::Puback& message, Output& out);
     void on_pubrec(Instant now, const mqttsn::Pubrec& message, Output& out);
     void on_pubcomp(Instant now, const mqttsn::Pubcomp& message, Output& out);
 
@@ -202,40 +206,66 @@ private:
     void on_unsuback(Instant now, const mqttsn::Unsuback& message, Output& out);
 
     // will_update.cpp
+    void begin_will_update(Instant now, Operation operation, Output& out);
     void send_will_update(const Operation& operation, Output& out);
     void on_will_response(Instant now, Operation::Kind kind, mqttsn::ReturnCode code, Output& out);
 
     // receiving.cpp
     void on_publish(Bytes body, const mqttsn::Publish& message, Output& out);
-    [[nodiscard]] bool is_new(mqttsn::MsgId msg_id);
+    static void answer_publish(const mqttsn::Publish& message, mqttsn::ReturnCode code,
+                               Output& out);
+    [[nodiscard]] bool remember_unreleased(mqttsn::MsgId msg_id);
+    void forget_unreleased(mqttsn::MsgId msg_id);
     void on_pubrel(const mqttsn::Pubrel& message, Output& out);
+    [[nodiscard]] bool is_receiving() const;
 
     // keep_alive.cpp
     void on_answer(Instant now);
-    void on_pingresp(Instant now, Output& out);
+    [[nodiscard]] static Duration before_end_of(std::uint16_t period_s);
     void tick_keep_alive(Instant now, Output& out);
+    void on_pingreq(Output& out);
+    void on_pingresp(Instant now, Output& out);
 
     // sleeping.cpp
     void begin_collecting(Instant now, Output& out);
+    void send_collect(Output& out);
     void fall_asleep(Instant now, Output& out);
 
-    // operations in their turn: client.cpp
+    // client.cpp
     void dispatch(Instant now, const mqttsn::Frame& frame, Output& out);
-    Result<OperationId, Refusal> enqueue(Instant now, Operation operation, std::string_view name,
-                                         Bytes data, Output& out);
+    void drop() { ++dropped_; }
+    void repeat_request(Output& out);
+    void give_up(Instant now, Output& out);
+    template <typename M>
+    static void send(const M& message, Output& out) {
+        out.send(mqttsn::encode(message, out.room()));
+    }
+
+    // operation_turns.cpp: the operations one after the other
+    Result<OperationId, Refusal> request(Instant now, Operation operation,
+                                         const mqttsn::TopicRef& topic, Bytes data, Output& out);
+    Result<OperationId, Refusal> enqueue(Instant now, const Operation& operation,
+                                         std::string_view name, Bytes data, Output& out);
     void carry_on(Instant now, Output& out);
     void begin_front(Instant now, Output& out);
     void send_front_again(Output& out);
-    void await_answer(Instant now, const Operation& operation);
-    [[nodiscard]] std::optional<Operation> awaited(Operation::Kind kind, Operation::Stage stage,
-                                                   mqttsn::MsgId msg_id) const;
-    [[nodiscard]] mqttsn::TopicRef front_topic(const Operation& operation) const;
-    void finish_front(Instant now, const Event& event, Output& out);
-    void refuse_front(Instant now, Operation operation, mqttsn::ReturnCode code, Output& out);
+    void resume_front(Instant now, Output& out);
+    void await_answer(Instant now, Operation operation, Operation::Stage stage);
+    [[nodiscard]] bool is_awaited(Operation::Stage stage, mqttsn::MsgId msg_id) const;
+    [[nodiscard]] bool is_awaited(Operation::Kind kind, Operation::Stage stage,
+                                  mqttsn::MsgId msg_id) const;
+    [[nodiscard]] mqttsn::TopicRef front_topic() const;
+    void postpone_front(Operation operation);
+    void finish_front(const Event& event, Output& out);
+    void refuse_front(Instant now, mqttsn::ReturnCode code, Output& out);
     void pause(Instant now, Output& out);
+    [[nodiscard]] bool is_paused(Instant now) const { return now < paused_until_; }
+    [[nodiscard]] static bool is_qos0(const Operation& operation);
+    [[nodiscard]] OperationId next_operation();
     [[nodiscard]] mqttsn::MsgId next_msg_id();
-    template <typename M>
-    void send(const M& message, Output& out);
+
+    /// What the long form of PUBLISH has around its data; other messages have less.
+    static constexpr std::size_t largest_overhead = 9;
 
     Timing timing_;
     ConnectOptions options_;

@@ -24,6 +24,9 @@ public:
         return true;
     }
 
+    /// A sign of life that is no answer: the wait begins anew, the repetitions do not.
+    void put_off(Instant now, Duration t_retry) { deadline_ = now + t_retry; }
+
     [[nodiscard]] bool is_running() const { return deadline_ != never; }
     [[nodiscard]] bool is_due(Instant now) const { return deadline_ <= now; }
     [[nodiscard]] Instant deadline() const { return deadline_; }

@@ -46,6 +46,9 @@ inline constexpr TopicId no_topic_id{0x0000};        // reserved, section 5.3.11
 inline constexpr TopicId reserved_topic_id{0xFFFF};  // reserved, section 5.3.11
 inline constexpr MsgId no_msg_id{0};
 
+/// False for the two reserved ids: never assigned, never accepted in a PUBLISH.
+constexpr bool is_assignable(TopicId id) { return id != no_topic_id && id != reserved_topic_id; }
+
 /// How a topic is named in a message; section 5.3.4. The reserved value 0b11 decodes, so that a
 /// broker can refuse it with a return code.
 enum class TopicIdType : std::uint8_t { normal = 0, predefined = 1, short_name = 2, reserved = 3 };

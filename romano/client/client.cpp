@@ -1,0 +1,147 @@
+// Input to its exchange, and the operations in their turn. The exchanges themselves: see client.h.
+#include "romano/client/client.h"
+
+#include <algorithm>
+
+#include "romano/mqttsn/decode.h"
+
+namespace romano::client {
+
+using mqttsn::MsgType;
+using mqttsn::TopicIdType;
+
+ClientCore::ClientCore(const Storage& storage, const Timing& timing, std::uint64_t seed)
+    : timing_(timing),
+      topics_(storage.topics, storage.names),
+      operations_(storage.queue),
+      unreleased_(storage.unreleased),
+      datagram_octets_(storage.datagram_octets),
+      // A kept session may remember message ids of this client's earlier life; a random start makes
+      // it unlikely to meet them.
+      last_msg_id_(static_cast<std::uint16_t>(Random{seed}.next())) {}
+
+void ClientCore::on_datagram(Instant now, Bytes datagram, Output& out) {
+    out.clear();
+    const auto frame = mqttsn::decode_frame(datagram);
+    if (!frame) return drop();
+    // Whatever comes while awake shows that the broker is not done yet (6.14d).
+    if (state_ == State::awake) exchange_.put_off(now, timing_.t_retry);
+    dispatch(now, *frame, out);
+}
+
+void ClientCore::dispatch(Instant now, const mqttsn::Frame& frame, Output& out) {
+    const Bytes body = frame.body;
+    switch (frame.type) {
+        case MsgType::connack:
+            if (const auto m = mqttsn::decode_connack(body)) return on_connack(now, *m, out);
+            break;
+        case MsgType::willtopicreq:
+            if (body.empty()) return on_will_prompt(now, ConnectStep::will_topic, out);
+            break;
+        case MsgType::willmsgreq:
+            if (body.empty()) return on_will_prompt(now, ConnectStep::will_message, out);
+            break;
+        case MsgType::register_:
+            if (const auto m = mqttsn::decode_register(body)) return on_register(*m, out);
+            break;
+        case MsgType::regack:
+            if (const auto m = mqttsn::decode_regack(body)) return on_regack(now, *m, out);
+            break;
+        case MsgType::publish:
+            if (const auto m = mqttsn::decode_publish(body)) return on_publish(body, *m, out);
+            break;
+        case MsgType::puback:
+            if (const auto m = mqttsn::decode_puback(body)) return on_puback(now, *m, out);
+            break;
+        case MsgType::pubrec:
+            if (const auto m = mqttsn::decode_pubrec(body)) return on_pubrec(now, *m, out);
+            break;
+        case MsgType::pubrel:
+            if (const auto m = mqttsn::decode_pubrel(body)) return on_pubrel(*m, out);
+            break;
+        case MsgType::pubcomp:
+            if (const auto m = mqttsn::decode_pubcomp(body)) return on_pubcomp(now, *m, out);
+            break;
+        case MsgType::suback:
+            if (const auto m = mqttsn::decode_suback(body)) return on_suback(now, *m, out);
+            break;
+        case MsgType::unsuback:
+            if (const auto m = mqttsn::decode_unsuback(body)) return on_unsuback(now, *m, out);
+            break;
+        case MsgType::pingreq:
+            return on_pingreq(out);
+        case MsgType::pingresp:
+            if (body.empty()) return on_pingresp(now, out);
+            break;
+        case MsgType::disconnect:
+            if (mqttsn::decode_disconnect(body)) return on_disconnect(now, out);
+            break;
+        case MsgType::willtopicresp:
+            if (const auto m = mqttsn::decode_willtopicresp(body)) {
+                return on_will_response(now, Operation::Kind::will_topic, m->return_code, out);
+            }
+            break;
+        case MsgType::willmsgresp:
+            if (const auto m = mqttsn::decode_willmsgresp(body)) {
+                return on_will_response(now, Operation::Kind::will_message, m->return_code, out);
+            }
+            break;
+        default:  // what only brokers receive, discovery, reserved types
+            break;
+    }
+    drop();
+}
+
+void ClientCore::on_tick(Instant now, Output& out) {
+    out.clear();
+    if (exchange_.is_due(now)) {
+        if (exchange_.repeat(now, timing_.t_retry)) {
+            repeat_request(out);
+        } else {
+            give_up(now, out);
+        }
+    }
+    if (collect_due_ <= now) begin_collecting(now, out);
+    tick_keep_alive(now, out);
+    carry_on(now, out);
+}
+
+Instant ClientCore::next_wakeup() const {
+    if (unfinished_) return Instant::min();
+    Instant next = std::min({exchange_.deadline(), ping_.deadline(), ping_due_, collect_due_});
+    const bool waits_for_pause =
+        state_ == State::connected && !exchange_.is_running() && !operations_.empty();
+    if (waits_for_pause) next = std::min(next, paused_until_);
+    return next;
+}
+
+void ClientCore::repeat_request(Output& out) {
+    switch (state_) {
+        case State::connecting:
+            return send_connect_step(out);
+        case State::disconnecting:
+        case State::falling_asleep:
+            return send_disconnect(out);
+        case State::awake:
+            return send_collect(out);
+        case State::connected:
+            return send_front_again(out);
+        case State::disconnected:
+        case State::asleep:
+            return;
+    }
+}
+
+/// Nretry repetitions were not answered (6.13).
+void ClientCore::give_up(Instant now, Output& out) {
+    switch (state_) {
+        case State::awake:
+            return fall_asleep(now, out);
+        case State::disconnecting:
+            return become_disconnected(Disconnected{.by_broker = false}, out);
+        default:
+            return become_disconnected(Lost{}, out);
+    }
+}
+
+}  // namespace romano::client

@@ -1,0 +1,112 @@
+// MQTT-SN 1.2 sections 6.2 (connect, with the will's prompts), 6.3 (clean session) and 6.12.
+#include <algorithm>
+
+#include "romano/client/client.h"
+
+namespace romano::client {
+
+void ClientCore::connect(Instant now, const ConnectOptions& options, Output& out) {
+    out.clear();
+    options_ = options;
+    state_ = State::connecting;
+    stop_timers();
+    begin_connect_step(now, ConnectStep::connect, out);
+}
+
+void ClientCore::begin_connect_step(Instant now, ConnectStep step, Output& out) {
+    connect_step_ = step;
+    exchange_.start(now, timing_.t_retry, timing_.n_retry);
+    send_connect_step(out);
+}
+
+void ClientCore::send_connect_step(Output& out) {
+    switch (connect_step_) {
+        case ConnectStep::connect:
+            return send(mqttsn::Connect{.will = options_.will.has_value(),
+                                        .clean_session = options_.clean_session,
+                                        .protocol_id = mqttsn::protocol_id,
+                                        .duration_s = keep_alive_s(),
+                                        .client_id = options_.client_id},
+                        out);
+        case ConnectStep::will_topic:
+            return send(
+                mqttsn::Willtopic{options_.will->qos, options_.will->retain, options_.will->topic},
+                out);
+        case ConnectStep::will_message:
+            return send(mqttsn::Willmsg{options_.will->message}, out);
+    }
+}
+
+/// A prompt may come twice, as every message; the answer is given again (6.2d).
+void ClientCore::on_will_prompt(Instant now, ConnectStep step, Output& out) {
+    if (state_ != State::connecting || !options_.will) return drop();
+    begin_connect_step(now, step, out);
+}
+
+void ClientCore::on_connack(Instant now, const mqttsn::Connack& message, Output& out) {
+    if (state_ != State::connecting) return drop();
+    if (message.return_code != mqttsn::ReturnCode::accepted) {
+        return become_disconnected(Refused{message.return_code}, out);
+    }
+    exchange_.stop();
+    state_ = State::connected;
+    on_answer(now);
+    out.tell(Connected{});
+    if (options_.clean_session) {
+        topics_.clear();
+        unreleased_count_ = 0;
+    }
+    resume_front(now, out);
+    carry_on(now, out);
+}
+
+void ClientCore::disconnect(Instant now, Output& out) {
+    out.clear();
+    if (state_ == State::disconnected) return;
+    state_ = State::disconnecting;
+    stop_timers();
+    send_disconnect(out);
+    exchange_.start(now, timing_.t_retry, timing_.n_retry);
+}
+
+/// With a duration when it is the beginning of a sleep.
+void ClientCore::send_disconnect(Output& out) {
+    const bool sleeps = state_ == State::falling_asleep;
+    send(mqttsn::Disconnect{sleeps, sleeps ? sleep_duration_s_ : std::uint16_t{0}}, out);
+}
+
+void ClientCore::on_disconnect(Instant now, Output& out) {
+    switch (state_) {
+        case State::disconnected:
+        case State::connecting:  // meant for a datagram before CONNECT (G8)
+            return drop();
+        case State::falling_asleep:
+            return fall_asleep(now, out);
+        case State::disconnecting:
+            return become_disconnected(Disconnected{.by_broker = false}, out);
+        case State::connected:
+        case State::asleep:
+        case State::awake:
+            return become_disconnected(Disconnected{.by_broker = true}, out);
+    }
+}
+
+void ClientCore::become_disconnected(const Event& why, Output& out) {
+    state_ = State::disconnected;
+    stop_timers();
+    out.tell(why);
+}
+
+void ClientCore::stop_timers() {
+    exchange_.stop();
+    ping_.stop();
+    ping_due_ = never;
+    collect_due_ = never;
+}
+
+std::uint16_t ClientCore::keep_alive_s() const {
+    const auto seconds = std::clamp<std::int64_t>(options_.keep_alive.count(), 0, 0xFFFF);
+    return static_cast<std::uint16_t>(seconds);
+}
+
+}  // namespace romano::client

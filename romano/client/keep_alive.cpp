@@ -1,0 +1,44 @@
+// MQTT-SN 1.2 section 6.11: keep-alive, both ways.
+//
+// A PINGREQ is due when nothing was answered for three quarters of the keep-alive period; the last
+// quarter is left for its repetitions. An answered request of another kind tells both sides as much
+// as a ping; datagrams that nobody answers tell the client nothing.
+#include "romano/client/client.h"
+
+namespace romano::client {
+
+void ClientCore::on_answer(Instant now) {
+    ping_due_ = options_.keep_alive.count() == 0 ? never : now + before_end_of(keep_alive_s());
+}
+
+/// Three quarters of a period.
+Duration ClientCore::before_end_of(std::uint16_t period_s) {
+    return std::chrono::milliseconds{period_s * std::int64_t{750}};
+}
+
+void ClientCore::tick_keep_alive(Instant now, Output& out) {
+    if (state_ != State::connected) return;
+    if (ping_.is_due(now)) {
+        if (!ping_.repeat(now, timing_.t_retry)) return become_disconnected(Lost{}, out);
+        send(mqttsn::Pingreq{}, out);
+    } else if (ping_due_ <= now && !ping_.is_running()) {
+        ping_.start(now, timing_.t_retry, timing_.n_retry);
+        ping_due_ = never;
+        send(mqttsn::Pingreq{}, out);
+    }
+}
+
+void ClientCore::on_pingresp(Instant now, Output& out) {
+    if (state_ == State::awake) return fall_asleep(now, out);
+    if (state_ != State::connected) return drop();
+    ping_.stop();
+    on_answer(now);
+}
+
+/// The broker asks whether we live.
+void ClientCore::on_pingreq(Output& out) {
+    if (!is_receiving()) return drop();
+    send(mqttsn::Pingresp{}, out);
+}
+
+}  // namespace romano::client
