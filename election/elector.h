@@ -80,13 +80,13 @@ public:
 };
 
 struct ElectorOptions {
-    Rank self;
-    Duration detection_time{};   // the detector's; sets the scale of time-outs
-    std::vector<NodeId> voters;  // raft only
+    Rank self{};
+    Duration detection_time{};     // the detector's; sets the scale of time-outs
+    std::vector<NodeId> voters{};  // raft only
     std::uint64_t seed = 0;
 };
 
-/// By name: "component". Null for an unknown name.
+/// By name (see elector_names()). Null for an unknown one.
 [[nodiscard]] std::unique_ptr<Elector> make_elector(std::string_view name,
                                                     const ElectorOptions& options);
 /// The names that make_elector knows, for messages and help.

@@ -37,7 +37,7 @@ struct DetectorOptions {
     Duration timeout{};  // fixed: silence after which a node is suspected
 };
 
-/// By name: "fixed". Null for an unknown name.
+/// By name (see detector_names()). Null for an unknown one.
 [[nodiscard]] std::unique_ptr<FailureDetector> make_detector(std::string_view name,
                                                              const DetectorOptions& options);
 [[nodiscard]] std::span<const std::string_view> detector_names();

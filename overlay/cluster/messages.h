@@ -154,8 +154,6 @@ struct SessionHandoff {
     Endpoint address;  // family none: roaming, one session
     bool last = false;
     std::vector<broker::SessionImage> sessions;
-    std::vector<LogPosition>
-        cursors;  // each log's publishes up to here are in the sessions' queues
 };
 /// Owner to holder: the sessions stand in my log and are held by peers; forget yours.
 struct HandoffAck {
