@@ -87,10 +87,16 @@ struct ViewProposal {
     View view;
     std::vector<LogId> removed;
 };
+/// A service address of a removed broker, as the sender's mirror of its log tells.
+struct LeftAddress {
+    LogId log;
+    Endpoint address;
+};
 /// The last event that the sender holds of each removed log.
 struct ViewHoldings {
     ViewNumber number;
     std::vector<LogPosition> holds;
+    std::vector<LeftAddress> addresses;  // the leader itself may be too new to know
 };
 /// Leader to the member that holds most: send the tail of that log to those that lack it.
 struct TailRequest {
