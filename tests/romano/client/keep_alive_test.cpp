@@ -1,0 +1,108 @@
+// MQTT-SN 1.2 section 6.11: keep-alive.
+
+#include <gtest/gtest.h>
+
+#include "tests/romano/client/exchange.h"
+#include "tests/romano/client/sequence_chart.h"
+
+namespace romano::client {
+namespace {
+
+using namespace mqttsn;
+using namespace std::chrono_literals;
+using enum ReturnCode;
+
+const ConnectOptions every_60_s{.client_id = "c", .keep_alive = 60s};
+
+TEST(KeepAlive, PingsWithinEachPeriod) {
+    SequenceChart chart;
+    chart.connect(every_60_s);
+    for (int period = 0; period < 3; ++period) {
+        chart.after(44s);
+        chart.is_silent();
+        chart.after(1s);
+        chart.sends(Pingreq{});
+        chart.gets(Pingresp{});
+    }
+}
+
+TEST(KeepAlive, RepeatsAPingThatIsNotAnswered) {
+    SequenceChart chart;
+    chart.connect(every_60_s);
+    chart.after(45s);
+    chart.sends(Pingreq{});
+    chart.after(Tretry);
+    chart.sends(Pingreq{});
+    chart.gets(Pingresp{});
+    chart.after(44s);
+}
+
+TEST(KeepAlive, LosesTheBrokerAfterNretryPings) {  // 6.13a
+    SequenceChart chart;
+    chart.connect(every_60_s);
+    chart.after(45s);
+    for (int sent = 0; sent < 1 + Nretry; ++sent) {
+        chart.sends(Pingreq{});
+        chart.after(Tretry);
+    }
+    chart.tells("lost");
+    EXPECT_EQ(chart.client().next_wakeup(), never);
+}
+
+TEST(KeepAlive, TakesAnyAnsweredRequestForAPing) {
+    SequenceChart chart;
+    chart.connect(every_60_s);
+    chart.after(40s);
+    chart.publish(short_topic("ab"), "x", qos1);
+    chart.sends(Publish{false, qos1, false, TopicIdType::short_name, TopicId{0x6162}, MsgId{1},
+                        as_octets("x")});
+    chart.gets(Puback{TopicId{0x6162}, MsgId{1}, accepted});
+    chart.tells("published 1");
+    chart.after(44s);
+    chart.is_silent();
+    chart.after(1s);
+    chart.sends(Pingreq{});
+}
+
+TEST(KeepAlive, PingsAlthoughMessagesAtQos0AreSentThatNobodyAnswers) {
+    SequenceChart chart;
+    chart.connect(every_60_s);
+    chart.after(40s);
+    chart.publish(short_topic("ab"), "x", qos0);
+    chart.sends(Publish{false, qos0, false, TopicIdType::short_name, TopicId{0x6162}, no_msg_id,
+                        as_octets("x")});
+    chart.tells("published 1");
+    chart.after(5s);
+    chart.sends(Pingreq{});
+}
+
+TEST(KeepAlive, PingsBesideAnOutstandingExchange) {
+    SequenceChart chart({.t_retry = 20s, .n_retry = 9});
+    chart.connect(every_60_s);
+    chart.after(40s);
+    chart.publish(short_topic("ab"), "x", qos1);
+    const Publish message{false,           qos1,     false,         TopicIdType::short_name,
+                          TopicId{0x6162}, MsgId{1}, as_octets("x")};
+    chart.sends(message);
+    chart.after(5s);
+    chart.sends(Pingreq{});
+    chart.gets(Pingresp{});
+    chart.after(15s);
+    chart.sends(again(message));
+}
+
+TEST(KeepAlive, OfZeroNeverPings) {
+    SequenceChart chart;
+    chart.connect({.client_id = "c", .keep_alive = 0s});
+    EXPECT_EQ(chart.client().next_wakeup(), never);
+}
+
+TEST(KeepAlive, AnswersTheBrokersPing) {  // 6.11b
+    SequenceChart chart;
+    chart.connect(every_60_s);
+    chart.gets(Pingreq{});
+    chart.sends(Pingresp{});
+}
+
+}  // namespace
+}  // namespace romano::client

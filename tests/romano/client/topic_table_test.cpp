@@ -1,0 +1,62 @@
+#include "romano/client/topic_table.h"
+
+#include <gtest/gtest.h>
+
+namespace romano::client {
+namespace {
+
+using mqttsn::TopicId;
+
+class TopicTableTest : public testing::Test {
+protected:
+    TopicTable::Entry entries_[3];
+    char names_[10];
+    TopicTable table{entries_, names_};
+};
+
+TEST_F(TopicTableTest, FindsByNameAndById) {
+    EXPECT_TRUE(table.put(TopicId{1}, "a/b"));
+    EXPECT_TRUE(table.put(TopicId{2}, "c"));
+    EXPECT_EQ(table.id_of("a/b"), TopicId{1});
+    EXPECT_EQ(table.id_of("c"), TopicId{2});
+    EXPECT_EQ(table.id_of("a"), std::nullopt);
+    EXPECT_EQ(table.name_of(TopicId{2}), "c");
+    EXPECT_EQ(table.name_of(TopicId{3}), "");
+}
+
+TEST_F(TopicTableTest, GivesAKnownIdANewName) {
+    EXPECT_TRUE(table.put(TopicId{1}, "abc"));
+    EXPECT_TRUE(table.put(TopicId{2}, "d"));
+    EXPECT_TRUE(table.put(TopicId{1}, "012345678"));
+    EXPECT_EQ(table.name_of(TopicId{1}), "012345678");
+    EXPECT_EQ(table.name_of(TopicId{2}), "d");
+    EXPECT_EQ(table.id_of("abc"), std::nullopt);
+}
+
+TEST_F(TopicTableTest, RefusesAndChangesNothingWhenFull) {  // P8
+    EXPECT_TRUE(table.put(TopicId{1}, "abc"));
+    EXPECT_TRUE(table.put(TopicId{2}, "def"));
+    EXPECT_FALSE(table.put(TopicId{3}, "12345"));
+    EXPECT_FALSE(table.put(TopicId{1}, "12345678"));
+    EXPECT_EQ(table.name_of(TopicId{1}), "abc");
+    EXPECT_TRUE(table.put(TopicId{3}, "1234"));
+    EXPECT_FALSE(table.has_room_for("x"));
+    EXPECT_FALSE(table.put(TopicId{4}, "x"));
+    EXPECT_TRUE(table.put(TopicId{3}, "1234"));
+}
+
+TEST_F(TopicTableTest, ForgetsFromTheMiddle) {
+    EXPECT_TRUE(table.put(TopicId{1}, "abc"));
+    EXPECT_TRUE(table.put(TopicId{2}, "de"));
+    EXPECT_TRUE(table.put(TopicId{3}, "f"));
+    table.forget(TopicId{2});
+    table.forget(TopicId{9});
+    EXPECT_EQ(table.name_of(TopicId{1}), "abc");
+    EXPECT_EQ(table.name_of(TopicId{2}), "");
+    EXPECT_EQ(table.name_of(TopicId{3}), "f");
+    EXPECT_TRUE(table.put(TopicId{4}, "012345"));
+    EXPECT_EQ(table.name_of(TopicId{4}), "012345");
+}
+
+}  // namespace
+}  // namespace romano::client
