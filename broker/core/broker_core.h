@@ -76,7 +76,14 @@ public:
     /// Sets a retained message of the broker itself under $SYS; neither logged nor forwarded.
     void set_system_topic(Instant now, std::string_view topic, Bytes payload, Actions& out);
 
-    [[nodiscard]] std::vector<MessagePtr> retained() const;  // by topic; not $SYS
+    /// While set, whatever would have to be promised is answered by "congestion": CONNECT,
+    /// SUBSCRIBE, PUBLISH of QoS 1 and 2.
+    void set_congested(bool congested);
+
+    /// By topic; not $SYS. A deleted one is an empty payload.
+    [[nodiscard]] std::vector<MessagePtr> retained() const;
+    /// The retained message that was published there, or null.
+    [[nodiscard]] MessagePtr retained_at(const LogPosition& position) const;
     /// A peer's retained message from a snapshot: kept when later than ours, not delivered.
     void put_retained(const MessagePtr& message);
 

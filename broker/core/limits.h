@@ -15,6 +15,7 @@ namespace romano::broker {
 
 struct Limits {
     std::size_t sessions = 20'000;
+    std::size_t connecting = 1'000;  // clients in the middle of their will prompts
     std::size_t subscriptions_per_session = 1'000;
     std::size_t topics_per_session = 20'000;
     std::size_t queued_per_session = 1'000;  // QoS 1/2 waiting, and everything for a sleeper
@@ -22,7 +23,8 @@ struct Limits {
     std::size_t client_id_octets = 64;  // section 5.3.1 says 23; see G20
     std::size_t payload_octets = 65'498;
     std::size_t unreleased_per_session = 64;          // QoS 2 publishes whose PUBREL is outstanding
-    std::uint32_t stranger_answers_per_second = 100;  // DISCONNECT to one unknown address
+    std::uint32_t stranger_answers_per_second = 100;  // DISCONNECT to one unknown address, and
+                                                      // GWINFO to one that searches
 };
 
 struct BrokerOptions {

@@ -1,0 +1,106 @@
+#include "broker/core/adoption.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "broker/core/session_deadline.h"
+#include "broker/core/session_image_of.h"
+#include "romano/mqttsn/topic.h"
+
+namespace romano::broker {
+
+using mqttsn::Qos;
+
+bool Adoption::adopt(SessionImage image, std::span<const MessagePtr> missed, Turn& turn) {
+    tables_.clock.observe(image.header.last_heard);
+    Session* session = tables_.sessions.find(image.header.client_id);
+    if (session != nullptr) {
+        if (outranks(session->header, image.header)) return false;
+        tables_.sessions.come_back(*session);
+        tables_.sessions.unmap(*session);
+        lifecycle_.wipe(*session);
+    } else {
+        session = &tables_.sessions.create(image.header.client_id);
+    }
+    restore(*session, image, turn);
+    queue_missed(*session, missed);
+    tables_.log.append(turn.out, [&] { return SessionPut{bare_image_of(*session)}; });
+    schedule(tables_, *session);
+    deliveries_.go_on(*session, turn);
+    return true;
+}
+
+void Adoption::restore(Session& session, SessionImage& image, Turn& turn) {
+    image.header.provisional = true;
+    const ClientAddress address = image.header.address;
+    SessionHeader& header = session.header;
+    // The client id stays where it is: tables hold views of it.
+    header.via = image.header.via;
+    header.address = address;
+    header.state = image.header.state;
+    header.clean = image.header.clean;
+    header.keep_alive_s = image.header.keep_alive_s;
+    header.sleep_s = image.header.sleep_s;
+    header.epoch = image.header.epoch;
+    header.provisional = true;
+    header.last_heard = image.header.last_heard;
+
+    session.will = std::move(image.will);
+    session.subscriptions = std::move(image.subscriptions);
+    session.topics.restore(image.topics);
+    session.unreleased = std::move(image.unreleased);
+    for (Delivery& delivery : image.deliveries) {
+        if (delivery.msg_id != mqttsn::no_msg_id) {
+            session.last_msg_id = static_cast<std::uint16_t>(delivery.msg_id);
+        }
+        if (delivery.message) session.queue.push(std::move(delivery));
+    }
+    if (session.last_msg_id == 0) {
+        // The last msg id of the old home is not known: far from it is safe enough.
+        session.last_msg_id = static_cast<std::uint16_t>(tables_.random.below(0xFFFF));
+    }
+    for (const LogPosition& position : image.worked_through) {
+        const bool is_own = position.log == tables_.log.id();
+        const Seq ours = is_own ? tables_.log.last() : tables_.cursors.at(position.log);
+        if (position.seq > ours) session.worked_ahead.push_back(position);
+    }
+    subscriptions_.enter_all(session);
+
+    session.heard_at = turn.now;  // keep-alive and sleep timers start again
+    session.probe_at = never;
+    session.fresh = session.fresh_will = false;
+    if (!session.is_connected()) {
+        tables_.sessions.depart(session, turn.now);
+    } else if (address.endpoint.family != Endpoint::Family::none) {
+        lifecycle_.move(session, address, turn);
+    }
+}
+
+void Adoption::queue_missed(Session& session, std::span<const MessagePtr> missed) {
+    if (!session.keeps_messages()) return;
+    for (const MessagePtr& message : missed) {
+        const Qos qos = std::min(message->qos, granted_to(session, *message));
+        if (qos == Qos::at_most_once || !deliveries_.make_room(session)) continue;
+        session.queue.push({.position = message->position, .message = message, .qos = qos});
+    }
+}
+
+Qos Adoption::granted_to(const Session& session, const Message& message) const {
+    Qos most = Qos::at_most_once;
+    for (const Subscription& subscription : session.subscriptions) {
+        if (subscription.granted > most && mqttsn::matches(subscription.filter, message.topic)) {
+            most = subscription.granted;
+        }
+    }
+    return most;
+}
+
+std::optional<SessionImage> Adoption::release(std::string_view client_id, Actions& out) {
+    Session* session = tables_.sessions.find(client_id);
+    if (session == nullptr) return std::nullopt;
+    SessionImage image = image_of(*session, tables_);
+    lifecycle_.erase(*session, out);
+    return image;
+}
+
+}  // namespace romano::broker

@@ -1,0 +1,40 @@
+// Sessions that come from another home and go to one (design: hand-off, take-over).
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string_view>
+
+#include "broker/core/delivery_flow.h"
+#include "broker/core/lifecycle.h"
+#include "broker/core/subscriptions.h"
+#include "broker/core/tables.h"
+
+namespace romano::broker {
+
+class Adoption {
+public:
+    Adoption(Tables& tables, DeliveryFlow& deliveries, Lifecycle& lifecycle,
+             Subscriptions& subscriptions)
+        : tables_(tables),
+          deliveries_(deliveries),
+          lifecycle_(lifecycle),
+          subscriptions_(subscriptions) {}
+
+    /// See BrokerCore::adopt.
+    bool adopt(SessionImage image, std::span<const MessagePtr> missed, Turn& turn);
+    /// See BrokerCore::release.
+    std::optional<SessionImage> release(std::string_view client_id, Actions& out);
+
+private:
+    void restore(Session& session, SessionImage& image, Turn& turn);
+    void queue_missed(Session& session, std::span<const MessagePtr> missed);
+    [[nodiscard]] mqttsn::Qos granted_to(const Session& session, const Message& message) const;
+
+    Tables& tables_;
+    DeliveryFlow& deliveries_;
+    Lifecycle& lifecycle_;
+    Subscriptions& subscriptions_;
+};
+
+}  // namespace romano::broker

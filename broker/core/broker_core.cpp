@@ -1,0 +1,418 @@
+#include "broker/core/broker_core.h"
+
+#include <algorithm>
+#include <cassert>
+#include <utility>
+#include <variant>
+
+#include "broker/core/adoption.h"
+#include "broker/core/connect_flow.h"
+#include "broker/core/delivery_flow.h"
+#include "broker/core/discovery.h"
+#include "broker/core/invariants.h"
+#include "broker/core/lifecycle.h"
+#include "broker/core/liveness.h"
+#include "broker/core/outbox.h"
+#include "broker/core/publish_flow.h"
+#include "broker/core/router.h"
+#include "broker/core/session_image_of.h"
+#include "broker/core/stranger_limit.h"
+#include "broker/core/subscribe_flow.h"
+#include "broker/core/subscriptions.h"
+#include "broker/core/tables.h"
+#include "romano/mqttsn/codec.h"
+
+namespace romano::broker {
+
+using mqttsn::MsgType;
+
+/// The procedures, composed; and the way of a datagram to the one that it belongs to.
+class BrokerCore::State {
+public:
+    State(const BrokerOptions& options, std::uint64_t seed)
+        : tables(options, seed), strangers_(options.limits.stranger_answers_per_second) {}
+
+    void on_datagram(const Origin& origin, Bytes datagram, bool wrapped, Turn& turn);
+    void on_tick(Turn& turn);
+    [[nodiscard]] Instant next_wakeup() const;
+
+    Tables tables;
+    Outbox outbox{tables};
+    Subscriptions subscriptions{tables};
+    DeliveryFlow deliveries{tables, outbox, subscriptions};
+    Router router{tables, outbox, deliveries};
+    Lifecycle lifecycle{tables, router, subscriptions};
+    Adoption adoption{tables, deliveries, lifecycle, subscriptions};
+
+private:
+    void on_encapsulated(const Origin& origin, const mqttsn::Encapsulated& frame, Turn& turn);
+    void on_session_message(const Origin& origin, const mqttsn::Message& message, Turn& turn);
+    /// The session that a datagram belongs to, mapped to where it came from; or null.
+    Session* session_of(const Origin& origin, const mqttsn::Message& message, Turn& turn);
+    void handle(Session& session, const mqttsn::Message& message, Turn& turn);
+    void on_stranger(const Origin& origin, MsgType type, Turn& turn);
+
+    PublishFlow publish_flow_{tables, outbox, router};
+    SubscribeFlow subscribe_flow_{tables, outbox, router, subscriptions};
+    ConnectFlow connect_flow_{tables, outbox, deliveries, lifecycle};
+    Liveness liveness_{tables, outbox, deliveries, lifecycle};
+    Discovery discovery_{tables, outbox};
+    StrangerLimit strangers_;
+};
+
+namespace {
+
+/// Messages that only brokers send.
+bool is_from_a_broker(MsgType type) {
+    switch (type) {
+        case MsgType::connack:
+        case MsgType::willtopicreq:
+        case MsgType::willmsgreq:
+        case MsgType::suback:
+        case MsgType::unsuback:
+        case MsgType::willtopicresp:
+        case MsgType::willmsgresp:
+            return true;
+        default:
+            return false;
+    }
+}
+
+/// Requests, which a stranger is told about; answers to nothing are not (G8).
+bool is_request(MsgType type) {
+    switch (type) {
+        case MsgType::publish:
+        case MsgType::pubrel:
+        case MsgType::subscribe:
+        case MsgType::unsubscribe:
+        case MsgType::register_:
+        case MsgType::pingreq:
+        case MsgType::willtopicupd:
+        case MsgType::willmsgupd:
+        case MsgType::disconnect:
+            return true;
+        default:
+            return false;
+    }
+}
+
+bool is_connectionless(const mqttsn::Message& message) {
+    const auto* publish = std::get_if<mqttsn::Publish>(&message);
+    return publish != nullptr && publish->qos == mqttsn::Qos::without_connection;
+}
+
+}  // namespace
+
+void BrokerCore::State::on_datagram(const Origin& origin, Bytes datagram, bool wrapped,
+                                    Turn& turn) {
+    const auto decoded = mqttsn::decode(datagram);
+    if (!decoded) {
+        ++tables.counters.malformed[static_cast<std::size_t>(decoded.error())];
+        return;
+    }
+    const mqttsn::Message& message = *decoded;
+    const MsgType type = mqttsn::type_of(message);
+    ++tables.counters.received_by_type[static_cast<std::size_t>(type)];
+
+    switch (type) {
+        case MsgType::encapsulated:
+            if (wrapped) {
+                tables.count(Drop::encapsulation);
+            } else {
+                on_encapsulated(origin, std::get<mqttsn::Encapsulated>(message), turn);
+            }
+            return;
+        case MsgType::advertise:  // other gateways of the network, and clients that tell of them
+        case MsgType::gwinfo:
+            return;
+        case MsgType::searchgw:
+            if (strangers_.allows(origin.from.endpoint, turn.now)) {
+                discovery_.on_searchgw(origin.via, origin.from, std::get<mqttsn::Searchgw>(message),
+                                       turn);
+            } else {
+                tables.count(Drop::stranger_rate);
+            }
+            return;
+        case MsgType::connect:
+            connect_flow_.on_connect(origin, std::get<mqttsn::Connect>(message), turn);
+            return;
+        case MsgType::willtopic:
+            connect_flow_.on_willtopic(origin, std::get<mqttsn::Willtopic>(message), turn);
+            return;
+        case MsgType::willmsg:
+            connect_flow_.on_willmsg(origin, std::get<mqttsn::Willmsg>(message), turn);
+            return;
+        default:
+            break;
+    }
+    if (is_from_a_broker(type)) {
+        tables.count(Drop::wrong_direction);
+        return;
+    }
+    on_session_message(origin, message, turn);
+}
+
+void BrokerCore::State::on_encapsulated(const Origin& origin, const mqttsn::Encapsulated& frame,
+                                        Turn& turn) {
+    if (frame.wireless_node_id.empty() || frame.message.empty()) {
+        tables.count(Drop::encapsulation);
+        return;
+    }
+    Origin inner = origin;
+    inner.from.wireless_node_id = as_text(frame.wireless_node_id);
+    on_datagram(inner, frame.message, true, turn);
+}
+
+Session* BrokerCore::State::session_of(const Origin& origin, const mqttsn::Message& message,
+                                       Turn& turn) {
+    const auto* ping = std::get_if<mqttsn::Pingreq>(&message);
+    Session* session = tables.sessions.find(origin.from);
+    if (ping == nullptr || ping->client_id.empty()) return session;
+    Session* named = tables.sessions.find(ping->client_id);
+    if (named == session) return session;
+    // A sleeping client that woke up somewhere else (6.14e, G9). Nobody else may be named so.
+    const bool sleeps = named != nullptr && (named->header.state == SessionState::asleep ||
+                                             named->header.state == SessionState::awake);
+    if (!sleeps) return nullptr;
+    lifecycle.move(*named, origin.from, turn);
+    lifecycle.log_header(*named, turn);
+    return named;
+}
+
+void BrokerCore::State::on_session_message(const Origin& origin, const mqttsn::Message& message,
+                                           Turn& turn) {
+    Session* session = session_of(origin, message, turn);
+    const bool connectionless = is_connectionless(message);
+    if (session == nullptr && !connectionless) {
+        on_stranger(origin, mqttsn::type_of(message), turn);
+        return;
+    }
+    if (session != nullptr) {
+        session->fresh = session->fresh_will = false;
+        liveness_.on_heard(*session, origin.via, turn);
+    }
+    if (connectionless) {
+        ++tables.counters.publishes_received;
+        publish_flow_.on_connectionless(std::get<mqttsn::Publish>(message), turn);
+    } else {
+        handle(*session, message, turn);
+    }
+    if (session != nullptr) deliveries.on_heard(*session, turn);
+}
+
+void BrokerCore::State::handle(Session& session, const mqttsn::Message& message, Turn& turn) {
+    switch (mqttsn::type_of(message)) {
+        case MsgType::publish:
+            ++tables.counters.publishes_received;
+            publish_flow_.on_publish(session, std::get<mqttsn::Publish>(message), turn);
+            break;
+        case MsgType::pubrel:
+            publish_flow_.on_pubrel(session, std::get<mqttsn::Pubrel>(message), turn);
+            break;
+        case MsgType::puback:
+            deliveries.on_puback(session, std::get<mqttsn::Puback>(message), turn);
+            break;
+        case MsgType::pubrec:
+            deliveries.on_pubrec(session, std::get<mqttsn::Pubrec>(message), turn);
+            break;
+        case MsgType::pubcomp:
+            deliveries.on_pubcomp(session, std::get<mqttsn::Pubcomp>(message), turn);
+            break;
+        case MsgType::register_:
+            subscribe_flow_.on_register(session, std::get<mqttsn::Register>(message), turn);
+            break;
+        case MsgType::regack:
+            deliveries.on_regack(session, std::get<mqttsn::Regack>(message), turn);
+            break;
+        case MsgType::subscribe:
+            subscribe_flow_.on_subscribe(session, std::get<mqttsn::Subscribe>(message), turn);
+            break;
+        case MsgType::unsubscribe:
+            subscribe_flow_.on_unsubscribe(session, std::get<mqttsn::Unsubscribe>(message), turn);
+            break;
+        case MsgType::pingreq:
+            liveness_.on_pingreq(session, turn);
+            break;
+        case MsgType::disconnect:
+            liveness_.on_disconnect(session, std::get<mqttsn::Disconnect>(message), turn);
+            break;
+        case MsgType::willtopicupd:
+            connect_flow_.on_willtopicupd(session, std::get<mqttsn::Willtopicupd>(message), turn);
+            break;
+        case MsgType::willmsgupd:
+            connect_flow_.on_willmsgupd(session, std::get<mqttsn::Willmsgupd>(message), turn);
+            break;
+        default:  // PINGRESP: that it came was all
+            break;
+    }
+}
+
+void BrokerCore::State::on_stranger(const Origin& origin, MsgType type, Turn& turn) {
+    if (!is_request(type)) {
+        tables.count(Drop::unknown_sender);
+    } else if (!strangers_.allows(origin.from.endpoint, turn.now)) {
+        tables.count(Drop::stranger_rate);
+    } else {
+        tables.count(Drop::unknown_sender);
+        outbox.answer(origin.via, origin.from, mqttsn::Disconnect{}, turn);
+    }
+}
+
+void BrokerCore::State::on_tick(Turn& turn) {
+    liveness_.on_tick(turn);
+    connect_flow_.on_tick(turn.now);
+    discovery_.on_tick(turn);
+}
+
+Instant BrokerCore::State::next_wakeup() const {
+    return std::min(
+        {tables.deadlines.next(), connect_flow_.next_wakeup(), discovery_.next_wakeup()});
+}
+
+// --- BrokerCore
+
+BrokerCore::BrokerCore(const BrokerOptions& options, std::uint64_t seed)
+    : state_(std::make_unique<State>(options, seed)) {}
+BrokerCore::~BrokerCore() = default;
+BrokerCore::BrokerCore(BrokerCore&&) noexcept = default;
+BrokerCore& BrokerCore::operator=(BrokerCore&&) noexcept = default;
+
+void BrokerCore::on_datagram(Instant now, const Endpoint& via, const Endpoint& from, Bytes datagram,
+                             Actions& out) {
+    Turn turn{now, out};
+    state_->on_datagram({via, {from, {}}}, datagram, false, turn);
+}
+
+void BrokerCore::on_tick(Instant now, Actions& out) {
+    Turn turn{now, out};
+    state_->on_tick(turn);
+}
+
+Instant BrokerCore::next_wakeup() const {
+    return state_->next_wakeup();
+}
+
+void BrokerCore::on_peer_message(Instant now, const MessagePtr& message, Actions& out) {
+    Turn turn{now, out};
+    state_->router.on_peer_message(message, turn);
+}
+
+Seq BrokerCore::cursor(const LogId& log) const {
+    return state_->tables.cursors.at(log);
+}
+
+void BrokerCore::append_cursors(Actions& out) {
+    Tables& tables = state_->tables;
+    for (const LogPosition& position : tables.cursors.unlogged()) {
+        tables.log.append(out, [&] { return Cursor{position}; });
+        tables.cursors.logged(position);
+    }
+}
+
+void BrokerCore::advance_cursor(const LogPosition& through) {
+    state_->tables.cursors.advance(through);
+}
+
+bool BrokerCore::adopt(Instant now, SessionImage image, std::span<const MessagePtr> missed,
+                       Actions& out) {
+    Turn turn{now, out};
+    return state_->adoption.adopt(std::move(image), missed, turn);
+}
+
+std::optional<SessionImage> BrokerCore::release(std::string_view client_id, Actions& out) {
+    return state_->adoption.release(client_id, out);
+}
+
+bool BrokerCore::serves(const Endpoint& from, Bytes datagram) const {
+    auto decoded = mqttsn::decode(datagram);
+    if (!decoded) return false;
+    ClientAddress address{from, {}};
+    if (const auto* frame = std::get_if<mqttsn::Encapsulated>(&*decoded)) {
+        address.wireless_node_id = as_text(frame->wireless_node_id);
+        decoded = mqttsn::decode(frame->message);
+        if (!decoded) return false;
+    }
+    const SessionTable& sessions = state_->tables.sessions;
+    if (const auto* connect = std::get_if<mqttsn::Connect>(&*decoded)) {
+        return sessions.find(ConnectFlow::client_id_of(address, *connect)) != nullptr;
+    }
+    const auto* ping = std::get_if<mqttsn::Pingreq>(&*decoded);
+    if (ping != nullptr && !ping->client_id.empty()) {
+        return sessions.find(ping->client_id) != nullptr;
+    }
+    return sessions.find(address) != nullptr;
+}
+
+std::optional<SessionImage> BrokerCore::image(std::string_view client_id) const {
+    const Session* session = state_->tables.sessions.find(client_id);
+    if (session == nullptr) return std::nullopt;
+    return image_of(*session, state_->tables);
+}
+
+std::vector<SessionImage> BrokerCore::images() const {
+    std::vector<SessionImage> all;
+    for (const Session* session : state_->tables.sessions.by_client_id()) {
+        all.push_back(image_of(*session, state_->tables));
+    }
+    return all;
+}
+
+std::vector<SessionImage> BrokerCore::images_via(const Endpoint& via) const {
+    std::vector<SessionImage> found;
+    for (const Session* session : state_->tables.sessions.by_client_id()) {
+        if (session->header.via == via) found.push_back(image_of(*session, state_->tables));
+    }
+    return found;
+}
+
+void BrokerCore::set_system_topic(Instant now, std::string_view topic, Bytes payload,
+                                  Actions& out) {
+    Turn turn{now, out};
+    state_->router.set_system_topic(topic, payload, turn);
+}
+
+void BrokerCore::set_congested(bool congested) {
+    state_->tables.congested = congested;
+}
+
+std::vector<MessagePtr> BrokerCore::retained() const {
+    return state_->tables.retained.all();
+}
+
+void BrokerCore::put_retained(const MessagePtr& message) {
+    state_->tables.clock.observe(message->published_at);
+    state_->tables.retained.put(message);
+}
+
+MessagePtr BrokerCore::retained_at(const LogPosition& position) const {
+    return state_->tables.retained.find(position);
+}
+
+Seq BrokerCore::last_seq() const {
+    return state_->tables.log.last();
+}
+
+void BrokerCore::observe_time(HybridTime time) {
+    state_->tables.clock.observe(time);
+}
+
+const Counters& BrokerCore::counters() const {
+    return state_->tables.counters;
+}
+
+std::size_t BrokerCore::session_count() const {
+    return state_->tables.sessions.size();
+}
+
+std::size_t BrokerCore::connected_count() const {
+    std::size_t connected = 0;
+    state_->tables.sessions.visit(
+        [&connected](const Session& session) { connected += session.is_connected() ? 1U : 0U; });
+    return connected;
+}
+
+void BrokerCore::check_invariants() const {
+    broker::check_invariants(state_->tables);
+}
+
+}  // namespace romano::broker

@@ -1,0 +1,227 @@
+#include "broker/core/connect_flow.h"
+
+#include <utility>
+
+#include "broker/core/session_deadline.h"
+#include "broker/core/session_image_of.h"
+#include "romano/mqttsn/topic.h"
+
+namespace romano::broker {
+
+using mqttsn::Qos;
+using mqttsn::ReturnCode;
+
+std::string ConnectFlow::client_id_of(const ClientAddress& from, const mqttsn::Connect& message) {
+    if (!message.client_id.empty()) return std::string{message.client_id};
+    std::string id = "@";
+    const auto hex = [&id](unsigned octet) {
+        constexpr std::string_view digits = "0123456789abcdef";
+        id += digits[octet >> 4U & 0xFU];
+        id += digits[octet & 0xFU];
+    };
+    const std::size_t octets = from.endpoint.family == Endpoint::Family::ipv6 ? 16 : 4;
+    for (std::size_t i = 0; i < octets; ++i) hex(from.endpoint.address[i]);
+    id += ':';
+    hex(from.endpoint.port >> 8U);
+    hex(from.endpoint.port & 0xFFU);
+    if (!from.wireless_node_id.empty()) id += '/';
+    for (const char c : from.wireless_node_id) hex(static_cast<unsigned char>(c));
+    return id;
+}
+
+ReturnCode ConnectFlow::judge(const mqttsn::Connect& message) const {
+    if (message.protocol_id != mqttsn::protocol_id ||
+        message.client_id.size() > tables_.limits().client_id_octets ||
+        (message.client_id.empty() && !message.clean_session)) {
+        return ReturnCode::not_supported;
+    }
+    return tables_.congested ? ReturnCode::congestion : ReturnCode::accepted;
+}
+
+bool ConnectFlow::is_repetition(const Origin& origin, const mqttsn::Connect& message,
+                                std::string_view client_id) const {
+    const Session* session = tables_.sessions.find(client_id);
+    return session != nullptr && session->fresh && session->reachable && !message.will &&
+           !session->fresh_will && session->header.state == SessionState::active &&
+           session->header.address == origin.from && session->header.via == origin.via &&
+           session->header.clean == message.clean_session &&
+           session->header.keep_alive_s == message.duration_s;
+}
+
+void ConnectFlow::on_connect(const Origin& origin, const mqttsn::Connect& message, Turn& turn) {
+    Prompt prompt{.client_id = client_id_of(origin.from, message),
+                  .clean = message.clean_session,
+                  .keep_alive_s = message.duration_s,
+                  .refusal = judge(message),
+                  .will = {},
+                  .since = turn.now};
+    if (prompt.refusal == ReturnCode::accepted &&
+        is_repetition(origin, message, prompt.client_id)) {
+        Session& session = *tables_.sessions.find(prompt.client_id);
+        session.heard_at = turn.now;
+        outbox_.send(session, mqttsn::Connack{ReturnCode::accepted}, Gate::logged, turn);
+        return;
+    }
+    if (!message.will) {
+        prompts_.erase(origin.from);
+        finish(origin, prompt, WillAnswer::none, turn);
+        return;
+    }
+    if (prompt.refusal != ReturnCode::accepted) prompt.client_id.clear();  // may be long
+    if (prompts_.size() >= tables_.limits().connecting && !prompts_.contains(origin.from)) {
+        tables_.count(Drop::no_room);
+        outbox_.answer(origin.via, origin.from, mqttsn::Connack{ReturnCode::congestion}, turn);
+        return;
+    }
+    prompts_.insert_or_assign(origin.from, std::move(prompt));
+    if (sweep_at_ == never) sweep_at_ = turn.now + tables_.options.t_retry;
+    outbox_.answer(origin.via, origin.from, mqttsn::Willtopicreq{}, turn);
+}
+
+void ConnectFlow::on_willtopic(const Origin& origin, const mqttsn::Willtopic& message, Turn& turn) {
+    const auto found = prompts_.find(origin.from);
+    if (found == prompts_.end()) {
+        tables_.count(Drop::unexpected);
+        return;
+    }
+    Prompt& prompt = found->second;
+    prompt.since = turn.now;
+    if (message.topic.empty()) {  // no will after all (6.3a)
+        const Prompt done = std::move(prompt);
+        prompts_.erase(found);
+        finish(origin, done, WillAnswer::keeps_none, turn);
+        return;
+    }
+    prompt.has_topic = true;
+    prompt.will = {std::string{message.topic}, {}, message.qos, message.retain};
+    if (message.qos == Qos::without_connection || !mqttsn::is_valid_topic_name(message.topic) ||
+        message.topic.starts_with("$SYS/")) {
+        prompt.refusal = ReturnCode::not_supported;
+    }
+    outbox_.answer(origin.via, origin.from, mqttsn::Willmsgreq{}, turn);
+}
+
+void ConnectFlow::on_willmsg(const Origin& origin, const mqttsn::Willmsg& message, Turn& turn) {
+    const auto found = prompts_.find(origin.from);
+    if (found != prompts_.end() && found->second.has_topic) {
+        Prompt prompt = std::move(found->second);
+        prompts_.erase(found);
+        prompt.will.message.assign(message.message.begin(), message.message.end());
+        if (message.message.size() > tables_.limits().payload_octets) {
+            prompt.refusal = ReturnCode::not_supported;
+        }
+        finish(origin, prompt, WillAnswer::given, turn);
+        return;
+    }
+    Session* session = tables_.sessions.find(origin.from);
+    if (session != nullptr && session->fresh_will) {  // a repetition (6.2d)
+        session->heard_at = turn.now;
+        outbox_.send(*session, mqttsn::Connack{ReturnCode::accepted}, Gate::logged, turn);
+        return;
+    }
+    tables_.count(Drop::unexpected);
+}
+
+void ConnectFlow::finish(const Origin& origin, const Prompt& prompt, WillAnswer answer,
+                         Turn& turn) {
+    if (prompt.refusal != ReturnCode::accepted) {
+        tables_.count(prompt.refusal == ReturnCode::congestion ? Drop::no_room : Drop::unexpected);
+        outbox_.answer(origin.via, origin.from, mqttsn::Connack{prompt.refusal}, turn);
+        return;
+    }
+    accept(origin, prompt, answer, turn);
+}
+
+void ConnectFlow::accept(const Origin& origin, const Prompt& prompt, WillAnswer answer,
+                         Turn& turn) {
+    Session* session = tables_.sessions.find(prompt.client_id);
+    const bool is_new = session == nullptr;
+    if (is_new) session = lifecycle_.create(prompt.client_id, turn);
+    if (session == nullptr) {
+        tables_.count(Drop::no_room);
+        outbox_.answer(origin.via, origin.from, mqttsn::Connack{ReturnCode::congestion}, turn);
+        return;
+    }
+    tables_.sessions.come_back(*session);
+    lifecycle_.move(*session, origin.from, turn);
+    SessionHeader& header = session->header;
+    if (std::exchange(header.provisional, false)) ++header.epoch;
+    header.via = origin.via;
+    header.state = SessionState::active;
+    header.clean = prompt.clean;
+    header.keep_alive_s = prompt.keep_alive_s;
+    header.sleep_s = 0;
+    header.last_heard = tables_.clock.stamp(turn.now);
+    session->heard_at = turn.now;
+    session->probe_at = never;
+    session->exchange = {};
+    session->paused_until = {};
+    if (prompt.clean) lifecycle_.wipe(*session);
+
+    if (prompt.clean || is_new) {
+        if (answer == WillAnswer::given) session->will = prompt.will;
+        tables_.log.append(turn.out, [&] { return SessionPut{bare_image_of(*session)}; });
+    } else {
+        session->topics.forget_known();
+        lifecycle_.log_header(*session, turn, true);
+        if (answer == WillAnswer::given) set_will(*session, prompt.will, turn);
+        if (answer == WillAnswer::keeps_none) set_will(*session, std::nullopt, turn);
+    }
+    outbox_.send(*session, mqttsn::Connack{ReturnCode::accepted}, Gate::logged, turn);
+    session->fresh = true;
+    session->fresh_will = answer == WillAnswer::given;
+    schedule(tables_, *session);
+    deliveries_.go_on(*session, turn);
+}
+
+void ConnectFlow::on_willtopicupd(Session& session, const mqttsn::Willtopicupd& message,
+                                  Turn& turn) {
+    const bool deletes = message.topic.empty();  // topic and message (6.4b)
+    if (!deletes &&
+        (message.qos == Qos::without_connection || !mqttsn::is_valid_topic_name(message.topic) ||
+         message.topic.starts_with("$SYS/"))) {
+        tables_.count(Drop::invalid_topic);
+        outbox_.send(session, mqttsn::Willtopicresp{ReturnCode::not_supported}, Gate::open, turn);
+        return;
+    }
+    if (deletes) {
+        set_will(session, std::nullopt, turn);
+    } else {
+        Will will = session.will.value_or(Will{});
+        will.topic = message.topic;
+        will.qos = message.qos;
+        will.retain = message.retain;
+        set_will(session, std::move(will), turn);
+    }
+    outbox_.send(session, mqttsn::Willtopicresp{ReturnCode::accepted}, Gate::logged, turn);
+}
+
+void ConnectFlow::on_willmsgupd(Session& session, const mqttsn::Willmsgupd& message, Turn& turn) {
+    if (message.message.size() > tables_.limits().payload_octets) {
+        tables_.count(Drop::too_large);
+        outbox_.send(session, mqttsn::Willmsgresp{ReturnCode::not_supported}, Gate::open, turn);
+        return;
+    }
+    Will will = session.will.value_or(Will{});
+    will.message.assign(message.message.begin(), message.message.end());
+    set_will(session, std::move(will), turn);
+    outbox_.send(session, mqttsn::Willmsgresp{ReturnCode::accepted}, Gate::logged, turn);
+}
+
+void ConnectFlow::set_will(Session& session, std::optional<Will> will, Turn& turn) {
+    if (session.will == will) return;
+    session.will = std::move(will);
+    tables_.log.append(turn.out, [&] {
+        return WillChanged{session.header.client_id, session.will};
+    });
+}
+
+void ConnectFlow::on_tick(Instant now) {
+    if (now < sweep_at_) return;
+    const Duration patience = tables_.options.t_retry * (1 + tables_.options.n_retry);
+    std::erase_if(prompts_,
+                  [&](const auto& entry) { return entry.second.since + patience <= now; });
+    sweep_at_ = prompts_.empty() ? never : now + tables_.options.t_retry;
+}
+
+}  // namespace romano::broker

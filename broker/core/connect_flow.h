@@ -1,0 +1,74 @@
+// CONNECT with its will prompts, and will updates: MQTT-SN 1.2 sections 6.2 to 6.4; G7, G11, G13,
+// G14, G20.
+//
+//     CONNECT(will) → WILLTOPICREQ   WILLTOPIC → WILLMSGREQ   WILLMSG → CONNACK
+//
+// Until CONNACK the old session, if there is one, goes on as it was.
+#pragma once
+
+#include <string>
+#include <unordered_map>
+
+#include "broker/core/delivery_flow.h"
+#include "broker/core/lifecycle.h"
+#include "broker/core/outbox.h"
+#include "broker/core/tables.h"
+#include "romano/mqttsn/messages.h"
+
+namespace romano::broker {
+
+/// Where a datagram came from and which service address it was sent to.
+struct Origin {
+    Endpoint via;
+    ClientAddress from;
+};
+
+class ConnectFlow {
+public:
+    ConnectFlow(Tables& tables, Outbox& outbox, DeliveryFlow& deliveries, Lifecycle& lifecycle)
+        : tables_(tables), outbox_(outbox), deliveries_(deliveries), lifecycle_(lifecycle) {}
+
+    void on_connect(const Origin& origin, const mqttsn::Connect& message, Turn& turn);
+    void on_willtopic(const Origin& origin, const mqttsn::Willtopic& message, Turn& turn);
+    void on_willmsg(const Origin& origin, const mqttsn::Willmsg& message, Turn& turn);
+
+    void on_willtopicupd(Session& session, const mqttsn::Willtopicupd& message, Turn& turn);
+    void on_willmsgupd(Session& session, const mqttsn::Willmsgupd& message, Turn& turn);
+
+    /// Forgets prompts that were never answered.
+    void on_tick(Instant now);
+    [[nodiscard]] Instant next_wakeup() const { return sweep_at_; }
+
+    /// The client id of a CONNECT: an empty one is named by the client's address (G20).
+    [[nodiscard]] static std::string client_id_of(const ClientAddress& from,
+                                                  const mqttsn::Connect& message);
+
+private:
+    /// A CONNECT with the will flag, on its way to CONNACK.
+    struct Prompt {
+        std::string client_id;
+        bool clean = true;
+        std::uint16_t keep_alive_s = 0;
+        mqttsn::ReturnCode refusal = mqttsn::ReturnCode::accepted;  // told after WILLMSG (G13)
+        bool has_topic = false;
+        Will will;
+        Instant since{};
+    };
+    enum class WillAnswer { none, keeps_none, given };
+
+    [[nodiscard]] mqttsn::ReturnCode judge(const mqttsn::Connect& message) const;
+    [[nodiscard]] bool is_repetition(const Origin& origin, const mqttsn::Connect& message,
+                                     std::string_view client_id) const;
+    void finish(const Origin& origin, const Prompt& prompt, WillAnswer answer, Turn& turn);
+    void accept(const Origin& origin, const Prompt& prompt, WillAnswer answer, Turn& turn);
+    void set_will(Session& session, std::optional<Will> will, Turn& turn);
+
+    Tables& tables_;
+    Outbox& outbox_;
+    DeliveryFlow& deliveries_;
+    Lifecycle& lifecycle_;
+    std::unordered_map<ClientAddress, Prompt, ClientAddressHash> prompts_;
+    Instant sweep_at_ = never;
+};
+
+}  // namespace romano::broker

@@ -1,0 +1,356 @@
+#include "broker/core/delivery_flow.h"
+
+#include <algorithm>
+
+#include "broker/core/session_deadline.h"
+
+namespace romano::broker {
+
+using mqttsn::MsgId;
+using mqttsn::Qos;
+using mqttsn::ReturnCode;
+using mqttsn::TopicId;
+using mqttsn::TopicIdType;
+using Kind = Exchange::Kind;
+
+bool DeliveryFlow::make_room(Session& session) {
+    if (session.queue.size() < tables_.limits().queued_per_session) return true;
+    tables_.count(Drop::queue_full);
+    return session.queue.drop_oldest_unlogged(session.exchange.is_open());
+}
+
+void DeliveryFlow::enqueue(Session& session, Delivery delivery, Turn& turn) {
+    session.queue.push(std::move(delivery));
+    go_on(session, turn);
+}
+
+bool DeliveryFlow::can_send_at_once(Session& session, WireTopic& topic, std::string_view name) {
+    if (session.header.state != SessionState::active || !session.reachable) return false;
+    if (session.queue.unlogged() != 0) return false;
+    if (topic.type != TopicIdType::normal) return true;
+    if (topic.id == mqttsn::no_topic_id) {
+        topic.id = session.topics.find(name);
+        if (topic.id == mqttsn::no_topic_id) {
+            if (name.size() != 2) return false;
+            topic = {TopicIdType::short_name, TopicId{be16(as_octets(name), 0)}};
+            return true;
+        }
+    }
+    const TopicRegistry::Topic& entry = *session.topics.at(topic.id);
+    return !entry.refused && (entry.known || session.ignores_register);
+}
+
+WireTopic DeliveryFlow::plain_topic(const Session& session, std::string_view name) {
+    const Grant* grant = tables_.subscribers.find(name, session.number);
+    return grant != nullptr ? grant->topic : WireTopic{};
+}
+
+DeliveryFlow::Readiness DeliveryFlow::prepare(Session& session, WireTopic& topic,
+                                              std::string_view name, Turn& turn) {
+    if (topic.type != TopicIdType::normal) return Readiness::ready;
+    if (topic.id == mqttsn::no_topic_id) {
+        topic.id = session.topics.find(name);
+        if (topic.id == mqttsn::no_topic_id && name.size() == 2) {
+            topic = {TopicIdType::short_name, TopicId{be16(as_octets(name), 0)}};
+            return Readiness::ready;
+        }
+        if (topic.id == mqttsn::no_topic_id) {
+            topic.id = subscriptions_.bind(session, name, false, turn);
+        }
+        if (topic.id == mqttsn::no_topic_id) {
+            tables_.count(Drop::no_room);
+            return Readiness::impossible;
+        }
+    }
+    const TopicRegistry::Topic& entry = *session.topics.at(topic.id);
+    if (entry.refused) {
+        tables_.count(Drop::refused_by_client);
+        return Readiness::impossible;
+    }
+    return entry.known || session.ignores_register ? Readiness::ready : Readiness::must_register;
+}
+
+void DeliveryFlow::go_on(Session& session, Turn& turn) {
+    while (session.is_listening() && !session.exchange.is_open() && !session.queue.empty() &&
+           session.paused_until <= turn.now) {
+        if (open_front(session, turn)) break;
+    }
+    if (session.header.state == SessionState::awake && !session.exchange.is_open()) {
+        outbox_.send(session, mqttsn::Pingresp{}, Gate::open, turn);
+        fall_asleep(session, turn);
+    }
+    schedule(tables_, session);
+}
+
+bool DeliveryFlow::open_front(Session& session, Turn& turn) {
+    Delivery& delivery = session.queue.front();
+    if (delivery.stage == DeliveryStage::released) {  // an adopted or resumed hand-shake
+        open(session, Kind::releasing, delivery.msg_id, {});
+        return send_open(session, true, turn);
+    }
+    WireTopic topic = plain_topic(session, delivery.message->topic);
+    switch (prepare(session, topic, delivery.message->topic, turn)) {
+        case Readiness::impossible:
+            end_front(session, turn);
+            return false;
+        case Readiness::must_register:
+            open(session, Kind::registering, next_msg_id(session), topic);
+            return send_open(session, false, turn);
+        case Readiness::ready:
+            break;
+    }
+    if (delivery.qos == Qos::at_most_once) {
+        if (!send_publish(session, delivery, topic, false, turn)) tables_.count(Drop::too_large);
+        session.queue.pop();
+        session.exchange = {};
+        return false;
+    }
+    const bool again = delivery.stage == DeliveryStage::published;
+    if (!again) start(session, delivery, turn);
+    open(session, Kind::publishing, delivery.msg_id, topic);
+    return send_open(session, again, turn);
+}
+
+/// What is known of the front's refusal stays: REGISTER may come before its second PUBLISH (G21).
+void DeliveryFlow::open(Session& session, Kind kind, MsgId msg_id, const WireTopic& topic) {
+    session.exchange = {.kind = kind,
+                        .refused = session.exchange.refused,
+                        .bare = session.exchange.bare,
+                        .msg_id = msg_id,
+                        .topic = topic};
+}
+
+/// Gives the delivery its msg id, which a QoS 2 PUBLISH must not leave without.
+void DeliveryFlow::start(Session& session, Delivery& delivery, Turn& turn) {
+    delivery.stage = DeliveryStage::published;
+    delivery.msg_id = next_msg_id(session);
+    tables_.log.append(turn.out, [&] {
+        return DeliveryStarted{session.header.client_id, delivery.position, delivery.msg_id,
+                               delivery.qos};
+    });
+}
+
+/// False when the front was dropped because it fits no datagram (6.10f).
+bool DeliveryFlow::send_open(Session& session, bool again, Turn& turn) {
+    const Exchange& exchange = session.exchange;
+    const Delivery& delivery = session.queue.front();
+    bool sent = true;
+    switch (exchange.kind) {
+        case Kind::none:
+            return false;
+        case Kind::registering:
+            sent = outbox_.send(session,
+                                mqttsn::Register{.topic_id = exchange.topic.id,
+                                                 .msg_id = exchange.msg_id,
+                                                 .topic_name = delivery.message->topic},
+                                Gate::logged, turn);
+            break;
+        case Kind::publishing:
+            sent = send_publish(session, delivery, exchange.topic, again && !exchange.bare, turn);
+            break;
+        case Kind::releasing:
+            sent = outbox_.send(session, mqttsn::Pubrel{exchange.msg_id}, Gate::logged, turn);
+            break;
+    }
+    if (!sent) {
+        drop_front(session, Drop::too_large, turn);
+        return false;
+    }
+    supervise(session, turn);
+    return true;
+}
+
+bool DeliveryFlow::send_publish(Session& session, const Delivery& delivery, const WireTopic& topic,
+                                bool dup, Turn& turn) {
+    const Gate gate = delivery.qos == Qos::exactly_once ? Gate::logged : Gate::open;
+    const bool sent =
+        outbox_.send(session,
+                     mqttsn::Publish{.dup = dup,
+                                     .qos = delivery.qos,
+                                     .retain = delivery.retain && !session.exchange.bare,
+                                     .topic_type = topic.type,
+                                     .topic = topic.id,
+                                     .msg_id = delivery.msg_id,
+                                     .data = delivery.message->payload},
+                     gate, turn);
+    if (sent) ++tables_.counters.publishes_sent;
+    return sent;
+}
+
+void DeliveryFlow::supervise(Session& session, Turn& turn) {
+    Exchange& exchange = session.exchange;
+    if (++exchange.sendings > 1) ++tables_.counters.retransmissions;
+    exchange.retry_at = turn.now + tables_.options.t_retry;
+    schedule(tables_, session);
+}
+
+void DeliveryFlow::on_regack(Session& session, const mqttsn::Regack& message, Turn& turn) {
+    Exchange& exchange = session.exchange;
+    if (exchange.kind != Kind::registering || exchange.msg_id != message.msg_id) {
+        tables_.count(Drop::unexpected);
+        return;
+    }
+    const TopicId id = exchange.topic.id;
+    exchange.kind = Kind::none;
+    if (message.return_code == ReturnCode::accepted) {
+        subscriptions_.set_known(session, id, true, turn);
+        session.ignores_register = false;
+    } else if (message.return_code == ReturnCode::congestion) {
+        session.paused_until = turn.now + tables_.options.t_wait;
+    } else {  // nothing of that name until it subscribes or registers again (6.10b, G16)
+        TopicRegistry::Topic& topic = *session.topics.at(id);
+        topic.refused = true;
+        subscriptions_.remove(session, topic.name, turn);
+    }
+    go_on(session, turn);
+}
+
+void DeliveryFlow::on_puback(Session& session, const mqttsn::Puback& message, Turn& turn) {
+    const Exchange& exchange = session.exchange;
+    if (exchange.kind != Kind::publishing || exchange.msg_id != message.msg_id) {
+        if (message.msg_id == mqttsn::no_msg_id &&
+            message.return_code == ReturnCode::invalid_topic_id) {
+            subscriptions_.set_known(session, message.topic_id, false, turn);  // of QoS 0 (G21)
+        } else {
+            tables_.count(Drop::unexpected);
+        }
+        return;
+    }
+    const Delivery& delivery = session.queue.front();
+    if (message.return_code == ReturnCode::accepted) {
+        if (delivery.qos == Qos::exactly_once) {  // 6.6a: never the answer to QoS 2
+            tables_.count(Drop::unexpected);
+            return;
+        }
+        end_front(session, turn);
+        go_on(session, turn);
+    } else if (message.return_code == ReturnCode::congestion) {
+        return;  // the retry comes later, as it should
+    } else if (exchange.refused) {
+        drop_front(session, Drop::refused_by_client, turn);
+        go_on(session, turn);
+    } else if (message.return_code == ReturnCode::invalid_topic_id) {
+        if (exchange.topic.type == TopicIdType::normal) {
+            subscriptions_.set_known(session, exchange.topic.id, false, turn);
+        }
+        fall_back(session, delivery.qos, turn);
+    } else {
+        fall_back(session, Qos::at_least_once, turn);
+    }
+}
+
+/// Once more under a new msg id, without DUP: after REGISTER if the id is not known (G21), at QoS 1
+/// at most and bare if the client does not support it otherwise (G25).
+void DeliveryFlow::fall_back(Session& session, Qos most, Turn& turn) {
+    Delivery& delivery = session.queue.front();
+    delivery.qos = std::min(delivery.qos, most);
+    start(session, delivery, turn);
+    session.exchange = {};
+    session.exchange.refused = session.exchange.bare = true;
+    go_on(session, turn);
+}
+
+void DeliveryFlow::on_pubrec(Session& session, const mqttsn::Pubrec& message, Turn& turn) {
+    Exchange& exchange = session.exchange;
+    const bool ours = exchange.msg_id == message.msg_id;
+    if (exchange.kind == Kind::publishing && ours &&
+        session.queue.front().qos == Qos::exactly_once) {
+        Delivery& delivery = session.queue.front();
+        delivery.stage = DeliveryStage::released;
+        tables_.log.append(turn.out, [&] {
+            return DeliveryReleased{session.header.client_id, delivery.position};
+        });
+        open(session, Kind::releasing, delivery.msg_id, {});
+        send_open(session, false, turn);
+    } else if (exchange.kind == Kind::releasing && ours) {
+        send_open(session, true, turn);
+    } else {
+        // We gave this message up or finished it: the client may finish it too.
+        tables_.count(Drop::unexpected);
+        outbox_.send(session, mqttsn::Pubrel{message.msg_id}, Gate::logged, turn);
+    }
+}
+
+void DeliveryFlow::on_pubcomp(Session& session, const mqttsn::Pubcomp& message, Turn& turn) {
+    const Exchange& exchange = session.exchange;
+    if (exchange.kind != Kind::releasing || exchange.msg_id != message.msg_id) {
+        tables_.count(Drop::unexpected);
+        return;
+    }
+    end_front(session, turn);
+    go_on(session, turn);
+}
+
+void DeliveryFlow::end_front(Session& session, Turn& turn) {
+    const Delivery& delivery = session.queue.front();
+    if (delivery.qos != Qos::at_most_once) {
+        tables_.log.append(turn.out, [&] {
+            return DeliveryEnded{session.header.client_id, delivery.position};
+        });
+    }
+    session.queue.pop();
+    session.exchange = {};
+}
+
+void DeliveryFlow::drop_front(Session& session, Drop reason, Turn& turn) {
+    tables_.count(reason);
+    end_front(session, turn);
+}
+
+void DeliveryFlow::on_heard(Session& session, Turn& turn) {
+    Exchange& exchange = session.exchange;
+    if (!exchange.is_open()) return;
+    exchange.heard = true;
+    if (!exchange.stalled || !session.is_listening()) return;
+    exchange.stalled = false;
+    exchange.sendings = 0;
+    if (!send_open(session, true, turn)) go_on(session, turn);
+}
+
+bool DeliveryFlow::repeat(Session& session, Turn& turn) {
+    return session.exchange.is_open() && send_open(session, true, turn);
+}
+
+void DeliveryFlow::on_retry(Session& session, Turn& turn) {
+    Exchange& exchange = session.exchange;
+    if (exchange.sendings > tables_.options.n_retry) {
+        give_up(session, turn);
+    } else if (!send_open(session, true, turn)) {
+        go_on(session, turn);
+    }
+}
+
+void DeliveryFlow::give_up(Session& session, Turn& turn) {
+    Exchange& exchange = session.exchange;
+    if (!exchange.heard) {  // silent: its queue waits for it (G5, G10)
+        if (session.header.state == SessionState::awake) {
+            fall_asleep(session, turn);
+        } else {
+            exchange.stalled = true;
+        }
+        return;
+    }
+    if (exchange.kind == Kind::registering) {  // such clients exist: publish anyway (G14)
+        session.ignores_register = true;
+        subscriptions_.set_known(session, exchange.topic.id, true, turn);
+        exchange.kind = Kind::none;
+    } else {
+        drop_front(session, Drop::retries_exhausted, turn);
+    }
+    go_on(session, turn);
+}
+
+void DeliveryFlow::fall_asleep(Session& session, Turn& turn) {
+    session.exchange = {};
+    session.heard_at = turn.now;  // restarts the sleep timer
+    session.header.state = SessionState::asleep;
+    tables_.log.append(turn.out, [&] { return SessionChanged{session.header}; });
+    schedule(tables_, session);
+}
+
+MsgId DeliveryFlow::next_msg_id(Session& session) {
+    if (++session.last_msg_id == 0) session.last_msg_id = 1;
+    return MsgId{session.last_msg_id};
+}
+
+}  // namespace romano::broker

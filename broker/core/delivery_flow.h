@@ -1,0 +1,80 @@
+// Messages on their way to a client: one exchange at a time, the rest in the session's queue
+// (MQTT-SN 1.2 sections 6.10, 6.13; G5, G14, G16, G21, G24, G25).
+//
+//     queued ──(id unknown)── REGISTER → REGACK ──┐
+//        └──────────────────────────────────────── PUBLISH → PUBACK                     QoS 1
+//                                                  PUBLISH → PUBREC → PUBREL → PUBCOMP  QoS 2
+//
+// QoS 0 goes out at once when the client is active, knows the id, and nothing of QoS 0 waits.
+#pragma once
+
+#include <string_view>
+
+#include "broker/core/outbox.h"
+#include "broker/core/session.h"
+#include "broker/core/subscriptions.h"
+#include "broker/core/tables.h"
+#include "romano/mqttsn/messages.h"
+
+namespace romano::broker {
+
+class DeliveryFlow {
+public:
+    DeliveryFlow(Tables& tables, Outbox& outbox, Subscriptions& subscriptions)
+        : tables_(tables), outbox_(outbox), subscriptions_(subscriptions) {}
+
+    /// True when a message of this QoS can join the queue; drops the oldest of QoS 0 for it.
+    bool make_room(Session& session);
+
+    /// Joins the queue, in which there is room, and goes out if it is its turn.
+    void enqueue(Session& session, Delivery delivery, Turn& turn);
+
+    /// The id by which a QoS 0 message may go out now, or none: then it waits or is not for now.
+    [[nodiscard]] bool can_send_at_once(Session& session, WireTopic& topic, std::string_view name);
+
+    void on_regack(Session& session, const mqttsn::Regack& message, Turn& turn);
+    void on_puback(Session& session, const mqttsn::Puback& message, Turn& turn);
+    void on_pubrec(Session& session, const mqttsn::Pubrec& message, Turn& turn);
+    void on_pubcomp(Session& session, const mqttsn::Pubcomp& message, Turn& turn);
+
+    /// Opens the next exchange if none is open and the client listens; ends being awake when
+    /// nothing is left (6.14b).
+    void go_on(Session& session, Turn& turn);
+
+    /// The client was heard: what its silence had stopped goes on (G5).
+    void on_heard(Session& session, Turn& turn);
+
+    /// Retransmission is due.
+    void on_retry(Session& session, Turn& turn);
+
+    /// Sends the open message again, because the client asks for it (G10). False: none is open.
+    bool repeat(Session& session, Turn& turn);
+
+private:
+    enum class Readiness { ready, must_register, impossible };
+    /// Completes `topic` for this client; why it cannot be used is counted.
+    Readiness prepare(Session& session, WireTopic& topic, std::string_view name, Turn& turn);
+    [[nodiscard]] WireTopic plain_topic(const Session& session, std::string_view name);
+
+    /// False when the front of the queue was dropped or went out without an exchange.
+    bool open_front(Session& session, Turn& turn);
+    void start(Session& session, Delivery& delivery, Turn& turn);
+    bool send_open(Session& session, bool again, Turn& turn);
+    bool send_publish(Session& session, const Delivery& delivery, const WireTopic& topic, bool dup,
+                      Turn& turn);
+    static void open(Session& session, Exchange::Kind kind, mqttsn::MsgId msg_id,
+                     const WireTopic& topic);
+    void fall_back(Session& session, mqttsn::Qos most, Turn& turn);
+    void end_front(Session& session, Turn& turn);
+    void drop_front(Session& session, Drop reason, Turn& turn);
+    void supervise(Session& session, Turn& turn);
+    void give_up(Session& session, Turn& turn);
+    void fall_asleep(Session& session, Turn& turn);
+    [[nodiscard]] static mqttsn::MsgId next_msg_id(Session& session);
+
+    Tables& tables_;
+    Outbox& outbox_;
+    Subscriptions& subscriptions_;
+};
+
+}  // namespace romano::broker

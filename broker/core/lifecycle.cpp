@@ -1,0 +1,85 @@
+#include "broker/core/lifecycle.h"
+
+#include "broker/core/session_deadline.h"
+
+namespace romano::broker {
+
+Session* Lifecycle::create(std::string_view client_id, Turn& turn) {
+    if (tables_.sessions.size() >= tables_.limits().sessions) {
+        Session* left_behind = tables_.sessions.departed_first();
+        if (left_behind == nullptr) return nullptr;
+        erase(*left_behind, turn.out);
+    }
+    Session& session = tables_.sessions.create(client_id);
+    session.heard_at = turn.now;
+    return &session;
+}
+
+void Lifecycle::wipe(Session& session) {
+    subscriptions_.leave_all(session);
+    session.subscriptions.clear();
+    session.topics = {};
+    session.queue.clear();
+    session.unreleased.clear();
+    session.worked_ahead.clear();
+    session.will.reset();
+    session.exchange = {};
+    session.paused_until = {};
+    session.ignores_register = false;
+}
+
+void Lifecycle::erase(Session& session, Actions& out) {
+    tables_.log.append(out, [&] { return SessionErased{session.header.client_id}; });
+    subscriptions_.leave_all(session);
+    tables_.deadlines.remove(session.number);
+    tables_.sessions.erase(session);
+}
+
+void Lifecycle::move(Session& session, const ClientAddress& address, Turn& turn) {
+    Session* previous = tables_.sessions.map(session, address);
+    if (previous == nullptr) return;
+    // Its address has a new owner; it runs into its keep-alive and is sent nothing (G7).
+    previous->exchange = {};
+    schedule(tables_, *previous);
+    (void)turn;
+}
+
+void Lifecycle::sleep(Session& session, std::uint16_t duration_s, Turn& turn) {
+    session.exchange = {};
+    session.header.state = SessionState::asleep;
+    session.header.sleep_s = duration_s;
+    log_header(session, turn);
+    schedule(tables_, session);
+}
+
+void Lifecycle::wake(Session& session, Turn& turn) {
+    session.header.state = SessionState::awake;
+    log_header(session, turn);
+}
+
+void Lifecycle::disconnect(Session& session, Turn& turn) {
+    depart(session, SessionState::disconnected, turn);
+}
+
+void Lifecycle::lose(Session& session, Turn& turn) {
+    depart(session, SessionState::lost, turn);
+    if (!session.will || session.will->topic.empty()) return;
+    const Will will = *session.will;
+    router_.publish({will.topic, will.message, will.qos, will.retain}, turn);
+}
+
+void Lifecycle::depart(Session& session, SessionState state, Turn& turn) {
+    tables_.sessions.unmap(session);
+    session.exchange = {};
+    session.header.state = state;
+    session.fresh = session.fresh_will = false;
+    tables_.sessions.depart(session, turn.now);
+    log_header(session, turn);
+    schedule(tables_, session);
+}
+
+void Lifecycle::log_header(const Session& session, Turn& turn, bool forgets_topics) {
+    tables_.log.append(turn.out, [&] { return SessionChanged{session.header, forgets_topics}; });
+}
+
+}  // namespace romano::broker

@@ -1,0 +1,51 @@
+// The states of a session, MQTT-SN 1.2 section 6.14 figure 4, and its beginning and end: each
+// change seen by tables, timers and log together.
+//
+//                 ┌─ DISCONNECT(d) ─▶ asleep ◀─ PINGREQ / PINGRESP ─▶ awake
+//     CONNECT ─▶ active ─ DISCONNECT ─▶ disconnected
+//                 └───── silence ─────▶ lost (the will is published)
+#pragma once
+
+#include <string_view>
+
+#include "broker/core/router.h"
+#include "broker/core/session.h"
+#include "broker/core/subscriptions.h"
+#include "broker/core/tables.h"
+
+namespace romano::broker {
+
+class Lifecycle {
+public:
+    Lifecycle(Tables& tables, Router& router, Subscriptions& subscriptions)
+        : tables_(tables), router_(router), subscriptions_(subscriptions) {}
+
+    /// A new, empty session; null when there is no room even without those that were left behind.
+    Session* create(std::string_view client_id, Turn& turn);
+
+    /// Subscriptions, topic ids, messages and will are gone (6.3, CleanSession 1). Not logged.
+    void wipe(Session& session);
+
+    /// The session is gone for good, or for another home.
+    void erase(Session& session, Actions& out);
+
+    /// The client is heard from this address: its datagrams lead to this session.
+    void move(Session& session, const ClientAddress& address, Turn& turn);
+
+    void sleep(Session& session, std::uint16_t duration_s, Turn& turn);
+    void wake(Session& session, Turn& turn);
+    void disconnect(Session& session, Turn& turn);
+    /// Silent for too long: publishes the will.
+    void lose(Session& session, Turn& turn);
+
+    void log_header(const Session& session, Turn& turn, bool forgets_topics = false);
+
+private:
+    void depart(Session& session, SessionState state, Turn& turn);
+
+    Tables& tables_;
+    Router& router_;
+    Subscriptions& subscriptions_;
+};
+
+}  // namespace romano::broker

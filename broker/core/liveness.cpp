@@ -1,0 +1,79 @@
+#include "broker/core/liveness.h"
+
+#include "broker/core/session_deadline.h"
+
+namespace romano::broker {
+
+void Liveness::on_heard(Session& session, const Endpoint& via, Turn& turn) {
+    session.heard_at = turn.now;
+    session.probe_at = never;
+    session.exchange.heard = true;
+    SessionHeader& header = session.header;
+    header.last_heard = tables_.clock.stamp(turn.now);
+    if (!header.provisional && header.via == via) return;
+    if (header.provisional) ++header.epoch;  // heard at its new home: the session is ours now
+    header.provisional = false;
+    header.via = via;
+    lifecycle_.log_header(session, turn);
+}
+
+void Liveness::on_pingreq(Session& session, Turn& turn) {
+    switch (session.header.state) {
+        case SessionState::asleep:
+            if (session.queue.empty()) break;
+            lifecycle_.wake(session, turn);
+            deliveries_.go_on(session, turn);  // PINGRESP when nothing is left
+            return;
+        case SessionState::awake:
+            if (deliveries_.repeat(session, turn)) return;
+            break;
+        default:
+            break;
+    }
+    outbox_.send(session, mqttsn::Pingresp{}, Gate::open, turn);
+}
+
+void Liveness::on_disconnect(Session& session, const mqttsn::Disconnect& message, Turn& turn) {
+    if (message.has_duration && message.duration_s != 0) {
+        lifecycle_.sleep(session, message.duration_s, turn);
+        outbox_.send(session, mqttsn::Disconnect{}, Gate::open, turn);
+        return;
+    }
+    outbox_.send(session, mqttsn::Disconnect{}, Gate::open, turn);
+    lifecycle_.disconnect(session, turn);
+}
+
+void Liveness::on_tick(Turn& turn) {
+    while (tables_.deadlines.next() <= turn.now) {
+        Session* session = tables_.sessions.at(tables_.deadlines.pop());
+        if (session != nullptr) look_at(*session, turn);
+    }
+}
+
+/// Does what is due, if anything is: deadlines that moved are found out here.
+void Liveness::look_at(Session& session, Turn& turn) {
+    const BrokerOptions& options = tables_.options;
+    if (session.departed_at != never && session.header.clean &&
+        session.departed_at + options.clean_session_kept_for <= turn.now) {
+        lifecycle_.erase(session, turn.out);
+        return;
+    }
+    if (lost_at(session, options) <= turn.now) {
+        lifecycle_.lose(session, turn);
+        return;
+    }
+    if (probed_at(session) <= turn.now) {
+        session.probe_at = turn.now + options.t_retry;
+        if (session.reachable) outbox_.send(session, mqttsn::Pingreq{}, Gate::open, turn);
+    }
+    const Exchange& exchange = session.exchange;
+    if (exchange.is_open() && !exchange.stalled && exchange.retry_at <= turn.now) {
+        deliveries_.on_retry(session, turn);
+    } else if (session.paused_until != Instant{} && session.paused_until <= turn.now) {
+        session.paused_until = {};
+        deliveries_.go_on(session, turn);
+    }
+    schedule(tables_, session);
+}
+
+}  // namespace romano::broker

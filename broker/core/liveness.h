@@ -1,0 +1,37 @@
+// Whether clients are alive, asleep or gone: PINGREQ, DISCONNECT, and the timers of every session
+// (MQTT-SN 1.2 sections 6.11, 6.12, 6.14; G6, G9, G10, G11, G28).
+#pragma once
+
+#include "broker/core/delivery_flow.h"
+#include "broker/core/lifecycle.h"
+#include "broker/core/outbox.h"
+#include "broker/core/session.h"
+#include "broker/core/tables.h"
+#include "romano/mqttsn/messages.h"
+
+namespace romano::broker {
+
+class Liveness {
+public:
+    Liveness(Tables& tables, Outbox& outbox, DeliveryFlow& deliveries, Lifecycle& lifecycle)
+        : tables_(tables), outbox_(outbox), deliveries_(deliveries), lifecycle_(lifecycle) {}
+
+    /// A datagram of the session's client came, from where the session is mapped now.
+    void on_heard(Session& session, const Endpoint& via, Turn& turn);
+
+    void on_pingreq(Session& session, Turn& turn);
+    void on_disconnect(Session& session, const mqttsn::Disconnect& message, Turn& turn);
+
+    /// All sessions that are due.
+    void on_tick(Turn& turn);
+
+private:
+    void look_at(Session& session, Turn& turn);
+
+    Tables& tables_;
+    Outbox& outbox_;
+    DeliveryFlow& deliveries_;
+    Lifecycle& lifecycle_;
+};
+
+}  // namespace romano::broker

@@ -1,0 +1,142 @@
+#include "broker/core/publish_flow.h"
+
+#include <algorithm>
+
+#include "romano/base/bytes.h"
+#include "romano/mqttsn/topic.h"
+
+namespace romano::broker {
+
+using mqttsn::MsgId;
+using mqttsn::Qos;
+using mqttsn::ReturnCode;
+using mqttsn::TopicIdType;
+
+std::string_view PublishFlow::name_of(Session* session, const mqttsn::Publish& message) {
+    switch (message.topic_type) {
+        case TopicIdType::normal: {
+            const auto* topic = session == nullptr ? nullptr : session->topics.at(message.topic);
+            if (topic == nullptr) return {};
+            name_ = topic->name;  // the registry may grow while the message is handed on
+            return name_;
+        }
+        case TopicIdType::predefined: {
+            const auto& predefined = tables_.options.predefined_topics;
+            const auto found = predefined.find(message.topic);
+            return found == predefined.end() ? std::string_view{} : found->second;
+        }
+        case TopicIdType::short_name: {
+            const auto octets = static_cast<std::uint16_t>(message.topic);
+            name_ = {static_cast<char>(octets >> 8U), static_cast<char>(octets & 0xFFU)};
+            return name_;
+        }
+        case TopicIdType::reserved:
+            break;
+    }
+    return {};
+}
+
+/// Whether the message can be accepted; a refusal is counted.
+ReturnCode PublishFlow::judge(const mqttsn::Publish& message, std::string_view topic) {
+    const auto refused = [this](Drop reason, ReturnCode code) {
+        tables_.count(reason);
+        return code;
+    };
+    if (message.topic_type == TopicIdType::reserved) {
+        return refused(Drop::invalid_topic, ReturnCode::not_supported);
+    }
+    if (topic.empty()) return refused(Drop::invalid_topic, ReturnCode::invalid_topic_id);
+    const bool has_id =
+        message.topic_type == TopicIdType::predefined ||
+        (message.topic_type == TopicIdType::normal && message.qos != Qos::without_connection);
+    const bool valid = has_id || mqttsn::is_valid_topic_name(topic);  // checked when it got the id
+    if (!valid || topic.starts_with("$SYS/")) {
+        return refused(Drop::invalid_topic, ReturnCode::not_supported);
+    }
+    if (message.data.size() > tables_.limits().payload_octets) {
+        return refused(Drop::too_large, ReturnCode::not_supported);
+    }
+    const bool promises = message.qos == Qos::at_least_once || message.qos == Qos::exactly_once;
+    if ((promises && tables_.congested) ||
+        (message.retain && !message.data.empty() && !tables_.retained.has_room(topic))) {
+        return refused(Drop::no_room, ReturnCode::congestion);
+    }
+    return ReturnCode::accepted;
+}
+
+void PublishFlow::on_publish(Session& session, const mqttsn::Publish& message, Turn& turn) {
+    if (message.qos == Qos::exactly_once &&
+        std::ranges::count(session.unreleased, message.msg_id) != 0) {
+        outbox_.send(session, mqttsn::Pubrec{message.msg_id}, Gate::logged, turn);
+        return;
+    }
+    const std::string_view topic = name_of(&session, message);
+    const ReturnCode code = judge(message, topic);
+    if (code != ReturnCode::accepted) {
+        outbox_.send(session, mqttsn::Puback{message.topic, message.msg_id, code}, Gate::open,
+                     turn);
+        return;
+    }
+    const Publication publication{topic, message.data, message.qos, message.retain};
+    switch (message.qos) {
+        case Qos::at_least_once:
+            router_.accept(publication, nullptr, mqttsn::no_msg_id, turn);
+            outbox_.send(session,
+                         mqttsn::Puback{message.topic, message.msg_id, ReturnCode::accepted},
+                         Gate::logged, turn);
+            break;
+        case Qos::exactly_once:
+            router_.accept(publication, &session, message.msg_id, turn);
+            remember_unreleased(session, message.msg_id, turn);
+            outbox_.send(session, mqttsn::Pubrec{message.msg_id}, Gate::logged, turn);
+            break;
+        default:
+            router_.accept(publication, nullptr, mqttsn::no_msg_id, turn);
+            break;
+    }
+    router_.deliver(publication, turn);
+}
+
+/// A client has one exchange open (6.6c): what stands there for long was abandoned, and is the
+/// first to go when there are too many.
+void PublishFlow::remember_unreleased(Session& session, MsgId msg_id, Turn& turn) {
+    session.unreleased.push_back(msg_id);
+    if (session.unreleased.size() <= tables_.limits().unreleased_per_session) return;
+    const MsgId abandoned = session.unreleased.front();
+    tables_.log.append(turn.out, [&] {
+        return PublishReleased{session.header.client_id, abandoned};
+    });
+    session.unreleased.erase(session.unreleased.begin());
+}
+
+void PublishFlow::on_pubrel(Session& session, const mqttsn::Pubrel& message, Turn& turn) {
+    const auto found = std::ranges::find(session.unreleased, message.msg_id);
+    if (found != session.unreleased.end()) {
+        session.unreleased.erase(found);
+        tables_.log.append(turn.out, [&] {
+            return PublishReleased{session.header.client_id, message.msg_id};
+        });
+    }
+    outbox_.send(session, mqttsn::Pubcomp{message.msg_id}, Gate::logged, turn);
+}
+
+void PublishFlow::on_connectionless(const mqttsn::Publish& message, Turn& turn) {
+    Bytes data = message.data;
+    std::string_view topic;
+    if (message.topic_type == TopicIdType::normal) {
+        // RSMB's and Paho's own form: the id is the length of a name before the data (G19).
+        const auto length = static_cast<std::size_t>(message.topic);
+        if (length == 0 || length > message.data.size()) {
+            tables_.count(Drop::invalid_topic);
+            return;
+        }
+        topic = as_text(message.data.first(length));
+        data = message.data.subspan(length);
+    } else {
+        topic = name_of(nullptr, message);
+    }
+    if (judge(message, topic) != ReturnCode::accepted) return;
+    router_.publish({topic, data, Qos::at_most_once, message.retain}, turn);
+}
+
+}  // namespace romano::broker

@@ -1,0 +1,188 @@
+#include "broker/core/router.h"
+
+#include <algorithm>
+#include <string>
+#include <utility>
+
+namespace romano::broker {
+
+using mqttsn::MsgId;
+using mqttsn::Qos;
+using mqttsn::TopicIdType;
+
+namespace {
+
+bool was_ahead(const Session& session, const LogPosition& position) {
+    return std::ranges::any_of(session.worked_ahead, [&](const LogPosition& done) {
+        return done.log == position.log && position.seq <= done.seq;
+    });
+}
+
+/// A sleeper's QoS 0 waits, and that of a client that must learn an id first.
+bool waits_with_qos0(const Session& session) {
+    return session.is_connected();
+}
+
+}  // namespace
+
+void Router::find_receivers(std::string_view topic, Qos qos, const LogPosition& position) {
+    receivers_.clear();
+    repeatable_ = 0;
+    ++fan_out_;
+    tables_.subscribers.match(topic, [&](SessionNumber number, const Grant& grant) {
+        Session& session = *tables_.sessions.at(number);
+        const Qos granted = std::min(qos, grant.qos);
+        if (session.matched_in == fan_out_) {  // overlapping filters: the highest QoS [3.3.5-1]
+            Receiver& receiver = receivers_[session.matched_at];
+            receiver.qos = std::max(receiver.qos, granted);
+            return;
+        }
+        if (!session.worked_ahead.empty() && was_ahead(session, position)) return;
+        session.matched_in = fan_out_;
+        session.matched_at = static_cast<std::uint32_t>(receivers_.size());
+        receivers_.push_back({&session, granted, grant.topic, false});
+    });
+}
+
+void Router::claim_room() {
+    for (Receiver& receiver : receivers_) {
+        if (receiver.qos == Qos::at_most_once) continue;
+        receiver.takes =
+            receiver.session->keeps_messages() && deliveries_.make_room(*receiver.session);
+    }
+}
+
+std::vector<Route> Router::routes() const {
+    std::vector<Route> found;
+    for (const Receiver& receiver : receivers_) {
+        if (receiver.takes) {
+            found.push_back({receiver.session->header.client_id, receiver.qos, false});
+        }
+    }
+    return found;
+}
+
+void Router::accept(const Publication& publication, const Session* publisher, MsgId msg_id,
+                    Turn& turn) {
+    find_receivers(publication.topic, publication.qos, {});
+    claim_room();
+    message_ = {};
+    if (!publication.retain && !tables_.log.writes()) return;
+
+    const bool in_log = publication.qos != Qos::at_most_once || publication.retain;
+    message_ = make_message(publication, in_log, turn);
+    if (!in_log) {
+        turn.out.push(Forward{message_});
+        return;
+    }
+    tables_.log.append(turn.out, [&] {
+        return Published{message_, publisher == nullptr ? ClientId{} : publisher->header.client_id,
+                         msg_id, routes()};
+    });
+    if (publication.retain) tables_.retained.put(message_);
+}
+
+MessagePtr Router::make_message(const Publication& publication, bool in_log, Turn& turn) {
+    const LogPosition unlogged{tables_.log.id(), 0};
+    return MessagePtr{Message{.topic = std::string{publication.topic},
+                              .payload = {publication.payload.begin(), publication.payload.end()},
+                              .qos = publication.qos,
+                              .retain = publication.retain,
+                              .position = in_log ? tables_.log.next_position() : unlogged,
+                              .published_at = tables_.clock.stamp(turn.now)}};
+}
+
+void Router::deliver(const Publication& publication, Turn& turn) {
+    // Sending may not change who receives: the list is taken out for its time.
+    std::vector<Receiver> receivers = std::exchange(receivers_, {});
+    for (const Receiver& receiver : receivers) {
+        Session& session = *receiver.session;
+        if (receiver.qos == Qos::at_most_once) {
+            WireTopic topic = receiver.topic;
+            if (deliveries_.can_send_at_once(session, topic, publication.topic)) {
+                send_at_once(receiver, topic, publication, turn);
+                continue;
+            }
+            if (!waits_with_qos0(session) || !deliveries_.make_room(session)) continue;
+        } else if (!receiver.takes) {
+            continue;
+        }
+        if (!message_) message_ = make_message(publication, false, turn);
+        deliveries_.enqueue(
+            session, {.position = message_->position, .message = message_, .qos = receiver.qos},
+            turn);
+    }
+    receivers.clear();
+    receivers_ = std::move(receivers);
+    message_ = {};
+}
+
+void Router::send_at_once(const Receiver& receiver, const WireTopic& topic,
+                          const Publication& publication, Turn& turn) {
+    Session& session = *receiver.session;
+    const bool wrapped = !session.header.address.wireless_node_id.empty();
+    const std::uint64_t looks = 1U << 31U | static_cast<std::uint64_t>(topic.type) << 16U |
+                                static_cast<std::uint64_t>(topic.id);
+    if (!wrapped && looks == repeatable_) {
+        outbox_.repeat(session, repeated_, turn);
+        ++tables_.counters.publishes_sent;
+        return;
+    }
+    const bool sent = outbox_.send(session,
+                                   mqttsn::Publish{.dup = false,
+                                                   .qos = Qos::at_most_once,
+                                                   .retain = false,
+                                                   .topic_type = topic.type,
+                                                   .topic = topic.id,
+                                                   .msg_id = mqttsn::no_msg_id,
+                                                   .data = publication.payload},
+                                   Gate::open, turn);
+    repeatable_ = sent && !wrapped ? looks : 0;
+    if (sent) {
+        repeated_ = Outbox::last_sent(turn);
+        ++tables_.counters.publishes_sent;
+    } else {
+        tables_.count(Drop::too_large);
+    }
+}
+
+void Router::on_peer_message(const MessagePtr& message, Turn& turn) {
+    const bool in_log = message->position.seq != 0;
+    if (in_log && !tables_.cursors.advance(message->position)) return;
+    tables_.clock.observe(message->published_at);
+    if (message->retain) tables_.retained.put(message);
+
+    find_receivers(message->topic, message->qos, message->position);
+    claim_room();
+    if (std::ranges::any_of(receivers_, &Receiver::takes)) {
+        tables_.log.append(turn.out, [&] { return Routed{message->position, routes()}; });
+        tables_.cursors.logged(message->position);
+    }
+    message_ = message;
+    deliver({message->topic, message->payload, message->qos, message->retain}, turn);
+}
+
+void Router::set_system_topic(std::string_view topic, Bytes payload, Turn& turn) {
+    const Publication publication{topic, payload, Qos::at_most_once, true};
+    message_ = make_message(publication, false, turn);
+    tables_.retained.put(message_);
+    find_receivers(topic, Qos::at_most_once, {});
+    deliver(publication, turn);
+}
+
+void Router::send_retained(Session& session, const Subscription& subscription, Turn& turn) {
+    tables_.retained.match(subscription.filter, [&](const MessagePtr& message) {
+        const Qos qos = std::min(message->qos, subscription.granted);
+        if (!deliveries_.make_room(session)) return;
+        if (qos != Qos::at_most_once) {
+            tables_.log.append(turn.out, [&] {
+                return Routed{message->position, {{session.header.client_id, qos, true}}};
+            });
+        }
+        deliveries_.enqueue(
+            session,
+            {.position = message->position, .message = message, .qos = qos, .retain = true}, turn);
+    });
+}
+
+}  // namespace romano::broker

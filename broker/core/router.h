@@ -1,0 +1,78 @@
+// From one message to its receivers: the own subscribers, the retained store, the log, the peers
+// (MQTT-SN 1.2 section 6.10; MQTT's rules for QoS, Retain and overlapping filters).
+//
+// In two steps, because a publisher's answer goes before its own copy of the message (G12).
+#pragma once
+
+#include <cstdint>
+#include <string_view>
+#include <vector>
+
+#include "broker/core/delivery_flow.h"
+#include "broker/core/outbox.h"
+#include "broker/core/tables.h"
+#include "romano/base/bytes.h"
+
+namespace romano::broker {
+
+/// What a client, or a will, publishes. Views live as long as the datagram.
+struct Publication {
+    std::string_view topic;
+    Bytes payload;
+    mqttsn::Qos qos;  // 0 to 2
+    bool retain;
+};
+
+class Router {
+public:
+    Router(Tables& tables, Outbox& outbox, DeliveryFlow& deliveries)
+        : tables_(tables), outbox_(outbox), deliveries_(deliveries) {}
+
+    /// Finds the receivers and writes the message into the log and the retained store. `publisher`
+    /// and `msg_id` only for QoS 2.
+    void accept(const Publication& publication, const Session* publisher, mqttsn::MsgId msg_id,
+                Turn& turn);
+    /// Hands what was accepted last to its receivers.
+    void deliver(const Publication& publication, Turn& turn);
+
+    /// Both, for what nobody waits for an answer about.
+    void publish(const Publication& publication, Turn& turn) {
+        accept(publication, nullptr, mqttsn::no_msg_id, turn);
+        deliver(publication, turn);
+    }
+
+    void on_peer_message(const MessagePtr& message, Turn& turn);
+
+    /// A retained message of this broker's own: not logged, not forwarded.
+    void set_system_topic(std::string_view topic, Bytes payload, Turn& turn);
+
+    /// After SUBACK: each retained match at min(stored, granted) QoS with Retain 1.
+    void send_retained(Session& session, const Subscription& subscription, Turn& turn);
+
+private:
+    struct Receiver {
+        Session* session;
+        mqttsn::Qos qos;  // min(published, granted)
+        WireTopic topic;
+        bool takes;  // of QoS 1 and 2: there is room in its queue
+    };
+
+    /// `position`: skip sessions that were ahead of us in that log when they came here.
+    void find_receivers(std::string_view topic, mqttsn::Qos qos, const LogPosition& position);
+    void claim_room();
+    [[nodiscard]] std::vector<Route> routes() const;
+    MessagePtr make_message(const Publication& publication, bool in_log, Turn& turn);
+    void send_at_once(const Receiver& receiver, const WireTopic& topic,
+                      const Publication& publication, Turn& turn);
+
+    Tables& tables_;
+    Outbox& outbox_;
+    DeliveryFlow& deliveries_;
+    std::vector<Receiver> receivers_;  // of the message that was accepted last
+    MessagePtr message_;               // made only when something must hold it
+    std::uint64_t fan_out_ = 0;
+    std::uint64_t repeatable_ = 0;  // what the last PUBLISH of this fan-out looked like,
+    Outbox::Octets repeated_{};     // and where its octets are
+};
+
+}  // namespace romano::broker

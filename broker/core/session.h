@@ -1,0 +1,85 @@
+// A session at its home: what its image holds, and what only the home needs: the open exchange,
+// the clocks, and how far the client's datagrams must wait for the log.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "broker/core/delivery_queue.h"
+#include "broker/core/session_image.h"
+#include "broker/core/topic_registry.h"
+#include "romano/base/time.h"
+
+namespace romano::broker {
+
+/// A small number that names a session within this broker while it lives here.
+using SessionNumber = std::uint32_t;
+
+/// How a topic stands in a PUBLISH to a client: an id of its type, or a short name's two octets.
+struct WireTopic {
+    mqttsn::TopicIdType type = mqttsn::TopicIdType::normal;
+    mqttsn::TopicId id = mqttsn::no_topic_id;  // none: by the client's registry
+};
+
+/// The one exchange that is open with a client (G24). It is about the front of the queue.
+struct Exchange {
+    enum class Kind : std::uint8_t { none, registering, publishing, releasing };
+
+    Kind kind = Kind::none;
+    bool stalled = false;  // all retries unanswered by a silent client: waits until it is heard
+    bool heard = false;    // the client was heard since the first sending
+    bool refused = false;  // the message fell back once already (G21, G25)
+    bool bare = false;     // without DUP and Retain (G25)
+    std::uint8_t sendings = 0;
+    mqttsn::MsgId msg_id = mqttsn::no_msg_id;
+    WireTopic topic;  // of REGISTER and PUBLISH
+    Instant retry_at = never;
+
+    [[nodiscard]] bool is_open() const { return kind != Kind::none; }
+};
+
+struct Session {
+    explicit Session(SessionNumber own_number) : number(own_number) {}
+
+    const SessionNumber number;
+    SessionHeader header;  // client_id never changes: tables refer to it
+    std::optional<Will> will;
+    std::vector<Subscription> subscriptions;
+    TopicRegistry topics;
+    DeliveryQueue queue;
+    std::vector<mqttsn::MsgId> unreleased;
+    /// From an adopted image that was ahead of this broker: its part of these logs is done.
+    std::vector<LogPosition> worked_ahead;
+
+    Exchange exchange;
+    std::uint16_t last_msg_id = 0;  // of the broker's requests to this client
+    Seq output_floor = 0;           // no datagram to the client leaves before this is safe
+
+    Instant heard_at{};           // restarts keep-alive and the sleep timer
+    Instant probe_at = never;     // the next PINGREQ of ours (G6)
+    Instant departed_at = never;  // when it became disconnected or lost
+    Instant paused_until{};       // after "congestion" in a REGACK (G16)
+
+    bool reachable = false;         // its address is in the table and leads here
+    bool fresh = false;             // nothing came since its CONNACK
+    bool fresh_will = false;        // and that CONNACK ended the will prompts
+    bool ignores_register = false;  // G14
+
+    std::uint64_t matched_in = 0;  // the fan-out that visited it last, and where it stands in it
+    std::uint32_t matched_at = 0;
+
+    [[nodiscard]] bool is_connected() const {
+        return header.state == SessionState::active || header.state == SessionState::asleep ||
+               header.state == SessionState::awake;
+    }
+    /// Something can be sent to it now.
+    [[nodiscard]] bool is_listening() const {
+        return reachable &&
+               (header.state == SessionState::active || header.state == SessionState::awake);
+    }
+    /// A publish of QoS 1 or 2 is kept for it.
+    [[nodiscard]] bool keeps_messages() const { return is_connected() || !header.clean; }
+};
+
+}  // namespace romano::broker

@@ -1,0 +1,48 @@
+#include "broker/core/session_deadline.h"
+
+#include <algorithm>
+
+namespace romano::broker {
+namespace {
+
+Duration tolerated(std::uint16_t seconds, const BrokerOptions& options) {
+    const auto exact = std::chrono::duration<double>{seconds} * options.keep_alive_tolerance;
+    return std::chrono::duration_cast<Duration>(exact);
+}
+
+}  // namespace
+
+Instant lost_at(const Session& session, const BrokerOptions& options) {
+    const SessionHeader& header = session.header;
+    if (header.state == SessionState::active && header.keep_alive_s != 0) {
+        return session.heard_at + tolerated(header.keep_alive_s, options);
+    }
+    if (header.state == SessionState::asleep || header.state == SessionState::awake) {
+        return session.heard_at + tolerated(header.sleep_s, options);
+    }
+    return never;
+}
+
+Instant probed_at(const Session& session) {
+    if (session.header.state != SessionState::active || session.header.keep_alive_s == 0) {
+        return never;
+    }
+    const Instant silent_at = session.heard_at + std::chrono::seconds{session.header.keep_alive_s};
+    return session.probe_at == never ? silent_at : std::max(silent_at, session.probe_at);
+}
+
+Instant due_at(const Session& session, const BrokerOptions& options) {
+    Instant due = std::min(lost_at(session, options), probed_at(session));
+    if (session.exchange.is_open() && !session.exchange.stalled) {
+        due = std::min(due, session.exchange.retry_at);
+    }
+    if (!session.queue.empty() && session.paused_until != Instant{} && session.is_listening()) {
+        due = std::min(due, session.paused_until);
+    }
+    if (session.departed_at != never && session.header.clean) {
+        due = std::min(due, session.departed_at + options.clean_session_kept_for);
+    }
+    return due;
+}
+
+}  // namespace romano::broker

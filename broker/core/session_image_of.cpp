@@ -1,0 +1,27 @@
+#include "broker/core/session_image_of.h"
+
+namespace romano::broker {
+
+SessionImage bare_image_of(const Session& session) {
+    SessionImage image{.header = session.header,
+                       .will = session.will,
+                       .subscriptions = session.subscriptions,
+                       .topics = session.topics.bindings(),
+                       .deliveries = {},
+                       .unreleased = session.unreleased,
+                       .worked_through = session.worked_ahead};
+    for (const Delivery& delivery : session.queue) {
+        if (delivery.qos != mqttsn::Qos::at_most_once) image.deliveries.push_back(delivery);
+    }
+    return image;
+}
+
+SessionImage image_of(const Session& session, const Tables& tables) {
+    SessionImage image = bare_image_of(session);
+    std::vector<LogPosition> own = tables.cursors.all();
+    if (tables.log.writes()) own.push_back({tables.log.id(), tables.log.last()});
+    image.worked_through = later_of(own, image.worked_through);
+    return image;
+}
+
+}  // namespace romano::broker

@@ -1,0 +1,83 @@
+#include "broker/core/session_table.h"
+
+#include <algorithm>
+#include <cassert>
+
+namespace romano::broker {
+
+Session& SessionTable::create(std::string_view client_id) {
+    assert(!by_id_.contains(client_id));
+    SessionNumber number = static_cast<SessionNumber>(slots_.size());
+    if (free_.empty()) {
+        slots_.emplace_back();
+    } else {
+        number = free_.back();
+        free_.pop_back();
+    }
+    slots_[number] = std::make_unique<Session>(number);
+    Session& session = *slots_[number];
+    session.header.client_id = client_id;
+    by_id_.emplace(session.header.client_id, &session);
+    return session;
+}
+
+void SessionTable::erase(Session& session) {
+    unmap(session);
+    come_back(session);
+    by_id_.erase(session.header.client_id);
+    free_.push_back(session.number);
+    slots_[session.number].reset();
+}
+
+Session* SessionTable::find(std::string_view client_id) const {
+    const auto found = by_id_.find(client_id);
+    return found == by_id_.end() ? nullptr : found->second;
+}
+
+Session* SessionTable::find(const ClientAddress& address) const {
+    const auto found = by_address_.find(address);
+    return found == by_address_.end() ? nullptr : found->second;
+}
+
+Session* SessionTable::map(Session& session, const ClientAddress& address) {
+    if (session.reachable && session.header.address == address) return nullptr;
+    unmap(session);
+    const auto [place, is_new] = by_address_.try_emplace(address, &session);
+    Session* previous = is_new ? nullptr : std::exchange(place->second, &session);
+    if (previous != nullptr) previous->reachable = false;
+    session.header.address = address;
+    session.reachable = true;
+    return previous;
+}
+
+void SessionTable::unmap(Session& session) {
+    if (!session.reachable) return;
+    by_address_.erase(session.header.address);
+    session.reachable = false;
+}
+
+void SessionTable::depart(Session& session, Instant now) {
+    come_back(session);
+    session.departed_at = now;
+    if (session.header.clean) departed_.emplace(now, session.number);
+}
+
+void SessionTable::come_back(Session& session) {
+    departed_.erase({session.departed_at, session.number});
+    session.departed_at = never;
+}
+
+Session* SessionTable::departed_first() const {
+    return departed_.empty() ? nullptr : at(departed_.begin()->second);
+}
+
+std::vector<Session*> SessionTable::by_client_id() const {
+    std::vector<Session*> all;
+    all.reserve(size());
+    visit([&all](Session& session) { all.push_back(&session); });
+    std::ranges::sort(all, {},
+                      [](const Session* s) { return std::string_view{s->header.client_id}; });
+    return all;
+}
+
+}  // namespace romano::broker

@@ -1,0 +1,59 @@
+// What the procedures of the broker core share: its tables, its log, its clock. No behaviour.
+#pragma once
+
+#include <cstdint>
+
+#include "broker/core/actions.h"
+#include "broker/core/counters.h"
+#include "broker/core/cursors.h"
+#include "broker/core/deadlines.h"
+#include "broker/core/hybrid_time.h"
+#include "broker/core/limits.h"
+#include "broker/core/log_writer.h"
+#include "broker/core/retained_store.h"
+#include "broker/core/session_table.h"
+#include "broker/core/topic_tree.h"
+#include "romano/base/random.h"
+#include "romano/base/time.h"
+
+namespace romano::broker {
+
+/// One call of the core: the time that it is told, and where its actions go.
+struct Turn {
+    Instant now;
+    Actions& out;
+};
+
+/// What a session was granted for one filter. A plain filter's topic is known beforehand.
+struct Grant {
+    mqttsn::Qos qos = mqttsn::Qos::at_most_once;
+    WireTopic topic;
+};
+
+using Subscribers = TopicTree<SessionNumber, Grant>;
+
+struct Tables {
+    Tables(const BrokerOptions& given, std::uint64_t seed)
+        : options(given),
+          log(given.log, given.writes_log),
+          clock(given.unix_time_at_zero),
+          random(seed),
+          retained(given.limits.retained_messages, given.writes_log) {}
+
+    BrokerOptions options;
+    LogWriter log;
+    HybridClock clock;
+    Random random;
+    SessionTable sessions;
+    Deadlines deadlines;
+    Subscribers subscribers;
+    RetainedStore retained;
+    Cursors cursors;
+    Counters counters;
+    bool congested = false;  // no new promises (BrokerCore::set_congested)
+
+    void count(Drop reason) { ++counters.dropped[static_cast<std::size_t>(reason)]; }
+    [[nodiscard]] const Limits& limits() const { return options.limits; }
+};
+
+}  // namespace romano::broker

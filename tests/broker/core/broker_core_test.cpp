@@ -1,0 +1,96 @@
+// The way of messages through one broker: connect, register, subscribe, publish (MQTT-SN 1.2
+// sections 6.2, 6.5, 6.6, 6.9, 6.10).
+
+#include "broker/core/broker_core.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/broker/core/scripted_client.h"
+
+namespace romano::broker {
+namespace {
+
+class Broker : public ::testing::Test {
+protected:
+    ScriptedBroker broker;
+    ScriptedClient a{broker, "a"};
+    ScriptedClient b{broker, "b"};
+};
+
+TEST_F(Broker, Qos0PublishReachesPlainSubscriber) {  // 6.6a, 6.10c
+    a.connects();
+    b.connects();
+    const TopicId at_b = b.subscribes("pose");
+    a.publishes(a.registers("pose"), "x=1");
+    const auto publish = b.hears_publish("x=1");
+    EXPECT_EQ(publish.topic, at_b);
+    EXPECT_EQ(publish.topic_type, TopicIdType::normal);
+    EXPECT_EQ(publish.msg_id, no_msg_id);
+    EXPECT_FALSE(publish.retain);
+    a.hears_nothing();
+    b.hears_nothing();
+}
+
+TEST_F(Broker, Qos1AndQos2GoThroughBothWays) {  // 6.6a, 6.10d
+    a.connects();
+    b.connects();
+    b.subscribes("pose");
+    const TopicId id = a.registers("pose");
+    a.publishes(id, "one", Qos::at_least_once);
+    EXPECT_NE(b.hears_publish("one", Qos::at_least_once).msg_id, no_msg_id);
+    a.publishes(id, "two", Qos::exactly_once);
+    b.hears_publish("two", Qos::exactly_once);
+    b.hears_nothing();
+}
+
+TEST_F(Broker, WildcardSubscriberIsToldTheNameFirst) {  // 6.9b, 6.10a
+    a.connects();
+    b.connects();
+    EXPECT_EQ(b.subscribes("robot/+/pose"), no_topic_id);
+    const TopicId id = a.registers("robot/7/pose");
+    a.publishes(id, "1");
+    a.publishes(id, "2");
+    const auto told = b.hears<Register>();
+    EXPECT_EQ(told.topic_name, "robot/7/pose");
+    b.hears_nothing();
+    b.says(Regack{told.topic_id, told.msg_id, ReturnCode::accepted});
+    EXPECT_EQ(b.hears_publish("1").topic, told.topic_id);
+    EXPECT_EQ(b.hears_publish("2").topic, told.topic_id);
+    a.publishes(id, "3");
+    b.hears_publish("3");
+}
+
+TEST_F(Broker, OneExchangeIsOpenPerClientAndTheRestWaitsInOrder) {  // G24
+    a.connects();
+    b.connects();
+    b.subscribes("t");
+    const TopicId id = a.registers("t");
+    a.publishes(id, "1", Qos::at_least_once);
+    a.publishes(id, "2", Qos::exactly_once);
+    a.publishes(id, "3", Qos::at_least_once);
+    EXPECT_EQ(b.unheard(), 1u);
+    b.hears_publish("1", Qos::at_least_once);
+    b.hears_publish("2", Qos::exactly_once);
+    b.hears_publish("3", Qos::at_least_once);
+    b.hears_nothing();
+}
+
+TEST_F(Broker, RetainedMessageComesAfterSuback) {  // G12
+    a.connects();
+    a.publishes(a.registers("map"), "grid", Qos::at_least_once, true);
+    b.connects();
+    b.subscribes("map");
+    const auto publish = b.hears_publish("grid", Qos::at_least_once);
+    EXPECT_TRUE(publish.retain);
+    b.hears_nothing();
+}
+
+TEST_F(Broker, PublisherHearsItsAnswerBeforeItsOwnCopy) {  // G12
+    a.connects();
+    const TopicId id = a.subscribes("echo", Qos::at_least_once);
+    a.publishes(id, "hello", Qos::at_least_once);
+    a.hears_publish("hello", Qos::at_least_once);
+}
+
+}  // namespace
+}  // namespace romano::broker

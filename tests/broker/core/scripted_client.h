@@ -1,0 +1,242 @@
+// Clients that speak by script to a broker core in virtual time: tests read like sequence charts.
+//
+//     ScriptedBroker broker;
+//     ScriptedClient robot{broker, "robot"};
+//     robot.connects();
+//     robot.says(Register{no_topic_id, MsgId{1}, "pose"});
+//     const auto ack = robot.hears<Regack>();
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <cstdint>
+#include <deque>
+#include <string>
+#include <string_view>
+#include <unordered_map>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "broker/core/broker_core.h"
+#include "romano/mqttsn/codec.h"
+
+namespace romano::broker {
+
+using namespace std::chrono_literals;
+using namespace romano::mqttsn;  // the messages' names, as in the specification
+using MqttsnMessage = mqttsn::Message;
+using Octets = std::vector<std::uint8_t>;
+
+inline Endpoint loopback(std::uint8_t host, std::uint16_t port) {
+    return {.address = {127, 0, 0, host}, .port = port, .family = Endpoint::Family::ipv4};
+}
+
+inline Octets octets_of(std::string_view text) {
+    return {text.begin(), text.end()};
+}
+
+inline BrokerOptions plain_options() {
+    BrokerOptions options;
+    options.log = {broker_id_of("b1"), 1};
+    options.advertise_every = Duration{0};
+    options.predefined_topics = {{TopicId{7}, "predefined/seven"}};
+    return options;
+}
+
+/// A broker core, its time, and where its actions went.
+class ScriptedBroker {
+public:
+    explicit ScriptedBroker(const BrokerOptions& options = plain_options())
+        : core(options, 1), via(loopback(1, 1883)) {}
+
+    void receives(const ClientAddress& from, const Octets& datagram) {
+        core.on_datagram(now, via, from.endpoint, datagram, actions);
+        drain();
+    }
+
+    void waits(Duration duration) {
+        const Instant end = now + duration;
+        while (core.next_wakeup() <= end) {
+            now = std::max(now, core.next_wakeup());
+            core.on_tick(now, actions);
+            drain();
+        }
+        now = end;
+    }
+
+    void drain() {
+        for (Action& action : actions.list()) {
+            if (const auto* send = std::get_if<Send>(&action)) {
+                const Bytes octets = actions.octets(*send);
+                EXPECT_GE(send->after, floors[send->to]) << "a datagram overtakes an earlier one";
+                floors[send->to] = send->after;
+                inboxes[send->to].emplace_back(octets.begin(), octets.end());
+                last_after = send->after;
+            } else if (const auto* multicast = std::get_if<Multicast>(&action)) {
+                const Bytes octets = actions.octets(*multicast);
+                multicasts.emplace_back(octets.begin(), octets.end());
+            } else if (auto* append = std::get_if<Append>(&action)) {
+                EXPECT_EQ(append->seq, log.size() + 1);
+                log.push_back(std::move(*append->event));
+            } else {
+                forwards.push_back(std::get<Forward>(action).message);
+            }
+        }
+        actions.clear();
+        core.check_invariants();
+    }
+
+    [[nodiscard]] std::uint64_t dropped(Drop reason) const {
+        return core.counters().dropped[static_cast<std::size_t>(reason)];
+    }
+
+    BrokerCore core;
+    Endpoint via;
+    Instant now{1s};
+    Actions actions;
+    std::unordered_map<ClientAddress, std::deque<Octets>, ClientAddressHash> inboxes;
+    std::unordered_map<ClientAddress, Seq, ClientAddressHash> floors;
+    std::vector<Octets> multicasts;
+    std::vector<LogEvent> log;  // event n at n - 1
+    std::vector<MessagePtr> forwards;
+    Seq last_after = 0;
+};
+
+class ScriptedClient {
+public:
+    ScriptedClient(ScriptedBroker& at, std::string client_id, std::uint16_t port = 0)
+        : id(std::move(client_id)), broker_(&at) {
+        static std::uint16_t next_port = 20'000;
+        address.endpoint = loopback(2, port != 0 ? port : next_port++);
+    }
+
+    template <typename M>
+    void says(const M& message) {
+        says_octets(encoded(message));
+    }
+    void says_octets(Octets octets) {
+        if (!address.wireless_node_id.empty()) {
+            octets = encoded(Encapsulated{.radius = 1,
+                                          .wireless_node_id = as_octets(address.wireless_node_id),
+                                          .message = octets});
+        }
+        broker_->receives(address, octets);
+    }
+
+    /// The next datagram to this client, which must be an M. Views live until the next one.
+    template <typename M>
+    M hears() {
+        const MqttsnMessage* message = next();
+        if (message == nullptr) {
+            ADD_FAILURE() << id << " hears nothing instead of " << name_of(M::type);
+            return M{};
+        }
+        const M* expected = std::get_if<M>(message);
+        if (expected == nullptr) {
+            ADD_FAILURE() << id << " hears " << name_of(type_of(*message)) << " instead of "
+                          << name_of(M::type);
+            return M{};
+        }
+        return *expected;
+    }
+
+    void hears_nothing() {
+        const MqttsnMessage* message = next();
+        EXPECT_EQ(message, nullptr) << id << " hears " << name_of(type_of(*message));
+    }
+
+    [[nodiscard]] std::size_t unheard() const { return broker_->inboxes[address].size(); }
+    void ignores_what_came() { broker_->inboxes[address].clear(); }
+
+    void connects(bool clean_session = true, std::uint16_t keep_alive_s = 0) {
+        says(connect(clean_session, keep_alive_s));
+        EXPECT_EQ(hears<Connack>().return_code, ReturnCode::accepted);
+    }
+    [[nodiscard]] Connect connect(bool clean_session = true, std::uint16_t keep_alive_s = 0,
+                                  bool will = false) const {
+        return {will, clean_session, protocol_id, keep_alive_s, id};
+    }
+
+    TopicId registers(std::string_view name) {
+        says(Register{no_topic_id, next_msg_id(), name});
+        const auto ack = hears<Regack>();
+        EXPECT_EQ(ack.return_code, ReturnCode::accepted);
+        return ack.topic_id;
+    }
+
+    TopicId subscribes(std::string_view filter, Qos qos = Qos::exactly_once) {
+        says(Subscribe{false, qos, next_msg_id(), {TopicIdType::normal, filter, no_topic_id}});
+        const auto ack = hears<Suback>();
+        EXPECT_EQ(ack.return_code, ReturnCode::accepted);
+        EXPECT_EQ(ack.qos, qos);
+        return ack.topic_id;
+    }
+
+    /// Publishes at QoS 0, 1 or 2 by id and goes through the exchange.
+    void publishes(TopicId topic, std::string_view data, Qos qos = Qos::at_most_once,
+                   bool retain = false) {
+        const MsgId msg_id = qos == Qos::at_most_once ? no_msg_id : next_msg_id();
+        says(Publish{false, qos, retain, TopicIdType::normal, topic, msg_id, as_octets(data)});
+        if (qos == Qos::at_least_once) {
+            EXPECT_EQ(hears<Puback>().return_code, ReturnCode::accepted);
+        } else if (qos == Qos::exactly_once) {
+            EXPECT_EQ(hears<Pubrec>().msg_id, msg_id);
+            says(Pubrel{msg_id});
+            EXPECT_EQ(hears<Pubcomp>().msg_id, msg_id);
+        }
+    }
+
+    /// The next datagram is this PUBLISH; acknowledges it to the end.
+    Publish hears_publish(std::string_view data, Qos qos = Qos::at_most_once) {
+        const auto publish = hears<Publish>();
+        EXPECT_EQ(as_text(publish.data), data);
+        EXPECT_EQ(publish.qos, qos);
+        if (qos == Qos::at_least_once) {
+            says(Puback{publish.topic, publish.msg_id, ReturnCode::accepted});
+        } else if (qos == Qos::exactly_once) {
+            const MsgId msg_id = publish.msg_id;
+            says(Pubrec{msg_id});
+            EXPECT_EQ(hears<Pubrel>().msg_id, msg_id);
+            says(Pubcomp{msg_id});
+        }
+        return publish;
+    }
+
+    MsgId next_msg_id() { return MsgId{++last_msg_id_}; }
+
+    template <typename M>
+    static Octets encoded(const M& message) {
+        Octets octets(65'600);
+        octets.resize(mqttsn::encode(message, octets));
+        return octets;
+    }
+
+    std::string id;
+    ClientAddress address;
+
+private:
+    const MqttsnMessage* next() {
+        auto& inbox = broker_->inboxes[address];
+        if (inbox.empty()) return nullptr;
+        heard_ = std::move(inbox.front());
+        inbox.pop_front();
+        auto decoded = mqttsn::decode(heard_);
+        if (const auto* frame = decoded ? std::get_if<Encapsulated>(&*decoded) : nullptr) {
+            EXPECT_EQ(as_text(frame->wireless_node_id), address.wireless_node_id);
+            decoded = mqttsn::decode(frame->message);
+        }
+        EXPECT_TRUE(decoded.has_value()) << "malformed octets from the broker";
+        if (!decoded) return nullptr;
+        message_ = *decoded;
+        return &message_;
+    }
+
+    ScriptedBroker* broker_;
+    Octets heard_;
+    MqttsnMessage message_;
+    std::uint16_t last_msg_id_ = 0;
+};
+
+}  // namespace romano::broker
