@@ -1,0 +1,106 @@
+// The network between brokers: what overlay/transport.h promises, and not more.
+//
+// Modelled on Cyclone DDS. A process and a peer match some milliseconds after both can hear each
+// other; before that nothing passes. Beacons and best-effort messages are lost, delayed, and
+// dropped when a newer one came first. Reliable messages come in order; what is lost is repeated
+// later, unless the sender died first: then the stream ends at the gap, at another place for each
+// receiver. A cut or a stalled process holds a stream up; after `lease` the two are no match any
+// more and what the stream held is gone.
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <memory>
+#include <tuple>
+#include <vector>
+
+#include "overlay/sim/event_queue.h"
+#include "overlay/sim/link.h"
+#include "overlay/sim/trace.h"
+#include "overlay/transport.h"
+#include "romano/base/random.h"
+
+namespace romano::sim {
+
+struct BrokerNetworkOptions {
+    LinkQuality quality;
+    Duration repeat_after{std::chrono::milliseconds{20}};  // a lost reliable message
+    Duration match_after_max{std::chrono::milliseconds{50}};
+    Duration lease{std::chrono::seconds{10}};
+};
+
+class BrokerNetwork {
+public:
+    BrokerNetwork(EventQueue& events, Trace& trace, const BrokerNetworkOptions& options,
+                  std::uint64_t seed)
+        : events_(events), trace_(trace), options_(options), random_(seed) {}
+
+    /// The process's end of the network; destroying it is the process's death.
+    [[nodiscard]] std::unique_ptr<overlay::Transport> attach(const broker::LogId& process,
+                                                             Node node);
+
+    void set_quality(const LinkQuality& quality) { options_.quality = quality; }
+    [[nodiscard]] const BrokerNetworkOptions& options() const { return options_; }
+
+    void cut(Node from, Node to);
+    void join(Node from, Node to);
+    void join_all();
+    [[nodiscard]] const Cuts& cuts() const { return cuts_; }
+
+    /// A stopped process: its kernel's buffers take some of what comes, its peers wait.
+    void stall(Node node);
+    void go_on(Node node);
+
+    [[nodiscard]] std::uint64_t messages_sent() const { return sent_; }
+
+private:
+    class Port;
+    using Shared = std::shared_ptr<const cluster::ClusterMessage>;
+
+    struct Peer {
+        Node node;
+        Port* port;
+    };
+    struct Pending {
+        Instant due;      // arrives then, if nothing stands in the way
+        Instant on_wire;  // the sender must live until then
+        Shared message;
+    };
+    /// One writer's samples to one reader, of one delivery.
+    struct Stream {
+        std::deque<Pending> pending;
+        Instant last_due{};
+    };
+    using Pair = std::pair<broker::LogId, broker::LogId>;
+    using StreamId = std::tuple<broker::LogId, broker::LogId, cluster::Delivery>;
+
+    void detach(const broker::LogId& process);
+    void send(const broker::LogId& from, const overlay::Outgoing& outgoing);
+    void send_reliable(const StreamId& id, const Shared& message);
+    void send_best_effort(const StreamId& id, const Shared& message);
+    void pump(const StreamId& id);
+    void deliver(const StreamId& id, const Shared& message);
+    void match(const broker::LogId& a, const broker::LogId& b);
+    void part_for_long(Node a, Node b);
+    void pump_all();
+    [[nodiscard]] bool is_matched(const broker::LogId& from, const broker::LogId& to) const;
+    [[nodiscard]] bool is_held_up(const StreamId& id) const;
+
+    EventQueue& events_;
+    Trace& trace_;
+    BrokerNetworkOptions options_;
+    Random random_;
+    Cuts cuts_;
+    std::uint64_t sent_ = 0;
+    std::map<Node, Instant> stalled_;
+    std::map<broker::LogId, Peer> peers_;
+    std::map<Pair, Instant> matched_at_;
+    std::map<StreamId, Stream> streams_;
+    std::map<StreamId, std::uint64_t> newest_sent_;       // best effort: numbers the samples
+    std::map<StreamId, std::uint64_t> newest_delivered_;  // older ones are dropped
+};
+
+}  // namespace romano::sim

@@ -1,0 +1,162 @@
+#include "overlay/sim/broker_process.h"
+
+#include <algorithm>
+#include <chrono>
+#include <utility>
+
+#include "overlay/sim/seed.h"
+
+namespace romano::sim {
+
+using namespace std::chrono_literals;
+
+namespace {
+LocalClock some_clock(std::uint64_t seed) {
+    Random random(seed);
+    const Duration offset = random.between(1s, 10h);
+    return {offset, static_cast<std::int64_t>(random.below(201)) - 100};
+}
+}  // namespace
+
+BrokerProcess::BrokerProcess(std::string name, Node node, EventQueue& events,
+                             ClientNetwork& clients, Trace& trace, std::uint64_t seed)
+    : events_(events),
+      trace_(trace),
+      random_(seed_of(seed, "process")),
+      name_(std::move(name)),
+      node_(node),
+      clients_(clients),
+      clock_(some_clock(seed_of(seed, "clock"))) {}
+
+void BrokerProcess::start() {
+    if (up_) return;
+    up_ = true;
+    ++incarnation_;
+    timer_ = never;
+    trace_.note(events_.now(), name_, "starts", incarnation_);
+    create_core();
+    rearm();
+}
+
+void BrokerProcess::crash() {
+    if (!up_) return;
+    trace_.note(events_.now(), name_, "crashes");
+    up_ = false;
+    stopped_ = false;
+    for (const auto& [address, binding] : std::exchange(bound_, {})) clients_.unbind(binding);
+    datagrams_.clear();
+    envelopes_.clear();
+    postponed_.clear();
+    on_go_on();
+    destroy_core();
+}
+
+void BrokerProcess::stop() {
+    if (!is_running()) return;
+    trace_.note(events_.now(), name_, "is stopped");
+    stopped_ = true;
+    on_stop();
+}
+
+void BrokerProcess::go_on() {
+    if (!up_ || !stopped_) return;
+    trace_.note(events_.now(), name_, "goes on");
+    stopped_ = false;
+    on_go_on();
+    run_backlog();
+}
+
+void BrokerProcess::run_backlog() {
+    auto datagrams = std::exchange(datagrams_, {});
+    auto envelopes = std::exchange(envelopes_, {});
+    auto postponed = std::exchange(postponed_, {});
+    std::size_t datagram = 0;
+    std::size_t envelope = 0;
+    bool ticked = false;
+    while (is_running()) {
+        const bool more = datagram < datagrams.size() || envelope < envelopes.size() || !ticked;
+        if (!more) break;
+        switch (random_.below(3)) {
+            case 0:
+                if (datagram < datagrams.size()) take(datagrams[datagram++]);
+                break;
+            case 1:
+                if (envelope < envelopes.size()) take(envelopes[envelope++]);
+                break;
+            default:
+                if (!std::exchange(ticked, true)) tick();
+                break;
+        }
+    }
+    for (const auto& action : postponed) {
+        if (is_running()) action();
+    }
+    rearm();
+}
+
+void BrokerProcess::bind(const Endpoint& address) {
+    if (bound_.contains(address)) return;
+    const auto receive = [this](const Endpoint& at, const Endpoint& from, Bytes octets) {
+        Datagram datagram{at, from, {octets.begin(), octets.end()}};
+        if (!stopped_) {
+            take(datagram);
+            rearm();
+        } else if (datagrams_.size() < socket_buffer) {
+            datagrams_.push_back(std::move(datagram));
+        }
+    };
+    bound_.emplace(address, clients_.bind(address, node_, receive));
+}
+
+void BrokerProcess::unbind(const Endpoint& address) {
+    const auto found = bound_.find(address);
+    if (found == bound_.end()) return;
+    clients_.unbind(found->second);
+    bound_.erase(found);
+}
+
+void BrokerProcess::send(const Endpoint& via, const Endpoint& to, Bytes datagram) {
+    clients_.send(node_, via, to, datagram);
+}
+
+void BrokerProcess::on_envelope(cluster::Envelope envelope) {
+    if (!stopped_) {
+        take(envelope);
+        rearm();
+        return;
+    }
+    const bool best_effort =
+        cluster::delivery_of(envelope.message) == cluster::Delivery::beacon ||
+        cluster::delivery_of(envelope.message) == cluster::Delivery::best_effort;
+    if (!best_effort || envelopes_.size() < socket_buffer) {
+        envelopes_.push_back(std::move(envelope));
+    }
+}
+
+void BrokerProcess::later(Duration delay, EventQueue::Event action) {
+    events_.after(delay, [this, born = incarnation_, action = std::move(action)] {
+        if (!up_ || incarnation_ != born) return;
+        if (stopped_) {
+            postponed_.push_back(action);
+            return;
+        }
+        action();
+        rearm();
+    });
+}
+
+void BrokerProcess::rearm() {
+    if (!is_running()) return;
+    const Instant wanted = std::max(clock_.when(next_wakeup()), events_.now());
+    if (wanted == never || wanted >= timer_) return;
+    timer_ = wanted;
+    events_.at(wanted, [this, wanted, born = incarnation_] {
+        if (timer_ != wanted || incarnation_ != born) return;
+        timer_ = never;
+        if (!is_running()) return;
+        tick();
+        rearm();
+    });
+}
+
+}  // namespace romano::sim

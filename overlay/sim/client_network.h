@@ -1,0 +1,63 @@
+// UDP between robots and service addresses: datagrams are lost, delayed, doubled and overtaken.
+//
+// An address may be bound by several nodes, as with SO_REUSEADDR on one host or with an address
+// that moved between hosts: a datagram goes to the newest binding that its sender can reach. What
+// nobody serves vanishes.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <vector>
+
+#include "overlay/sim/event_queue.h"
+#include "overlay/sim/link.h"
+#include "overlay/sim/trace.h"
+#include "romano/base/bytes.h"
+#include "romano/base/endpoint.h"
+#include "romano/base/random.h"
+
+namespace romano::sim {
+
+class ClientNetwork {
+public:
+    using Receiver = std::function<void(const Endpoint& at, const Endpoint& from, Bytes datagram)>;
+    /// True: this datagram does not arrive.
+    using Filter = std::function<bool(const Endpoint& from, const Endpoint& to, Bytes datagram)>;
+    enum class Binding : std::uint64_t {};
+
+    ClientNetwork(EventQueue& events, Trace& trace, std::uint64_t seed)
+        : events_(events), trace_(trace), random_(seed) {}
+
+    [[nodiscard]] Binding bind(const Endpoint& address, Node node, Receiver receiver);
+    void unbind(Binding binding);
+    [[nodiscard]] bool is_bound(const Endpoint& address) const;
+
+    void send(Node sender, const Endpoint& from, const Endpoint& to, Bytes datagram);
+
+    void set_quality(const LinkQuality& quality) { quality_ = quality; }
+    [[nodiscard]] const LinkQuality& quality() const { return quality_; }
+    [[nodiscard]] Cuts& cuts() { return cuts_; }
+    /// For scripted losses.
+    void set_filter(Filter filter) { filter_ = std::move(filter); }
+
+private:
+    struct Bound {
+        Binding id;
+        Node node;
+        Receiver receiver;
+    };
+    void fly(Node sender, const Endpoint& from, const Endpoint& to, Bytes datagram);
+    void arrive(Node sender, const Endpoint& from, const Endpoint& to, Bytes datagram);
+
+    EventQueue& events_;
+    Trace& trace_;
+    Random random_;
+    LinkQuality quality_;
+    Cuts cuts_;
+    Filter filter_;
+    std::uint64_t last_binding_ = 0;
+    std::map<Endpoint, std::vector<Bound>> bound_;  // oldest first
+};
+
+}  // namespace romano::sim

@@ -1,0 +1,46 @@
+// Virtual time: what happens, in the order of (time, sequence). Nothing else moves the clock.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+#include "romano/base/time.h"
+
+namespace romano::sim {
+
+class EventQueue {
+public:
+    using Event = std::function<void()>;
+
+    [[nodiscard]] Instant now() const { return now_; }
+
+    /// Events of one time happen in the order in which they were asked for. A time in the past
+    /// means now.
+    void at(Instant when, Event event);
+    void after(Duration delay, Event event) { at(now_ + delay, std::move(event)); }
+
+    /// The clock then stands at `end`.
+    void run_until(Instant end);
+    void run_for(Duration duration) { run_until(now_ + duration); }
+
+    [[nodiscard]] std::uint64_t events_run() const { return run_; }
+
+private:
+    struct Entry {
+        Instant when;
+        std::uint64_t sequence;
+        Event event;
+    };
+    static bool later(const Entry& a, const Entry& b);
+
+    static constexpr std::uint64_t livelock = 1'000'000;
+
+    Instant now_{};
+    std::uint64_t at_this_time_ = 0;
+    std::uint64_t next_sequence_ = 0;
+    std::uint64_t run_ = 0;
+    std::vector<Entry> heap_;
+};
+
+}  // namespace romano::sim

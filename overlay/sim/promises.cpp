@@ -1,0 +1,130 @@
+#include "overlay/sim/promises.h"
+
+#include <algorithm>
+#include <map>
+#include <set>
+#include <tuple>
+
+#include "romano/mqttsn/topic.h"
+
+namespace romano::sim {
+
+using mqttsn::Qos;
+
+namespace {
+
+using MessageKey = std::pair<std::string, std::uint32_t>;  // publisher, number
+using DeliveryKey = std::pair<std::string, MessageKey>;    // subscriber, message
+
+std::string seconds(Instant at) {
+    return std::to_string(
+               std::chrono::duration_cast<std::chrono::milliseconds>(at.time_since_epoch())
+                   .count()) +
+           " ms";
+}
+
+std::string describe(const Sent& sent) {
+    return sent.publisher + "'s message " + std::to_string(sent.number) + " (QoS " +
+           std::to_string(static_cast<unsigned>(sent.qos)) + " on " + sent.topic +
+           (sent.retain ? ", retained" : "") + ", asked for at " + seconds(sent.at) +
+           (sent.acknowledged ? ", acknowledged at " + seconds(*sent.acknowledged) : "") + ")";
+}
+
+/// P3: exactly-once messages come once.
+void judge_duplicates(const Ledger& ledger, Violations& out) {
+    std::map<DeliveryKey, Instant> first;
+    for (const Reception& r : ledger.receptions) {
+        if (r.qos != Qos::exactly_once || r.retain) continue;
+        const MessageKey message{r.publisher, r.number};
+        const auto [seen, is_new] = first.try_emplace({r.subscriber, message}, r.at);
+        if (is_new) continue;
+        const auto sent = ledger.sent.find(message);
+        out.push_back(
+            {Promise::exactly_once,
+             r.subscriber + " got twice, at " + seconds(seen->second) + " and at " + seconds(r.at) +
+                 ": " +
+                 (sent == ledger.sent.end() ? "something unknown" : describe(sent->second))});
+    }
+}
+
+/// P5: what comes for the first time comes in the publisher's order.
+void judge_order(const Ledger& ledger, const Judgement& judgement, Violations& out) {
+    std::set<DeliveryKey> seen;
+    std::map<std::tuple<std::string, std::string, std::string, Qos>, const Sent*> last;
+    for (const Reception& r : ledger.receptions) {
+        if (r.retain) continue;
+        const MessageKey message{r.publisher, r.number};
+        const auto found = ledger.sent.find(message);
+        if (found == ledger.sent.end()) continue;
+        const Sent& sent = found->second;
+        if (r.qos != sent.qos) continue;  // granted less
+        if (sent.qos == Qos::at_most_once && !judgement.links_keep_order) continue;
+        if (!seen.insert({r.subscriber, message}).second) continue;
+        const Sent*& before = last[{r.subscriber, r.publisher, sent.topic, sent.qos}];
+        if (before != nullptr && before->number > sent.number) {
+            out.push_back({Promise::in_order, r.subscriber + " got at " + seconds(r.at) + " " +
+                                                  describe(sent) + " after number " +
+                                                  std::to_string(before->number)});
+        }
+        before = &sent;
+    }
+}
+
+void judge_needless_wills(const Ledger& ledger, Violations& out) {
+    std::map<std::pair<std::string, std::string>, int> count;
+    for (const WillSeen& will : ledger.wills) {
+        const auto silenced = ledger.silenced.find(will.of);
+        if (silenced == ledger.silenced.end() || silenced->second > will.at) {
+            out.push_back({Promise::will_once, will.subscriber + " got at " + seconds(will.at) +
+                                                   " the will of " + will.of + ", which lives"});
+        } else if (++count[{will.subscriber, will.of}] == 2) {
+            out.push_back(
+                {Promise::will_once, will.subscriber + " got the will of " + will.of + " twice"});
+        }
+    }
+}
+
+}  // namespace
+
+std::string to_text(const Violations& violations) {
+    std::string text;
+    for (const Violation& violation : violations) {
+        text += violation.promise == Promise::liveness
+                    ? std::string{"liveness"}
+                    : "P" + std::to_string(static_cast<unsigned>(violation.promise));
+        text += ' ' + violation.what + '\n';
+    }
+    return text;
+}
+
+void judge_safety(const Ledger& ledger, const Judgement& judgement, Violations& out) {
+    judge_duplicates(ledger, out);
+    judge_order(ledger, judgement, out);
+    judge_needless_wills(ledger, out);
+}
+
+void judge_completeness(const Ledger& ledger, Violations& out) {
+    std::set<DeliveryKey> got;
+    for (const Reception& r : ledger.receptions) {
+        got.insert({r.subscriber, {r.publisher, r.number}});
+    }
+    for (const auto& [key, sent] : ledger.sent) {
+        if (sent.qos == Qos::at_most_once || sent.qos == Qos::without_connection || sent.refused)
+            continue;
+        if (!sent.acknowledged) {
+            if (!ledger.silenced.contains(sent.publisher)) {
+                out.push_back({Promise::liveness, "never acknowledged: " + describe(sent)});
+            }
+            continue;
+        }
+        for (const SubscriptionSpan& span : ledger.subscriptions) {
+            if (span.until || span.from > sent.at || span.granted == Qos::at_most_once) continue;
+            if (!mqttsn::matches(span.filter, sent.topic)) continue;
+            if (got.contains({span.subscriber, key})) continue;
+            out.push_back(
+                {Promise::nothing_lost, span.subscriber + " never got " + describe(sent)});
+        }
+    }
+}
+
+}  // namespace romano::sim

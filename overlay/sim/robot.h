@@ -1,0 +1,119 @@
+// A robot: the shipped client core, and an application that publishes numbered messages, subscribes
+// and writes down in the ledger what it asked for, what was acknowledged and what it got.
+//
+// A conforming client. It talks to one fixed address; when the broker counts as lost or says
+// DISCONNECT it connects again without clean session, and relies on its subscriptions being kept.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "overlay/sim/client_network.h"
+#include "overlay/sim/event_queue.h"
+#include "overlay/sim/ledger.h"
+#include "overlay/sim/trace.h"
+#include "romano/base/endpoint.h"
+#include "romano/base/random.h"
+#include "romano/client/client.h"
+
+namespace romano::sim {
+
+struct RobotOptions {
+    struct Filter {
+        std::string filter;
+        mqttsn::Qos qos = mqttsn::Qos::exactly_once;
+    };
+
+    std::string name;
+    Endpoint address;  // its own
+    Endpoint broker;
+    Node node{};
+    std::vector<Filter> subscriptions;
+    std::vector<std::string> topics;  // that it publishes on, in random order
+    std::vector<mqttsn::Qos> qos{mqttsn::Qos::exactly_once};
+    Duration publish_every_min{std::chrono::milliseconds{50}};
+    Duration publish_every_max{std::chrono::milliseconds{150}};
+    std::uint32_t retain_ppm = 0;
+    bool clean_session = true;  // of its first CONNECT
+    std::chrono::seconds keep_alive{60};
+    std::optional<std::string> will_topic;  // will at QoS 2
+    client::Timing timing{
+        .t_retry = std::chrono::milliseconds{500}, .t_wait = std::chrono::seconds{1}, .n_retry = 5};
+};
+
+class Robot {
+public:
+    Robot(const RobotOptions& options, EventQueue& events, ClientNetwork& network, Trace& trace,
+          Ledger& ledger, std::uint64_t seed);
+    ~Robot();
+    Robot(const Robot&) = delete;
+    Robot& operator=(const Robot&) = delete;
+
+    void start();
+    /// Publishes from now on by itself, or no more.
+    void begin_publishing();
+    void end_publishing();
+    /// Publishes now; empty when the client's queue is full.
+    std::optional<std::uint32_t> publish(const std::string& topic, mqttsn::Qos qos,
+                                         bool retain = false);
+    void subscribe(const std::string& filter, mqttsn::Qos qos);
+    void unsubscribe(const std::string& filter);
+    /// Falls silent without a word, for good.
+    void switch_off();
+
+    [[nodiscard]] const RobotOptions& options() const { return options_; }
+    [[nodiscard]] const std::string& name() const { return options_.name; }
+    [[nodiscard]] bool is_on() const { return on_; }
+    [[nodiscard]] bool is_connected() const { return client_.is_connected(); }
+    /// Connected, subscribed to everything, and nothing waits for the broker.
+    [[nodiscard]] bool is_idle() const { return client_.is_connected() && client_.is_idle(); }
+    /// CONNECTs asked for by the application; one, when it never noticed anything.
+    [[nodiscard]] std::uint32_t connects() const { return connects_; }
+    [[nodiscard]] std::uint32_t published() const { return last_number_; }
+
+private:
+    /// What an operation of the client stands for.
+    struct Subscribing {
+        std::string filter;
+    };
+    using Asked = std::variant<std::uint32_t, Subscribing>;
+
+    void connect(bool clean);
+    void on_datagram(Bytes datagram);
+    void on_timer();
+    void rearm();
+    void drain();
+    void on_event(const client::Event& event);
+    void on_received(const client::Received& received);
+    void on_published(client::OperationId operation, bool accepted);
+    void on_subscribed(const client::Subscribed& subscribed);
+    void connect_again();
+    void publish_next();
+    void end_spans(const std::string* filter);
+
+    RobotOptions options_;
+    EventQueue& events_;
+    ClientNetwork& network_;
+    Trace& trace_;
+    Ledger& ledger_;
+    Random random_;
+    client::Client<> client_;
+    client::OutputFor<> out_;
+    std::string will_;  // what the client sends when asked for it
+    ClientNetwork::Binding binding_{};
+    std::map<client::OperationId, Asked> asked_;
+    bool on_ = false;
+    bool subscribed_ = false;
+    bool publishing_ = false;
+    bool reconnect_pending_ = false;
+    std::uint32_t connects_ = 0;
+    std::uint32_t last_number_ = 0;
+    Instant timer_ = never;
+};
+
+}  // namespace romano::sim

@@ -1,0 +1,142 @@
+#include "overlay/sim/broker_network.h"
+
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+namespace romano::sim {
+namespace {
+
+using namespace std::chrono_literals;
+using broker::BrokerId;
+using broker::LogId;
+
+class BrokerNetworkTest : public testing::Test {
+protected:
+    struct Process {
+        LogId id;
+        std::unique_ptr<overlay::Transport> port;
+        std::vector<broker::Seq> log;        // LogBatch by first_seq
+        std::vector<std::uint64_t> beacons;  // by tick
+    };
+
+    void start(Process& process, std::uint64_t number) {
+        process.id = {BrokerId{number}, 1};
+        process.port = network.attach(process.id, Node{static_cast<std::uint32_t>(number)});
+        process.port->start([&process](const overlay::Envelope& envelope) {
+            if (const auto* batch = std::get_if<cluster::LogBatch>(&envelope.message)) {
+                process.log.push_back(batch->first_seq);
+            } else if (const auto* beacon = std::get_if<cluster::Beacon>(&envelope.message)) {
+                process.beacons.push_back(beacon->tick);
+            }
+        });
+    }
+    void start_all() {
+        start(a, 1);
+        start(b, 2);
+        start(c, 3);
+        events.run_for(100ms);  // matched
+    }
+    void log(broker::Seq seq) { a.port->send({std::nullopt, cluster::LogBatch{a.id, seq, {}}}); }
+    void beacon(std::uint64_t tick) {
+        cluster::Beacon message;
+        message.tick = tick;
+        a.port->send({std::nullopt, message});
+    }
+
+    EventQueue events;
+    Trace trace;
+    BrokerNetwork network{events, trace, {}, 1};
+    Process a, b, c;
+};
+
+using Seqs = std::vector<broker::Seq>;
+
+TEST_F(BrokerNetworkTest, ReliableMessagesComeToAllInOrderDespiteLoss) {
+    start_all();
+    network.set_quality({.delay_max = 10ms, .loss_ppm = 300'000});
+    Seqs sent;
+    for (broker::Seq seq = 1; seq <= 100; ++seq) {
+        sent.push_back(seq);
+        log(seq);
+        events.run_for(1ms);
+    }
+    events.run_for(1s);
+    EXPECT_EQ(b.log, sent);
+    EXPECT_EQ(c.log, sent);
+}
+
+TEST_F(BrokerNetworkTest, NothingPassesBeforeTwoProcessesMatch) {
+    start(a, 1);
+    start(b, 2);
+    log(1);
+    events.run_for(100ms);
+    log(2);
+    events.run_for(100ms);
+    EXPECT_EQ(b.log, Seqs{2});
+}
+
+TEST_F(BrokerNetworkTest, AnOlderBeaconNeverComesBehindANewerOne) {
+    start_all();
+    network.set_quality({.delay_min = 0ms, .delay_max = 20ms});
+    for (std::uint64_t tick = 1; tick <= 200; ++tick) {
+        beacon(tick);
+        events.run_for(1ms);
+    }
+    events.run_for(1s);
+    EXPECT_LT(b.beacons.size(), 200U);
+    EXPECT_TRUE(std::ranges::is_sorted(b.beacons));
+}
+
+TEST_F(BrokerNetworkTest, ACutHoldsReliableMessagesUpAndLosesBeacons) {
+    start_all();
+    network.cut(Node{1}, Node{2});
+    log(1);
+    beacon(1);
+    events.run_for(1s);
+    EXPECT_EQ(b.log, Seqs{});
+    EXPECT_EQ(c.log, Seqs{1});
+    network.join(Node{1}, Node{2});
+    events.run_for(1s);
+    EXPECT_EQ(b.log, Seqs{1});
+    EXPECT_TRUE(b.beacons.empty());
+}
+
+TEST_F(BrokerNetworkTest, ACutLongerThanTheLeaseLosesWhatItHeldUp) {
+    start_all();
+    network.cut(Node{1}, Node{2});
+    log(1);
+    events.run_for(11s);
+    network.join(Node{1}, Node{2});
+    events.run_for(100ms);  // they match again
+    log(2);
+    events.run_for(1s);
+    EXPECT_EQ(b.log, Seqs{2});
+    EXPECT_EQ(c.log, (Seqs{1, 2}));
+}
+
+TEST_F(BrokerNetworkTest, ADeadSendersStreamEndsAtTheFirstLostMessage) {
+    start_all();
+    network.set_quality({.loss_ppm = 50'000});
+    for (broker::Seq seq = 1; seq <= 50; ++seq) log(seq);
+    a.port.reset();
+    events.run_for(1s);
+    EXPECT_LT(b.log.size(), 50U);
+    EXPECT_NE(b.log.size(), c.log.size());
+    for (std::size_t i = 0; i < b.log.size(); ++i) EXPECT_EQ(b.log[i], i + 1);
+}
+
+TEST_F(BrokerNetworkTest, AStoppedProcessGetsItsReliableMessagesLater) {
+    start_all();
+    network.stall(Node{2});
+    log(1);
+    events.run_for(2s);
+    EXPECT_EQ(b.log, Seqs{});
+    network.go_on(Node{2});
+    events.run_for(1s);
+    EXPECT_EQ(b.log, Seqs{1});
+}
+
+}  // namespace
+}  // namespace romano::sim
