@@ -34,7 +34,8 @@ public:
 
 struct DetectorOptions {
     Duration beacon_every{};
-    Duration timeout{};  // fixed: silence after which a node is suspected
+    Duration timeout{};          // fixed: silence after which a node is suspected
+    double phi_threshold = 8.0;  // phi-accrual: suspicion is -log10 of the chance of an error
 };
 
 /// By name (see detector_names()). Null for an unknown one.

@@ -3,10 +3,13 @@
 #include <algorithm>
 #include <array>
 
+#include "election/bully.h"
 #include "election/component.h"
 #include "election/elector.h"
 #include "election/failure_detector.h"
 #include "election/fixed.h"
+#include "election/phi_accrual.h"
+#include "election/raft.h"
 
 namespace romano::election {
 namespace {
@@ -24,10 +27,14 @@ std::unique_ptr<Interface> make(const Options& options) {
 
 constexpr std::array electors = {
     Entry<Elector, ElectorOptions>{"component", make<ComponentElector, Elector, ElectorOptions>},
+    Entry<Elector, ElectorOptions>{"raft", make<RaftElector, Elector, ElectorOptions>},
+    Entry<Elector, ElectorOptions>{"bully", make<BullyElector, Elector, ElectorOptions>},
 };
 constexpr std::array detectors = {
     Entry<FailureDetector, DetectorOptions>{"fixed",
                                             make<FixedDetector, FailureDetector, DetectorOptions>},
+    Entry<FailureDetector, DetectorOptions>{
+        "phi-accrual", make<PhiAccrualDetector, FailureDetector, DetectorOptions>},
 };
 
 template <typename Table>
