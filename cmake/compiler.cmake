@@ -12,6 +12,10 @@ if(ROMANO_SANITIZE)
     endif()
 endif()
 
+if(ROMANO_FUZZERS)  # coverage in all code; the fuzzers themselves add libFuzzer's main
+    add_compile_options(-fsanitize=fuzzer-no-link)
+endif()
+
 find_program(CCACHE ccache)
 if(CCACHE)
     set(CMAKE_C_COMPILER_LAUNCHER ${CCACHE})
