@@ -30,15 +30,11 @@ void ClientNetwork::send(Node sender, const Endpoint& from, const Endpoint& to, 
         (filter_ && filter_(from, to, datagram)) || random_.happens(quality_.loss_ppm);
     trace_.note(events_.now(), from, dropped ? "-x" : "->", to, datagram);
     if (dropped) return;
-    fly(sender, from, to, datagram);
-    if (random_.happens(quality_.duplication_ppm)) fly(sender, from, to, datagram);
-}
-
-void ClientNetwork::fly(Node sender, const Endpoint& from, const Endpoint& to, Bytes datagram) {
+    const int copies = random_.happens(quality_.duplication_ppm) ? 2 : 1;
     events_.after(quality_.delay(random_),
-                  [this, sender, from, to,
+                  [this, sender, from, to, copies,
                    octets = std::vector<std::uint8_t>(datagram.begin(), datagram.end())] {
-                      arrive(sender, from, to, octets);
+                      for (int i = 0; i < copies; ++i) arrive(sender, from, to, octets);
                   });
 }
 

@@ -1,5 +1,9 @@
 // UDP between robots and service addresses: datagrams are lost, delayed, doubled and overtaken.
 //
+// A copy comes right behind its original, as radios make them. One that came behind the next step
+// of its exchange would be a new QoS 2 message to any receiver, because PUBREL frees the message id
+// (MQTT-SN 1.2 section 6.6): no broker and no client can keep P3 on such a network.
+//
 // An address may be bound by several nodes, as with SO_REUSEADDR on one host or with an address
 // that moved between hosts: a datagram goes to the newest binding that its sender can reach. What
 // nobody serves vanishes.
@@ -47,7 +51,6 @@ private:
         Node node;
         Receiver receiver;
     };
-    void fly(Node sender, const Endpoint& from, const Endpoint& to, Bytes datagram);
     void arrive(Node sender, const Endpoint& from, const Endpoint& to, Bytes datagram);
 
     EventQueue& events_;

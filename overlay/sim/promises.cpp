@@ -87,8 +87,12 @@ void judge_needless_wills(const Ledger& ledger, Violations& out) {
 }  // namespace
 
 std::string to_text(const Violations& violations) {
+    constexpr std::size_t most = 10;
     std::string text;
     for (const Violation& violation : violations) {
+        if (&violation == &violations.front() + most) {
+            return text + "and " + std::to_string(violations.size() - most) + " more\n";
+        }
         text += violation.promise == Promise::liveness
                     ? std::string{"liveness"}
                     : "P" + std::to_string(static_cast<unsigned>(violation.promise));
