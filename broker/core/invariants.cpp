@@ -9,7 +9,7 @@ namespace romano::broker {
 namespace {
 
 [[maybe_unused]] void check_session(const Session& session, const Tables& tables) {
-    const SessionTable& sessions = tables.sessions;
+    [[maybe_unused]] const SessionTable& sessions = tables.sessions;
     assert(sessions.find(session.header.client_id) == &session);
     assert(sessions.at(session.number) == &session);
     assert(!session.reachable || sessions.find(session.header.address) == &session);
@@ -20,7 +20,7 @@ namespace {
     assert(!session.exchange.is_open() || !session.queue.empty());
     assert(!session.exchange.is_open() || session.is_listening());
     std::size_t place = 0;
-    for (const Delivery& delivery : session.queue) {
+    for ([[maybe_unused]] const Delivery& delivery : session.queue) {
         assert(delivery.message);
         assert(delivery.stage == DeliveryStage::queued || place == 0);
         assert((delivery.stage == DeliveryStage::queued) == (delivery.msg_id == mqttsn::no_msg_id));
