@@ -2,7 +2,8 @@
 
 add_library(project_warnings INTERFACE)
 target_compile_options(project_warnings INTERFACE
-    -Wall -Wextra -Wconversion -Wshadow -Wnon-virtual-dtor -Wold-style-cast -Wundef -Werror)
+    -Wall -Wextra -Wconversion -Wshadow -Wundef -Werror
+    $<$<COMPILE_LANGUAGE:CXX>:-Wnon-virtual-dtor;-Wold-style-cast>)
 
 if(ROMANO_SANITIZE)
     add_compile_options(-fsanitize=${ROMANO_SANITIZE} -fno-omit-frame-pointer)

@@ -1,0 +1,188 @@
+#include "romano/node/node.h"
+
+#include <algorithm>
+#include <array>
+
+namespace romano::node {
+
+using client::Event;
+using message::Message;
+using mqttsn::Qos;
+
+Node::Node(client::ClientCore& client, client::Output& scratch, romano_mailbox& mailbox,
+           const NodeOptions& options)
+    : client_(client), scratch_(scratch), mailbox_(mailbox), options_(options) {}
+
+void Node::start(Instant now, Port& port) {
+    connect(now, port);
+}
+
+void Node::on_datagram(Instant now, Bytes datagram, Port& port) {
+    client_.on_datagram(now, datagram, scratch_);
+    flush(now, port);
+}
+
+void Node::on_tick(Instant now, Port& port) {
+    if (client_.next_wakeup() <= now) {
+        client_.on_tick(now, scratch_);
+        flush(now, port);
+    }
+    if (due_ <= now) {
+        due_ = never;
+        if (phase_ == Phase::connecting) {
+            connect(now, port);
+        } else if (phase_ == Phase::requesting) {
+            send_connection_request(now, port);
+        }
+    }
+    if (heartbeat_due_ <= now) {
+        heartbeat_due_ = now + options_.heartbeat_every;
+        publish(now, common_topic, message::Heartbeat{options_.id}, Qos::at_most_once, port);
+    }
+}
+
+Instant Node::next_wakeup() const {
+    return std::min({client_.next_wakeup(), due_, heartbeat_due_});
+}
+
+void Node::connect(Instant now, Port& port) {
+    phase_ = Phase::connecting;
+    subscription_.reset();
+    due_ = never;
+    heartbeat_due_ = never;
+    client_.connect(
+        now,
+        {.client_id = options_.id.text(), .clean_session = true, .keep_alive = options_.keep_alive},
+        scratch_);
+    flush(now, port);
+}
+
+/// Sends what the client wants sent and works through its events. A handler may call the client
+/// again, which overwrites the scratch output: so the events are copied first. Their views are into
+/// the datagram at hand.
+void Node::flush(Instant now, Port& port) {
+    for (const Bytes datagram : scratch_.datagrams()) port.send(datagram);
+    std::array<Event, client::Output::most> events{};
+    const std::size_t count = scratch_.events().size();
+    std::ranges::copy(scratch_.events(), events.begin());
+    for (std::size_t i = 0; i < count; ++i) on_event(now, events[i], port);
+}
+
+void Node::on_event(Instant now, const Event& event, Port& port) {
+    if (const auto* received = std::get_if<client::Received>(&event))
+        return on_received(now, *received, port);
+    if (std::holds_alternative<client::Connected>(event)) {
+        phase_ = Phase::subscribing;
+        return follow_up(now, port);
+    }
+    if (const auto* subscribed = std::get_if<client::Subscribed>(&event)) {
+        if (subscription_ != subscribed->operation) return;
+        subscription_.reset();
+        phase_ = phase_ == Phase::subscribing ? Phase::requesting : Phase::established;
+        return follow_up(now, port);
+    }
+    if (const auto* failed = std::get_if<client::Failed>(&event)) {
+        // A broker that refuses the node's own topics is as good as none.
+        if (subscription_ != failed->operation) return;
+        phase_ = Phase::connecting;
+        due_ = now + options_.connect_again;
+        return;
+    }
+    const auto* disconnected = std::get_if<client::Disconnected>(&event);
+    const bool lost = std::holds_alternative<client::Lost>(event) ||
+                      std::holds_alternative<client::Refused>(event) ||
+                      (disconnected != nullptr && disconnected->by_broker);
+    if (lost) {
+        ++counters_.connections_lost;
+        phase_ = Phase::connecting;
+        heartbeat_due_ = never;
+        due_ = now + options_.connect_again;
+    }
+}
+
+/// What the phase that has just begun asks for.
+void Node::follow_up(Instant now, Port& port) {
+    switch (phase_) {
+        case Phase::subscribing:
+        case Phase::joining: {
+            const std::string_view topic =
+                phase_ == Phase::subscribing ? options_.id.text() : common_topic;
+            const auto operation =
+                client_.subscribe(now, client::topic_name(topic), options_.qos, scratch_);
+            if (operation) {
+                subscription_ = *operation;
+            } else {  // no room: begin anew rather than wait for an answer that nobody owes
+                phase_ = Phase::connecting;
+                due_ = now + options_.connect_again;
+            }
+            return flush(now, port);
+        }
+        case Phase::requesting:
+            return send_connection_request(now, port);
+        case Phase::established:
+            if (options_.heartbeat_every > Duration{0}) heartbeat_due_ = now;
+            return port.on_established();
+        default:
+            return;
+    }
+}
+
+void Node::send_connection_request(Instant now, Port& port) {
+    due_ = now + options_.ack_timeout;
+    if (!client_.is_idle()) return;  // the broker has not answered the last one yet
+    ++counters_.requests_sent;
+    publish(now, init_topic, message::ConnectionRequest{options_.id}, options_.qos, port);
+}
+
+void Node::on_received(Instant now, const client::Received& received, Port& port) {
+    const auto message = message::decode(received.data);
+    if (!message) {
+        ++counters_.malformed;
+        return;
+    }
+    ++counters_.received;
+    if (const auto* movement = std::get_if<message::MovementControl>(&*message)) {
+        (void)romano_mailbox_put(&mailbox_, static_cast<std::uint16_t>(movement->type),
+                                 movement->arguments.data(),
+                                 static_cast<std::uint32_t>(movement->arguments.size()));
+    } else if (const auto* wanted = std::get_if<message::MqttSubscribe>(&*message)) {
+        subscribe(now, wanted->topic, port);
+    } else if (const auto* unwanted = std::get_if<message::MqttUnsubscribe>(&*message)) {
+        (void)client_.unsubscribe(now, client::topic_name(unwanted->topic), scratch_);
+        flush(now, port);
+    } else if (const auto* request = std::get_if<message::MqttPublishRequest>(&*message)) {
+        port.on_publish_request(request->topic, request->kind_of_data);
+    } else if (std::holds_alternative<message::ConnectionAck>(*message)) {
+        if (phase_ != Phase::requesting) return;
+        phase_ = Phase::joining;
+        due_ = never;
+        follow_up(now, port);
+    } else {
+        port.on_message(received.topic.name, *message);
+    }
+}
+
+bool Node::publish(Instant now, std::string_view topic, const Message& message, Qos qos,
+                   Port& port) {
+    std::array<std::uint8_t, message::max_message> octets;
+    const std::size_t size = message::encode(message, octets);
+    if (size == 0) return false;
+    const auto operation = client_.publish(now, client::topic_name(topic),
+                                           Bytes{octets}.first(size), {.qos = qos}, scratch_);
+    flush(now, port);
+    return operation.has_value();
+}
+
+bool Node::subscribe(Instant now, std::string_view topic, Port& port) {
+    const auto operation =
+        client_.subscribe(now, client::topic_name(topic), options_.qos, scratch_);
+    flush(now, port);
+    return operation.has_value();
+}
+
+bool Node::request_connected_nodes(Instant now, Port& port) {
+    return publish(now, init_topic, message::RequestConnectedNodes{options_.id}, options_.qos,
+                   port);
+}
+
+}  // namespace romano::node

@@ -1,0 +1,121 @@
+// A robot's ROMANO node: the establishment phase, subscriptions on command, publish requests,
+// heartbeats, and movement commands into the mailbox. Paper, sections "Requirements" and "The
+// ROMANO Protocol".
+//
+// It drives an MQTT-SN client core and adds no storage for datagrams: what is to be sent goes to
+// the owner's Port at once. No socket, no clock, no heap. It does not choose a broker
+// (client/discovery.h).
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <optional>
+#include <string_view>
+
+#include "romano/base/bytes.h"
+#include "romano/base/time.h"
+#include "romano/client/client.h"
+#include "romano/message/codec.h"
+#include "romano/message/messages.h"
+#include "romano/message/romano_id.h"
+#include "romano/node/mailbox.h"
+
+namespace romano::node {
+
+inline constexpr std::string_view init_topic = "init-info";
+inline constexpr std::string_view common_topic = "common";
+
+struct NodeOptions {
+    message::RomanoId id;
+    Duration ack_timeout{
+        std::chrono::seconds{2}};  // paper: 2 s, then the request is repeated, for ever
+    Duration connect_again{std::chrono::seconds{1}};  // pause after a lost or refused connection
+    Duration heartbeat_every{0};                      // 0: no heartbeats
+    std::chrono::seconds keep_alive{30};
+    mqttsn::Qos qos = mqttsn::Qos::at_least_once;  // of the node's own subscriptions and publishes
+};
+
+/// What the node's owner lends it for the time of a call.
+class Port {
+public:
+    /// To the broker. The octets are valid during the call only.
+    virtual void send(Bytes datagram) = 0;
+
+    /// The robot is known to a ROMANO server and hears its topics. Told again after each new
+    /// connection.
+    virtual void on_established() {}
+    /// "Publish that kind of data to that topic": answer with Node::publish(), now or later.
+    virtual void on_publish_request(std::string_view topic, Bytes kind_of_data) {
+        (void)topic;
+        (void)kind_of_data;
+    }
+    /// Every message that the node does not answer by itself: data, sensors, heartbeats, lists of
+    /// nodes, the application's own types. Movements go to the mailbox instead.
+    virtual void on_message(std::string_view topic, const message::Message& message) {
+        (void)topic;
+        (void)message;
+    }
+
+protected:
+    ~Port() = default;
+};
+
+enum class Phase : std::uint8_t {
+    stopped,
+    connecting,   // CONNECT, until CONNACK
+    subscribing,  // to the own id
+    requesting,   // connection request on init-info, until the acknowledgement
+    joining,      // subscribing to `common`
+    established,
+};
+
+struct NodeCounters {
+    std::uint32_t received = 0;   // ROMANO messages
+    std::uint32_t malformed = 0;  // PUBLISHes whose data is none
+    std::uint32_t connections_lost = 0;
+    std::uint32_t requests_sent = 0;  // connection requests
+};
+
+class Node {
+public:
+    /// `client`, `scratch` and `mailbox` belong to the owner and outlive the node. `scratch` is
+    /// overwritten by every call.
+    Node(client::ClientCore& client, client::Output& scratch, romano_mailbox& mailbox,
+         const NodeOptions& options);
+
+    void start(Instant now, Port& port);
+    void on_datagram(Instant now, Bytes datagram, Port& port);
+    void on_tick(Instant now, Port& port);
+    [[nodiscard]] Instant next_wakeup() const;
+
+    /// False when the client's queue is full, the message is too long, or there is no connection
+    /// for a QoS 0 one.
+    bool publish(Instant now, std::string_view topic, const message::Message& message,
+                 mqttsn::Qos qos, Port& port);
+    bool subscribe(Instant now, std::string_view topic, Port& port);
+    /// Asks the ROMANO server for the connected nodes; they arrive as ConnectedNodes on the own id.
+    bool request_connected_nodes(Instant now, Port& port);
+
+    [[nodiscard]] Phase phase() const { return phase_; }
+    [[nodiscard]] const NodeCounters& counters() const { return counters_; }
+
+private:
+    void connect(Instant now, Port& port);
+    void flush(Instant now, Port& port);
+    void on_event(Instant now, const client::Event& event, Port& port);
+    void on_received(Instant now, const client::Received& received, Port& port);
+    void follow_up(Instant now, Port& port);
+    void send_connection_request(Instant now, Port& port);
+
+    client::ClientCore& client_;
+    client::Output& scratch_;
+    romano_mailbox& mailbox_;
+    NodeOptions options_;
+    Phase phase_ = Phase::stopped;
+    std::optional<client::OperationId> subscription_;  // of the own id, then of `common`
+    Instant due_ = never;  // connecting again, or repeating the connection request
+    Instant heartbeat_due_ = never;
+    NodeCounters counters_;
+};
+
+}  // namespace romano::node
