@@ -37,8 +37,10 @@ std::uint32_t DeliveryAccount::on_published(RobotNumber publisher, Stream stream
     for (const RobotNumber receiver : receivers) {
         message.deliveries.push_back({.receiver = receiver, .first_at_s = {}, .copies = 0});
     }
-    undelivered_ += receivers.size();
-    if (qos > 0) ++unacknowledged_;
+    if (qos > 0) {
+        undelivered_ += receivers.size();
+        ++unacknowledged_;
+    }
     return sequence;
 }
 
@@ -53,13 +55,14 @@ void DeliveryAccount::on_acknowledged(RobotNumber publisher, std::uint32_t seque
 bool DeliveryAccount::on_arrived(RobotNumber publisher, std::uint32_t sequence,
                                  RobotNumber receiver, double at_s) {
     if (publisher < by_publisher_.size() && sequence < by_publisher_[publisher].size()) {
-        auto& deliveries = by_publisher_[publisher][sequence].deliveries;
+        PublishedMessage& message = by_publisher_[publisher][sequence];
+        auto& deliveries = message.deliveries;
         const auto delivery =
             std::ranges::lower_bound(deliveries, receiver, {}, &Delivery::receiver);
         if (delivery != deliveries.end() && delivery->receiver == receiver) {
             if (++delivery->copies == 1) {
                 delivery->first_at_s = at_s;
-                --undelivered_;
+                if (message.qos > 0) --undelivered_;
             }
             return true;
         }

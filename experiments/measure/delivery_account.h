@@ -68,8 +68,9 @@ public:
     /// Send to the arrival at the last receiver of a group message that reached all of them.
     [[nodiscard]] Percentiles fan_out_delays_ms() const;
     [[nodiscard]] std::uint64_t strays() const { return strays_; }
-    /// Everything published was acknowledged (QoS 1, 2) and has arrived at all its receivers.
-    [[nodiscard]] bool is_complete() const { return unacknowledged_ == 0 && undelivered_ == 0; }
+    /// Every QoS 1 and 2 message was acknowledged and has arrived at all its receivers. QoS 0 may
+    /// be lost for good, so nobody waits for it.
+    [[nodiscard]] bool is_settled() const { return unacknowledged_ == 0 && undelivered_ == 0; }
 
     /// By publisher, then sequence.
     [[nodiscard]] const std::vector<std::vector<PublishedMessage>>& by_publisher() const {
@@ -78,8 +79,8 @@ public:
 
 private:
     std::vector<std::vector<PublishedMessage>> by_publisher_;
-    std::uint64_t unacknowledged_ = 0;
-    std::uint64_t undelivered_ = 0;
+    std::uint64_t unacknowledged_ = 0;  // messages of QoS 1 and 2
+    std::uint64_t undelivered_ = 0;     // pairs of QoS 1 and 2
     std::uint64_t strays_ = 0;
 };
 

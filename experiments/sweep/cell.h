@@ -26,6 +26,7 @@ public:
     [[nodiscard]] std::uint8_t level(std::uint32_t sequence) const {
         return levels_[sequence % levels_.size()];
     }
+    [[nodiscard]] std::uint32_t size() const { return static_cast<std::uint32_t>(levels_.size()); }
     /// As in the sweep file: "1", "0+1+2".
     [[nodiscard]] std::string text() const;
     friend bool operator==(const QosMix&, const QosMix&) = default;

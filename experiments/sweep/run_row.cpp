@@ -35,6 +35,7 @@ constexpr MeasuredColumn measured_columns[] = {
     {"fan_out_p50_ms", &RunRow::fan_out_p50_ms},
     {"fan_out_p99_ms", &RunRow::fan_out_p99_ms},
     {"fan_out_max_ms", &RunRow::fan_out_max_ms},
+    {"publish_refused", &RunRow::publish_refused},
     {"publish_lag_max_ms", &RunRow::publish_lag_max_ms},
     {"failover_clients", &RunRow::failover_clients},
     {"failover_recovered_clients", &RunRow::failover_recovered_clients},

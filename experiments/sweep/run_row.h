@@ -25,7 +25,7 @@ struct RunRow {
     Measured duplicates_qos0, duplicates_qos1, duplicates_qos2, stray_messages;
     Measured delay_min_ms, delay_p50_ms, delay_p99_ms, delay_max_ms;
     Measured fan_out_p50_ms, fan_out_p99_ms, fan_out_max_ms;
-    Measured publish_lag_max_ms;
+    Measured publish_refused, publish_lag_max_ms;
     Measured failover_clients, failover_recovered_clients;
     Measured failover_first_ms, failover_p50_ms, failover_last_ms, without_leader_ms;
     Measured connects_after_fault, registers_after_fault, subscribes_after_fault;

@@ -12,6 +12,9 @@
 #include <span>
 #include <sstream>
 
+#include "election/elector.h"
+#include "election/failure_detector.h"
+
 namespace romano::experiments {
 namespace {
 
@@ -22,9 +25,6 @@ constexpr std::array<std::pair<Pattern, std::string_view>, 3> pattern_names{{
     {Pattern::common, "common"},
     {Pattern::commands, "commands"},
 }};
-
-constexpr std::array<std::string_view, 1> elector_names{"component"};
-constexpr std::array<std::string_view, 1> detector_names{"fixed"};
 
 std::string listed(std::span<const std::string_view> names) {
     std::string text;
@@ -202,8 +202,8 @@ Axes read_axes(const Table& table) {
     axes.payload = counts(table, "payload", 32, 16, 1400);
     axes.qos = table.axis<QosMix>(
         "qos", QosMix{{1}}, [&table](const toml::node& node) { return read_qos(table, node); });
-    axes.elector = words(table, "elector", "component", elector_names);
-    axes.detector = words(table, "detector", "fixed", detector_names);
+    axes.elector = words(table, "elector", "component", election::elector_names());
+    axes.detector = words(table, "detector", "fixed", election::detector_names());
     axes.acks = table.axis<std::string>(
         "acks", "1", [&table](const toml::node& node) { return read_acks(table, node); });
     axes.fault = table.axis<Fault>("fault", Fault::none, [&table](const toml::node& node) {

@@ -91,17 +91,19 @@ TEST(DeliveryAccount, FanOutDelayIsToTheLastReceiverOfACompleteGroup) {
     EXPECT_NEAR(delays.max().value(), 4, 1e-6);
 }
 
-TEST(DeliveryAccount, IsCompleteWhenAllIsAcknowledgedAndDelivered) {
+TEST(DeliveryAccount, IsSettledWhenAllOfQos1And2IsAcknowledgedAndDelivered) {
     DeliveryAccount account;
-    EXPECT_TRUE(account.is_complete());
+    EXPECT_TRUE(account.is_settled());
+    account.on_published(0, Stream::one_to_one, 0, 1.0, only_one);
+    EXPECT_TRUE(account.is_settled());
     const auto sequence = account.on_published(0, Stream::one_to_one, 1, 1.0, only_one);
-    EXPECT_FALSE(account.is_complete());
+    EXPECT_FALSE(account.is_settled());
     account.on_arrived(0, sequence, 1, 1.1);
     account.on_arrived(0, sequence, 1, 1.2);
-    EXPECT_FALSE(account.is_complete());
+    EXPECT_FALSE(account.is_settled());
     account.on_acknowledged(0, sequence, 1.3);
     account.on_acknowledged(0, sequence, 1.4);
-    EXPECT_TRUE(account.is_complete());
+    EXPECT_TRUE(account.is_settled());
 }
 
 }  // namespace

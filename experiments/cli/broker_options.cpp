@@ -1,0 +1,69 @@
+#include "experiments/cli/broker_options.h"
+
+#include <unistd.h>
+
+#include <cmath>
+
+namespace romano::experiments {
+
+void BrokerOptions::add_to(CLI::App& command) {
+    // -h is the host, as mosquitto's users know it.
+    command.set_help_flag("--help", "Show this and examples, and exit");
+    command.add_option("-h,--host", host, "The broker: a name, an IPv4 or an IPv6 address")
+        ->capture_default_str();
+    command.add_option("-p,--port", port, "Its UDP port")
+        ->check(CLI::Range(1, 65535))
+        ->capture_default_str();
+    command.add_option("-i,--id", client_id, "Client id (default: one is made up)");
+    command.add_option("-k,--keepalive", keep_alive_s, "Keep-alive in seconds, 0 for none")
+        ->check(CLI::Range(0, 65535))
+        ->capture_default_str();
+    command
+        .add_option("--broker-timeout", timeout_s,
+                    "Seconds within which the broker must answer, with 4 attempts")
+        ->check(CLI::Range(0.1, 3600.0))
+        ->capture_default_str();
+}
+
+std::string BrokerOptions::id_or(const char* made_up) const {
+    return client_id.empty() ? std::string{made_up} + "-" + std::to_string(::getpid()) : client_id;
+}
+
+client::Timing BrokerOptions::timing() const {
+    client::Timing timing;
+    timing.n_retry = 3;
+    timing.t_retry =
+        std::chrono::duration_cast<Duration>(std::chrono::duration<double>{timeout_s / 4});
+    return timing;
+}
+
+std::string BrokerOptions::where() const {
+    return host + " port " + std::to_string(port);
+}
+
+std::string BrokerOptions::unreachable(bool was_refused) const {
+    return was_refused ? "no broker serves at " + where() + ": nobody listens there (see -h and -p)"
+                       : "no broker answered at " + where() + " (see -h, -p, --broker-timeout)";
+}
+
+void TopicOption::add_to(CLI::App& command, const char* what) {
+    command.add_option("-t,--topic", name, what);
+    command
+        .add_option("--predefined", predefined,
+                    "The topic by its predefined id (1 to 65534) instead of a name")
+        ->check(CLI::Range(1, 65534));
+    command.add_flag("--short", is_short, "The topic's name of two octets is a short topic name");
+}
+
+mqttsn::TopicRef TopicOption::topic() const {
+    if (name.empty() == (predefined == 0)) {
+        throw CommandError("a topic is needed: either -t NAME or --predefined ID");
+    }
+    if (predefined != 0) return client::predefined_topic(mqttsn::TopicId{predefined});
+    if (is_short && name.size() != 2) {
+        throw CommandError("--short with -t `" + name + "`: a short topic name has two octets");
+    }
+    return is_short ? client::short_topic(name) : client::topic_name(name);
+}
+
+}  // namespace romano::experiments

@@ -1,0 +1,46 @@
+// The options that every subcommand shares which talks to a broker.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <cstdint>
+#include <string>
+
+#include "experiments/robots/socket_client.h"
+
+namespace romano::experiments {
+
+struct BrokerOptions {
+    std::string host = "127.0.0.1";
+    std::uint16_t port = 1883;
+    std::string client_id;  // empty: one is made up
+    std::uint16_t keep_alive_s = 60;
+    double timeout_s = 5;  // how long a broker may not answer
+
+    void add_to(CLI::App& command);
+    /// The client id, or a fresh one such as "romano-sub-4711".
+    [[nodiscard]] std::string id_or(const char* made_up) const;
+    /// The repetitions within timeout_s.
+    [[nodiscard]] client::Timing timing() const;
+    /// "127.0.0.1 port 1883", for messages.
+    [[nodiscard]] std::string where() const;
+    /// The sentence for a broker that does not answer.
+    [[nodiscard]] std::string unreachable(bool was_refused) const;
+};
+
+/// -t, as a name; or by the id that broker and client have agreed on beforehand.
+struct TopicOption {
+    std::string name;
+    std::uint16_t predefined = 0;
+    bool is_short = false;
+
+    void add_to(CLI::App& command, const char* what);
+    /// Throws CommandError when it is none or both.
+    [[nodiscard]] mqttsn::TopicRef topic() const;
+};
+
+/// A command cannot be carried out: one sentence, exit code 2.
+struct CommandError : std::runtime_error {
+    using std::runtime_error::runtime_error;
+};
+
+}  // namespace romano::experiments

@@ -1,0 +1,118 @@
+#include "experiments/cli/brokers.h"
+
+#include <algorithm>
+#include <boost/asio/io_context.hpp>
+#include <chrono>
+#include <cstdio>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "broker/net/clock.h"
+#include "experiments/cli/broker_options.h"
+#include "experiments/report/summary_table.h"
+#include "experiments/watch/broker_watch.h"
+
+namespace romano::experiments {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr const char* examples = R"(Examples:
+  romano brokers
+  romano brokers -h 127.0.0.2 -p 1884
+  romano brokers --json | jq '.[] | select(.leader)'
+)";
+
+/// The words on brokers come one by one; they are all there when the view's members are.
+bool is_complete(const BrokerWatch& watch) {
+    if (watch.brokers().empty()) return false;
+    for (const auto& [name, seen] : watch.brokers()) {
+        for (const std::string& member : seen.status.view_members) {
+            if (!watch.brokers().contains(member)) return false;
+        }
+    }
+    return true;
+}
+
+std::string joined(const std::vector<std::string>& words) {
+    std::string text;
+    for (const std::string& word : words) text += (text.empty() ? "" : " ") + word;
+    return text;
+}
+
+void print_table(const BrokerWatch& watch) {
+    SummaryTable table{
+        .head = {"broker", "state", "role", "rank", "sessions", "connected", "addresses"},
+        .units = std::vector<std::string>(7),
+        .rows = {}};
+    const BrokerStatus* newest = nullptr;
+    for (const auto& [name, seen] : watch.brokers()) {
+        const BrokerStatus& status = seen.status;
+        table.rows.push_back({status.name, status.alive ? "alive" : "dead",
+                              status.alive && status.leader ? "leader" : "",
+                              std::to_string(status.rank), std::to_string(status.sessions),
+                              std::to_string(status.connected), joined(status.addresses)});
+        if (status.alive && (newest == nullptr || status.view_term > newest->view_term)) {
+            newest = &status;
+        }
+    }
+    std::fputs(to_text(table).c_str(), stdout);
+    if (newest == nullptr || newest->view_members.empty()) return;
+    std::printf("\nview of term %llu, led by %s: %s\n",
+                static_cast<unsigned long long>(newest->view_term),
+                newest->view_leader.empty() ? "nobody" : newest->view_leader.c_str(),
+                joined(newest->view_members).c_str());
+}
+
+void print_json(const BrokerWatch& watch) {
+    nlohmann::ordered_json list = nlohmann::ordered_json::array();
+    for (const auto& [name, seen] : watch.brokers()) {
+        list.push_back(nlohmann::ordered_json::parse(seen.text));
+    }
+    std::puts(list.dump(2).c_str());
+}
+
+void show_brokers(const BrokerOptions& options, bool as_json) {
+    boost::asio::io_context io{1};
+    BrokerWatch watch{io,
+                      resolve_broker(io, options.host, options.port),
+                      options.id_or("romano-brokers"),
+                      options.timing(),
+                      {}};
+    while (!watch.is_subscribed()) {
+        io.run_one_for(50ms);
+        if (watch.has_failed()) {
+            throw CommandError(options.unreachable(watch.client().was_refused()));
+        }
+    }
+    const Instant patience = net::now() + 2s;
+    while (!is_complete(watch) && net::now() < patience) io.run_one_for(20ms);
+    // Brokers that are no member of the view any more are told of too, in the same burst.
+    const Instant rest = net::now() + 50ms;
+    while (net::now() < rest) io.run_one_for(10ms);
+    watch.leave();
+    if (watch.brokers().empty()) {
+        throw CommandError("the broker at " + options.where() + " says nothing on " +
+                           std::string{brokers_filter} + ": it is no romano-broker");
+    }
+    as_json ? print_json(watch) : print_table(watch);
+}
+
+}  // namespace
+
+void add_brokers(CLI::App& program, int& exit_code) {
+    auto options = std::make_shared<BrokerOptions>();
+    auto as_json = std::make_shared<bool>(false);
+    CLI::App& command = *program.add_subcommand(
+        "brokers", "Show the cluster as one of its brokers sees it: who lives, leads, serves");
+    options->add_to(command);
+    command.add_flag("--json", *as_json, "Print what the broker says, as a JSON array");
+    command.footer(examples);
+    command.callback([options, as_json, &exit_code] {
+        show_brokers(*options, *as_json);
+        exit_code = 0;
+    });
+}
+
+}  // namespace romano::experiments

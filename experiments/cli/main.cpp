@@ -1,0 +1,40 @@
+// The operator's program: publish, subscribe, look at the brokers, run experiments.
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <exception>
+
+#include "experiments/cli/brokers.h"
+#include "experiments/cli/pub.h"
+#include "experiments/cli/sub.h"
+#include "experiments/cli/sweep.h"
+#include "experiments/sweep/build_info.h"
+
+int main(int argc, char** argv) {
+    using namespace romano::experiments;
+    constexpr int cannot_be_done = 2;
+    int exit_code = 0;
+    CLI::App program{"ROMANO without a central broker: the operator's tools.", "romano"};
+    program.set_help_flag("--help", "Show this and exit");
+    const BuildInfo build = build_info();
+    program.set_version_flag("--version", "romano " + std::string{build.version} + " (" +
+                                              std::string{build.commit} + ")");
+    program.require_subcommand(1);
+    program.footer("Each has its own --help with examples: romano pub --help\n");
+    add_pub(program, exit_code);
+    add_sub(program, exit_code);
+    add_brokers(program, exit_code);
+    add_sweep(program, exit_code);
+    try {
+        program.parse(argc, argv);
+    } catch (const CLI::Success& asked) {  // --help, --version
+        return program.exit(asked);
+    } catch (const CLI::Error& error) {
+        std::fprintf(stderr, "romano: %s (see --help)\n", error.what());
+        return cannot_be_done;
+    } catch (const std::exception& error) {
+        std::fprintf(stderr, "romano: %s\n", error.what());
+        return cannot_be_done;
+    }
+    return exit_code;
+}

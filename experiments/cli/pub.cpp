@@ -1,0 +1,254 @@
+#include "experiments/cli/pub.h"
+
+#include <poll.h>
+#include <unistd.h>
+
+#include <array>
+#include <boost/asio/io_context.hpp>
+#include <cerrno>
+#include <chrono>
+#include <deque>
+#include <fstream>
+#include <iterator>
+#include <memory>
+#include <optional>
+#include <string>
+#include <thread>
+
+#include "experiments/cli/broker_options.h"
+
+namespace romano::experiments {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr const char* examples = R"(Examples:
+  romano pub -t robots/7/command -m "forward 10"
+  romano pub -h fe80::1%wlan0 -p 1884 -t map/tile -f tile.bin -q 2 -r
+  romano pub -t map/tile -n -r                      (deletes the retained message)
+  some-sensor | romano pub -t sensors/a -l -q 1     (each line is a message)
+  romano pub --predefined 3 -m 1 -q -1              (without a connection)
+)";
+
+struct PubOptions {
+    BrokerOptions broker;
+    TopicOption topic;
+    std::optional<std::string> message;
+    std::string file;
+    bool empty = false;
+    bool lines = false;
+    int qos = 0;
+    bool retain = false;
+    unsigned repeat = 1;
+    double repeat_delay_s = 0;
+};
+
+const char* words_for(mqttsn::ReturnCode code) {
+    switch (code) {
+        case mqttsn::ReturnCode::accepted:
+            return "accepted";
+        case mqttsn::ReturnCode::congestion:
+            return "congestion";
+        case mqttsn::ReturnCode::invalid_topic_id:
+            return "invalid topic id";
+        case mqttsn::ReturnCode::not_supported:
+            return "not supported";
+    }
+    return "rejected";
+}
+
+/// Lines of standard input as they come, without stopping the client while none does.
+class StandardInput {
+public:
+    [[nodiscard]] bool has_ended() const { return ended_ && lines_.empty(); }
+
+    std::optional<std::string> next_line() {
+        if (lines_.empty() && !ended_) read();
+        if (lines_.empty()) return std::nullopt;
+        std::string line = std::move(lines_.front());
+        lines_.pop_front();
+        return line;
+    }
+
+private:
+    void read() {
+        pollfd input{.fd = STDIN_FILENO, .events = POLLIN, .revents = 0};
+        if (::poll(&input, 1, 0) <= 0) return;
+        std::array<char, 4096> part{};
+        const auto size = ::read(STDIN_FILENO, part.data(), part.size());
+        if (size < 0 && errno == EINTR) return;
+        if (size <= 0) {
+            ended_ = true;
+            if (!unfinished_.empty()) lines_.push_back(std::move(unfinished_));
+            return;
+        }
+        unfinished_.append(part.data(), static_cast<std::size_t>(size));
+        for (std::size_t end = 0; (end = unfinished_.find('\n')) != std::string::npos;) {
+            lines_.push_back(unfinished_.substr(0, end));
+            unfinished_.erase(0, end + 1);
+        }
+    }
+
+    std::string unfinished_;
+    std::deque<std::string> lines_;
+    bool ended_ = false;
+};
+
+class Publisher {
+public:
+    explicit Publisher(const PubOptions& options)
+        : options_(options),
+          topic_(options.topic.topic()),
+          client_id_(options.broker.id_or("romano-pub")),
+          client_(io_, resolve_broker(io_, options.broker.host, options.broker.port),
+                  options.broker.timing(), static_cast<std::uint64_t>(::getpid()),
+                  [this](const client::Event& event) { on_event(event); }) {}
+
+    void run() {
+        if (options_.qos >= 0) {
+            client_.connect({.client_id = client_id_,
+                             .clean_session = true,
+                             .keep_alive = std::chrono::seconds{options_.broker.keep_alive_s}});
+            wait_for([this] { return client_.core().is_connected(); });
+        }
+        if (options_.lines) {
+            StandardInput input;
+            while (!input.has_ended()) {
+                if (const auto line = input.next_line()) {
+                    publish(*line);
+                } else {
+                    turn();
+                }
+            }
+        } else {
+            const std::string message = whole_message();
+            for (unsigned i = 0; i < options_.repeat; ++i) {
+                if (i > 0) pause();
+                publish(message);
+            }
+        }
+        if (options_.qos < 0) return;
+        client_.disconnect();
+        wait_for([this] { return disconnected_; });
+    }
+
+private:
+    std::string whole_message() const {
+        if (options_.empty) return "";
+        if (options_.message) return *options_.message;
+        std::ifstream stream(options_.file, std::ios::binary);
+        std::string text{std::istreambuf_iterator<char>(stream), {}};
+        if (!stream) throw CommandError("cannot read -f `" + options_.file + "`");
+        return text;
+    }
+
+    void publish(const std::string& message) {
+        published_ = false;
+        const auto qos = options_.qos < 0 ? mqttsn::Qos::without_connection
+                                          : static_cast<mqttsn::Qos>(options_.qos);
+        const auto begun =
+            client_.publish(topic_, as_octets(message), {.qos = qos, .retain = options_.retain});
+        if (!begun) throw CommandError(refusal(begun.error(), message.size()));
+        wait_for([this] { return published_; });
+    }
+
+    std::string refusal(client::Refusal reason, std::size_t size) const {
+        switch (reason) {
+            case client::Refusal::too_long:
+            case client::Refusal::queue_full:
+                return "a message of " + std::to_string(size) +
+                       " octets is too long for one datagram";
+            case client::Refusal::invalid_topic:
+                return options_.qos < 0
+                           ? "-q -1 needs a topic without registration: --predefined ID, or "
+                             "--short with a name of two octets"
+                           : "-t `" + options_.topic.name + "`: no topic name";
+            case client::Refusal::not_connected:
+                break;
+        }
+        return "not connected";
+    }
+
+    void pause() {
+        const auto until = std::chrono::steady_clock::now() +
+                           std::chrono::duration<double>{options_.repeat_delay_s};
+        while (std::chrono::steady_clock::now() < until) turn();
+    }
+
+    void turn() {
+        io_.run_one_for(20ms);
+        if (!error_.empty()) throw CommandError(error_);
+    }
+
+    template <typename Done>
+    void wait_for(const Done& done) {
+        while (!done()) turn();
+    }
+
+    void on_event(const client::Event& event) {
+        if (std::holds_alternative<client::Published>(event)) {
+            published_ = true;
+        } else if (std::holds_alternative<client::Disconnected>(event)) {
+            disconnected_ = true;
+            if (std::get<client::Disconnected>(event).by_broker) {
+                error_ = "the broker at " + options_.broker.where() + " ended the connection";
+            }
+        } else if (std::holds_alternative<client::Lost>(event)) {
+            error_ = options_.broker.unreachable(client_.was_refused());
+        } else if (const auto* refused = std::get_if<client::Refused>(&event)) {
+            error_ = "the broker at " + options_.broker.where() +
+                     " refused the connection: " + words_for(refused->return_code);
+        } else if (const auto* failed = std::get_if<client::Failed>(&event)) {
+            error_ = "the broker at " + options_.broker.where() + " refused the message on `" +
+                     options_.topic.name + "`: " + words_for(failed->return_code);
+        }
+    }
+
+    const PubOptions& options_;
+    mqttsn::TopicRef topic_;
+    std::string client_id_;
+    boost::asio::io_context io_{1};
+    bool published_ = false;
+    bool disconnected_ = false;
+    std::string error_;
+    SocketClient client_;
+};
+
+void check(const PubOptions& options) {
+    const int sources = (options.message ? 1 : 0) + (options.file.empty() ? 0 : 1) +
+                        (options.empty ? 1 : 0) + (options.lines ? 1 : 0);
+    if (sources != 1) {
+        throw CommandError("one message is needed: -m TEXT, -f FILE, -n (empty) or -l (lines)");
+    }
+}
+
+}  // namespace
+
+void add_pub(CLI::App& program, int& exit_code) {
+    auto options = std::make_shared<PubOptions>();
+    CLI::App& command = *program.add_subcommand("pub", "Publish messages");
+    options->broker.add_to(command);
+    options->topic.add_to(command, "The topic's name");
+    command.add_option("-m,--message", options->message, "The message");
+    command.add_option("-f,--file", options->file, "The message is a file's content");
+    command.add_flag("-n,--null-message", options->empty, "The message is empty");
+    command.add_flag("-l,--stdin-line", options->lines, "Each line of standard input is a message");
+    command.add_option("-q,--qos", options->qos, "-1 (without a connection), 0, 1 or 2")
+        ->check(CLI::Range(-1, 2))
+        ->capture_default_str();
+    command.add_flag("-r,--retain", options->retain, "The broker keeps it for later subscribers");
+    command.add_option("--repeat", options->repeat, "Publish it so many times")
+        ->check(CLI::PositiveNumber)
+        ->capture_default_str();
+    command.add_option("--repeat-delay", options->repeat_delay_s, "Seconds between them")
+        ->check(CLI::NonNegativeNumber)
+        ->capture_default_str();
+    command.footer(examples);
+    command.callback([options, &exit_code] {
+        check(*options);
+        Publisher{*options}.run();
+        exit_code = 0;
+    });
+}
+
+}  // namespace romano::experiments

@@ -1,0 +1,61 @@
+#include "experiments/cli/sweep.h"
+
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "experiments/sweep/sweep_runner.h"
+
+namespace romano::experiments {
+namespace {
+
+constexpr const char* examples = R"(Examples:
+  romano sweep experiments/demo.toml               (goes on where it was interrupted)
+  romano sweep experiments/demo.toml --fresh       (forgets earlier results)
+  romano sweep experiments/demo.toml --list        (what it would run)
+  romano sweep experiments/demo.toml --cell 7      (one cell again, in a folder of its own)
+What a sweep file may say: experiments/README.md.
+Exit code: 0; 1 when a run failed; 2 when nothing was run; 130 when interrupted.
+)";
+
+struct SweepOptions {
+    SweepRequest request;
+    std::uint32_t cell = 0;
+    bool list = false;
+};
+
+}  // namespace
+
+void add_sweep(CLI::App& program, int& exit_code) {
+    auto options = std::make_shared<SweepOptions>();
+    CLI::App& command = *program.add_subcommand(
+        "sweep", "Run an experiment: real brokers, real robots, faults; with a report");
+    command.set_help_flag("--help", "Show this and examples, and exit");
+    command.add_option("FILE", options->request.file, "The sweep file (TOML)")->required();
+    command.add_flag("--fresh", options->request.fresh, "Forget the results of before");
+    CLI::Option* cell = command.add_option("--cell", options->cell, "Run this cell only");
+    command.add_flag("--list", options->list, "List the cells and run nothing");
+    command.add_option("--broker", options->request.broker_program,
+                       "The broker's program (default: romano-broker beside this program)");
+    command.footer(examples);
+    command.callback([options, cell, &exit_code] {
+        SweepRequest& request = options->request;
+        if (options->list) {
+            for (const Cell& each : read_sweep(request.file).cells) {
+                std::printf("%4u  %s\n", each.number, describe(each).c_str());
+            }
+            exit_code = 0;
+            return;
+        }
+        if (cell->count() > 0) request.only_cell = options->cell;
+        if (request.broker_program.empty()) {
+            request.broker_program =
+                std::filesystem::read_symlink("/proc/self/exe").parent_path() / "romano-broker";
+        }
+        exit_code = run_sweep(request);
+    });
+}
+
+}  // namespace romano::experiments

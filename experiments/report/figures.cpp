@@ -1,0 +1,317 @@
+#include "experiments/report/figures.h"
+
+#include <algorithm>
+#include <array>
+#include <functional>
+#include <set>
+#include <utility>
+
+#include "experiments/sweep/results_folder.h"
+
+namespace romano::experiments {
+namespace {
+
+using Configurations = std::span<const Configuration>;
+using Value = Measured RunRow::*;
+using Number = std::function<double(const Cell&)>;
+
+double brokers_of(const Cell& cell) {
+    return cell.brokers;
+}
+double robots_of(const Cell& cell) {
+    return cell.robots;
+}
+double rate_of(const Cell& cell) {
+    return cell.rate_per_s;
+}
+
+std::vector<Configuration> those(Configurations all, const std::function<bool(const Cell&)>& is) {
+    std::vector<Configuration> some;
+    for (const Configuration& each : all) {
+        if (!each.runs.empty() && is(each.cell())) some.push_back(each);
+    }
+    return some;
+}
+
+std::vector<Configuration> undisturbed(Configurations all) {
+    return those(all, [](const Cell& cell) { return cell.fault == Fault::none; });
+}
+
+std::size_t distinct(Configurations all, const Number& number) {
+    std::set<double> values;
+    for (const Configuration& each : all) values.insert(number(each.cell()));
+    return values.size();
+}
+
+/// One series for each combination of the other axes. When some reach over several x, those that
+/// have one only are left out: they are the others' neighbours from another question.
+std::vector<PlotSeries> series_over(const Number& x, Configurations all, Value y,
+                                    std::span<const Axis> given, double scale = 1) {
+    std::vector<PlotSeries> series;
+    for (const Configuration& each : all) {
+        const std::string label = label_of(each.cell(), all, given);
+        auto found = std::ranges::find(series, label, &PlotSeries::label);
+        if (found == series.end()) {
+            found = series.insert(found, PlotSeries{.label = label, .points = {}});
+        }
+        for (const RunRow& run : each.runs) {
+            if (run.*y) found->points.push_back({.x = x(run.cell), .y = *(run.*y) * scale});
+        }
+    }
+    const auto reaches = [](const PlotSeries& one) {
+        return std::ranges::any_of(one.points,
+                                   [&](const PlotPoint& p) { return p.x != one.points.front().x; });
+    };
+    if (std::ranges::any_of(series, reaches)) {
+        std::erase_if(series, [&](const PlotSeries& one) { return !reaches(one); });
+    }
+    std::erase_if(series, [](const PlotSeries& one) { return one.points.empty(); });
+    if (series.size() == 1) series.front().label.clear();  // nothing to tell it from
+    return series;
+}
+
+void prefix_labels(std::vector<PlotSeries>& series, const std::string& word) {
+    for (PlotSeries& one : series) one.label = one.label.empty() ? word : word + ", " + one.label;
+}
+
+void append(std::vector<PlotSeries>& series, std::vector<PlotSeries> more) {
+    series.insert(series.end(), std::make_move_iterator(more.begin()),
+                  std::make_move_iterator(more.end()));
+}
+
+std::optional<Figure> failover_figure(Configurations all) {
+    constexpr std::array given = {Axis::brokers};
+    const auto struck = those(all, [](const Cell& cell) { return cell.fault != Fault::none; });
+    if (struck.empty()) return std::nullopt;
+    PlotPanel clients{.title = "Until clients hear again",
+                      .x_label = "brokers",
+                      .y_label = "ms after the fault (first, median, last client)",
+                      .series = {},
+                      .y_from = 0};
+    for (const Configuration& each : struck) {
+        const std::string label = label_of(each.cell(), struck, given);
+        auto found = std::ranges::find(clients.series, label, &PlotSeries::label);
+        if (found == clients.series.end()) {
+            found = clients.series.insert(found, {.label = label, .points = {}, .line = false});
+        }
+        // Kinds of fault stand beside each other, not on top of each other.
+        const double shift = 0.1 * static_cast<double>(found - clients.series.begin());
+        for (const RunRow& run : each.runs) {
+            if (!run.failover_p50_ms) continue;
+            found->points.push_back({.x = run.cell.brokers + shift,
+                                     .y = *run.failover_p50_ms,
+                                     .low = run.failover_first_ms,
+                                     .high = run.failover_last_ms});
+        }
+    }
+    PlotPanel leader{.title = "Without a leader",
+                     .x_label = "brokers",
+                     .y_label = "ms after the leader's death",
+                     .series = series_over(brokers_of, struck, &RunRow::without_leader_ms, given),
+                     .y_from = 0};
+    Figure figure{
+        .title = "Failover time against the number of brokers",
+        .plot = {.name = "failover", .panels = {std::move(clients)}},
+        .shows =
+            "Each bar is one run: from the first to the last client of the broker that was "
+            "struck, the mark is the median client.",
+        .measured =
+            "From <code>kill -9</code> (or SIGSTOP) of a broker to the first message, published "
+            "after that moment, that reaches a client of that broker. The client keeps its socket "
+            "and its broker's address. A broker is declared dead only after its detection time, "
+            "which is part of these numbers."};
+    if (!leader.series.empty()) {
+        figure.plot.panels.push_back(std::move(leader));
+        figure.measured +=
+            " Without a leader: from the leader's death until the last surviving broker tells its "
+            "clients, on <code>$SYS/brokers</code>, of a new living one.";
+    }
+    return figure;
+}
+
+std::optional<Figure> around_a_fault_figure(Configurations all, double fault_after_s,
+                                            const std::filesystem::path& results) {
+    // The first run with the most brokers whose leader was killed; else any with a fault.
+    const RunRow* shown = nullptr;
+    for (const Configuration& each : all) {
+        for (const RunRow& run : each.runs) {
+            if (run.cell.fault == Fault::none) continue;
+            const auto weight = [](const RunRow& row) {
+                return std::pair{row.cell.fault == Fault::kill_leader, row.cell.brokers};
+            };
+            if (shown == nullptr || weight(run) > weight(*shown)) shown = &run;
+        }
+    }
+    if (shown == nullptr) return std::nullopt;
+    PlotPanel panel{.title = describe(shown->cell),
+                    .x_label = "time of publishing (s)",
+                    .y_label = "delay until delivery (ms)",
+                    .series = {},
+                    .log_y = true,
+                    .ticks_at_points = false,
+                    .marked_x = fault_after_s,
+                    .marked_label = std::string{name_of(shown->cell.fault)}};
+    for (int qos = 0; qos <= 2; ++qos) {
+        panel.series.push_back(
+            {.label = "QoS " + std::to_string(qos), .points = {}, .line = false, .small = true});
+    }
+    for (const Sample& sample : read_samples(results, shown->cell)) {
+        if (!sample.delay_ms) continue;
+        panel.series[sample.qos].points.push_back({.x = sample.sent_s, .y = *sample.delay_ms});
+    }
+    std::erase_if(panel.series, [](const PlotSeries& one) { return one.points.empty(); });
+    if (panel.series.empty()) return std::nullopt;
+    return Figure{.title = "What a fault looks like",
+                  .plot = {.name = "around_a_fault", .panels = {std::move(panel)}},
+                  .shows =
+                      "Every delivered message of one run. Those published while the broker is "
+                      "missing wait until another has taken its address over: the slope is "
+                      "the time that they waited.",
+                  .measured = "Cell " + std::to_string(shown->cell.number) +
+                              " of this sweep, from its raw samples."};
+}
+
+std::optional<Figure> delay_figure(Configurations all) {
+    const auto calm = undisturbed(all);
+    if (calm.empty()) return std::nullopt;
+    constexpr std::array given = {Axis::robots, Axis::fault};
+    const auto panel = [&](const char* title, Value middle, Value tail) {
+        PlotPanel made{.title = title,
+                       .x_label = "robots",
+                       .y_label = "ms",
+                       .series = series_over(robots_of, calm, middle, given),
+                       .y_from = 0};
+        prefix_labels(made.series, "median");
+        auto tails = series_over(robots_of, calm, tail, given);
+        prefix_labels(tails, "99 %");
+        append(made.series, std::move(tails));
+        return made;
+    };
+    return Figure{
+        .title = "Delay against the number of robots",
+        .plot = {.name = "delay",
+                 .panels = {panel("To each receiver", &RunRow::delay_p50_ms, &RunRow::delay_p99_ms),
+                            panel("To the last of a group", &RunRow::fan_out_p50_ms,
+                                  &RunRow::fan_out_p99_ms)}},
+        .shows =
+            "Left, every delivery counts; right, a group message counts when the last "
+            "subscriber has it. Runs without a fault.",
+        .measured =
+            "From the publisher's application to the subscriber's application: both ends are in "
+            "the process that drives the robots, so one clock times both. QoS 1 and 2 include the "
+            "wait until a peer holds the event (<code>acks</code>)."};
+}
+
+std::optional<Figure> delivery_figure(Configurations all) {
+    constexpr std::array given = {Axis::brokers, Axis::fault};
+    std::vector<PlotPanel> panels;
+    double lowest = 100;
+    for (const Fault fault : {Fault::none, Fault::kill_leader, Fault::kill_home, Fault::pause}) {
+        const auto some = those(all, [fault](const Cell& cell) { return cell.fault == fault; });
+        if (some.empty()) continue;
+        PlotPanel panel{.title = fault == Fault::none ? "no fault" : std::string{name_of(fault)},
+                        .x_label = "brokers",
+                        .y_label = "delivered of expected (%)",
+                        .series = {}};
+        const std::array<std::pair<const char*, Value>, 3> levels{{
+            {"QoS 0", &RunRow::delivery_ratio_qos0},
+            {"QoS 1", &RunRow::delivery_ratio_qos1},
+            {"QoS 2", &RunRow::delivery_ratio_qos2},
+        }};
+        for (const auto& [name, value] : levels) {
+            auto series = series_over(brokers_of, some, value, given, 100);
+            prefix_labels(series, name);
+            for (const PlotSeries& one : series) {
+                for (const PlotPoint& point : one.points) lowest = std::min(lowest, point.y);
+            }
+            append(panel.series, std::move(series));
+        }
+        panels.push_back(std::move(panel));
+    }
+    if (panels.empty()) return std::nullopt;
+    for (PlotPanel& panel : panels) {
+        panel.y_from = std::min(99.0, lowest - (100 - lowest) * 0.2);
+        panel.y_to = 100 + (100 - *panel.y_from) * 0.04;  // so that 100 % is not the frame
+    }
+    return Figure{
+        .title = "Delivery ratio",
+        .plot = {.name = "delivery", .panels = std::move(panels)},
+        .shows =
+            "QoS 0 promises nothing, and what is on its way when a broker dies is gone. An "
+            "acknowledged QoS 1 or 2 message must arrive, whatever happens: see "
+            "<em>acknowledged but lost</em> in the table.",
+        .measured =
+            "Expected is one delivery for each message and each robot subscribed to its "
+            "topic, until the end of the run and its drain time. Copies count once."};
+}
+
+std::optional<Figure> rate_figure(Configurations all) {
+    const auto calm = undisturbed(all);
+    if (distinct(calm, rate_of) < 2) return std::nullopt;
+    constexpr std::array given = {Axis::rate, Axis::fault};
+    PlotPanel ratio{.title = "Delivery ratio",
+                    .x_label = "messages per second and publisher",
+                    .y_label = "delivered of expected (%)",
+                    .series = series_over(rate_of, calm, &RunRow::delivery_ratio, given, 100),
+                    .y_to = 100.5};
+    PlotPanel delay{.title = "Delay, 99 %",
+                    .x_label = "messages per second and publisher",
+                    .y_label = "ms",
+                    .series = series_over(rate_of, calm, &RunRow::delay_p99_ms, given),
+                    .y_from = 0};
+    return Figure{
+        .title = "Against the message rate",
+        .plot = {.name = "rate", .panels = {std::move(ratio), std::move(delay)}},
+        .shows =
+            "The question of the ROMANO paper's table of delivery ratios: how many messages "
+            "a second go through.",
+        .measured =
+            "Runs without a fault; otherwise as in the figures above. What the paper's "
+            "radios lost beyond 200 messages a second, UDP on one host need not lose."};
+}
+
+std::optional<Figure> overhead_figure(Configurations all) {
+    const auto calm = undisturbed(all);
+    if (calm.empty()) return std::nullopt;
+    constexpr std::array given = {Axis::brokers, Axis::fault};
+    const auto panel = [&](const char* title, const char* unit, Value value, double scale) {
+        return PlotPanel{.title = title,
+                         .x_label = "brokers",
+                         .y_label = unit,
+                         .series = series_over(brokers_of, calm, value, given, scale),
+                         .y_from = 0};
+    };
+    return Figure{
+        .title = "Overhead against the number of brokers",
+        .plot = {.name = "overhead",
+                 .panels = {panel("Between brokers, all together", "kB/s",
+                                  &RunRow::interbroker_octets_per_s, 1e-3),
+                            panel("CPU of a broker, mean", "% of one core",
+                                  &RunRow::broker_cpu_percent_mean, 1),
+                            panel("Memory of a broker, mean peak", "MiB",
+                                  &RunRow::broker_rss_peak_mib_mean, 1)}},
+        .shows = "What replication costs while nothing goes wrong.",
+        .measured =
+            "Octets that the brokers hand to DDS for their peers, by their own count on "
+            "<code>$SYS/brokers</code>: without the headers of RTPS and UDP. CPU time and "
+            "peak resident memory (VmHWM) from <code>/proc</code>, within the load."};
+}
+
+}  // namespace
+
+std::vector<Figure> figures_of(Configurations configurations, double fault_after_s,
+                               const std::filesystem::path& results) {
+    std::vector<Figure> figures;
+    const auto add = [&figures](std::optional<Figure> figure) {
+        if (figure) figures.push_back(std::move(*figure));
+    };
+    add(failover_figure(configurations));
+    add(around_a_fault_figure(configurations, fault_after_s, results));
+    add(delivery_figure(configurations));
+    add(delay_figure(configurations));
+    add(rate_figure(configurations));
+    add(overhead_figure(configurations));
+    return figures;
+}
+
+}  // namespace romano::experiments

@@ -1,0 +1,180 @@
+#include "experiments/report/plot.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <fstream>
+#include <map>
+#include <memory>
+#include <set>
+#include <sstream>
+
+#include "experiments/measure/percentile.h"
+
+namespace romano::experiments {
+namespace {
+
+/// Okabe and Ito's colours: told apart by colour-blind readers too.
+constexpr std::array colours = {"#0072B2", "#D55E00", "#009E73", "#CC79A7",
+                                "#E69F00", "#56B4E9", "#555555"};
+constexpr std::array marks = {7, 5, 9, 13, 11, 15, 6};
+
+std::string quoted(const std::string& text) {
+    std::string quoted = "\"";
+    for (const char c : text) {
+        if (c == '"' || c == '\\') quoted += '\\';
+        quoted += c == '\n' ? ' ' : c;
+    }
+    return quoted + '"';
+}
+
+std::vector<PlotPoint> medians_of(const PlotSeries& series) {
+    std::map<double, std::vector<double>> at;
+    for (const PlotPoint& point : series.points) at[point.x].push_back(point.y);
+    std::vector<PlotPoint> medians;
+    for (auto& [x, ys] : at) {
+        medians.push_back({.x = x, .y = *Percentiles{std::move(ys)}.at(0.5)});
+    }
+    return medians;
+}
+
+std::string block_name(std::size_t panel, std::size_t series, const char* what) {
+    return "$p" + std::to_string(panel) + "s" + std::to_string(series) + what;
+}
+
+void write_blocks(const PlotPanel& panel, std::size_t number, std::ostream& out) {
+    for (std::size_t i = 0; i < panel.series.size(); ++i) {
+        out << block_name(number, i, "runs") << " << EOD\n";
+        for (const PlotPoint& point : panel.series[i].points) {
+            out << point.x << ' ' << point.y << ' ' << point.low.value_or(point.y) << ' '
+                << point.high.value_or(point.y) << '\n';
+        }
+        out << "EOD\n" << block_name(number, i, "line") << " << EOD\n";
+        for (const PlotPoint& point : medians_of(panel.series[i])) {
+            out << point.x << ' ' << point.y << '\n';
+        }
+        out << "EOD\n";
+    }
+}
+
+void write_x_axis(const PlotPanel& panel, std::ostream& out) {
+    std::set<long> places;
+    double low = 1e300;
+    double high = -1e300;
+    for (const PlotSeries& series : panel.series) {
+        for (const PlotPoint& point : series.points) {
+            places.insert(std::lround(point.x));
+            low = std::min(low, point.x);
+            high = std::max(high, point.x);
+        }
+    }
+    if (low > high) return;
+    if (!panel.ticks_at_points) {
+        out << "set xtics auto\nset xrange [*:*]\n";
+        return;
+    }
+    const double margin = std::max((high - low) * 0.08, 0.5);
+    out << "set xrange [" << low - margin << ":" << high + margin << "]\nset xtics (";
+    // Ticks that would run into each other are left out.
+    long last = 0;
+    bool first = true;
+    for (const long place : places) {
+        if (!first && static_cast<double>(place - last) < (high - low) / 14) continue;
+        out << (first ? "" : ", ") << '"' << place << "\" " << place;
+        last = place;
+        first = false;
+    }
+    out << ")\n";
+}
+
+void write_panel(const PlotPanel& panel, std::size_t number, std::ostream& out) {
+    out << "set title " << quoted(panel.title) << "\nset xlabel " << quoted(panel.x_label)
+        << "\nset ylabel " << quoted(panel.y_label) << '\n'
+        << (panel.log_y ? "set logscale y 10\n" : "unset logscale\n") << "set yrange ["
+        << (panel.y_from ? std::to_string(*panel.y_from) : "*") << ':'
+        << (panel.y_to ? std::to_string(*panel.y_to) : "*") << "]\n";
+    write_x_axis(panel, out);
+    out << "unset arrow\nunset label\n";
+    if (panel.marked_x) {
+        out << "set arrow from " << *panel.marked_x << ", graph 0 to " << *panel.marked_x
+            << ", graph 1 nohead lc rgb '#888888' dt 2\nset label " << quoted(panel.marked_label)
+            << " at " << *panel.marked_x << ", graph 0.95 offset 0.6,0 tc rgb '#555555'\n";
+    }
+    std::string separator = "plot ";
+    bool any = false;
+    for (std::size_t i = 0; i < panel.series.size(); ++i) {
+        const PlotSeries& series = panel.series[i];
+        if (series.points.empty()) continue;
+        const char* colour = colours[i % colours.size()];
+        const int mark = marks[i % marks.size()];
+        const bool bars = std::ranges::any_of(series.points,
+                                              [](const PlotPoint& p) { return p.low.has_value(); });
+        const auto part = [&](const std::string& text) {
+            out << separator << text;
+            separator = ", \\\n     ";
+            any = true;
+        };
+        std::ostringstream style;
+        style << "lc rgb '" << colour << "' ";
+        const std::string title =
+            series.label.empty() ? " notitle" : " title " + quoted(series.label);
+        if (series.line) {
+            part(block_name(number, i, "line") + " using 1:2 with lines lw 1.6 " + style.str() +
+                 " notitle");
+        }
+        style << "pt " << mark << " ps " << (series.small ? 0.25 : 0.75);
+        part(block_name(number, i, "runs") +
+             (bars ? " using 1:2:3:4 with yerrorbars lw 1.6 " : " using 1:2 with points ") +
+             style.str() + title);
+    }
+    // gnuplot draws nothing at all, not even axes, when there is nothing to plot.
+    if (!any) out << "set xrange [0:1]\nset yrange [0:1]\nplot NaN notitle";
+    out << '\n';
+}
+
+}  // namespace
+
+std::string gnuplot_script(const Plot& plot) {
+    const std::size_t width = plot.panels.size() == 1 ? 760 : 380 * plot.panels.size();
+    std::ostringstream out;
+    out.precision(9);
+    out << "# Draw with: gnuplot " << plot.name << ".gp > " << plot.name << ".svg\n"
+        << "set terminal svg size " << width << ",380 dynamic font 'sans-serif,13' name '"
+        << plot.name << "'\n"
+        << "set encoding utf8\nset border 3 lc rgb '#666666'\nset tics nomirror out\n"
+        << "set grid ytics lc rgb '#dddddd' lt 1 lw 0.6\nset style data points\n"
+        << "set key outside bottom center horizontal reverse Left samplen 1 spacing 1.15\n"
+        << "set offsets graph 0, graph 0, graph 0.06, graph 0.02\nset errorbars 0.6\n";
+    for (std::size_t i = 0; i < plot.panels.size(); ++i) write_blocks(plot.panels[i], i, out);
+    if (plot.panels.size() > 1) {
+        out << "set multiplot layout 1," << plot.panels.size() << "\n";
+    }
+    for (std::size_t i = 0; i < plot.panels.size(); ++i) write_panel(plot.panels[i], i, out);
+    if (plot.panels.size() > 1) out << "unset multiplot\n";
+    return out.str();
+}
+
+std::optional<std::string> draw(const Plot& plot, const std::filesystem::path& script_folder) {
+    std::error_code failed;
+    std::filesystem::create_directories(script_folder, failed);
+    const auto script = script_folder / (plot.name + ".gp");
+    std::ofstream(script) << gnuplot_script(plot);
+
+    std::string quoted_path;
+    for (const char c : script.string()) quoted_path += c == '\'' ? "'\\''" : std::string(1, c);
+    const std::string command = "gnuplot '" + quoted_path + "' 2>/dev/null";
+    const std::unique_ptr<std::FILE, int (*)(std::FILE*)> output(::popen(command.c_str(), "r"),
+                                                                 ::pclose);
+    if (!output) return std::nullopt;
+    std::string svg;
+    std::array<char, 65536> part{};
+    while (const std::size_t size = std::fread(part.data(), 1, part.size(), output.get())) {
+        svg.append(part.data(), size);
+    }
+    const std::size_t begin = svg.find("<svg");  // behind the XML declaration
+    if (begin == std::string::npos || svg.find("</svg>") == std::string::npos) return std::nullopt;
+    return svg.substr(begin);
+}
+
+}  // namespace romano::experiments

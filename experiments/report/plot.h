@@ -1,0 +1,50 @@
+// A plot as data, drawn by gnuplot as SVG. The gnuplot script is kept beside the report, with the
+// numbers in it, so that anybody can draw it another way.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace romano::experiments {
+
+struct PlotPoint {
+    double x = 0;
+    double y = 0;
+    std::optional<double> low = std::nullopt;  // with high: a bar around y
+    std::optional<double> high = std::nullopt;
+};
+
+struct PlotSeries {
+    std::string label;              // empty: not in the key
+    std::vector<PlotPoint> points;  // one a run, in any order
+    bool line = true;               // through the median of the points at each x
+    bool small = false;             // a cloud of many points
+};
+
+struct PlotPanel {
+    std::string title;
+    std::string x_label;
+    std::string y_label;
+    std::vector<PlotSeries> series;
+    bool log_y = false;
+    bool ticks_at_points = true;  // of x: where there is something to see
+    std::optional<double> y_from = std::nullopt;
+    std::optional<double> y_to = std::nullopt;
+    std::optional<double> marked_x = std::nullopt;  // a vertical line: the fault
+    std::string marked_label = {};
+};
+
+struct Plot {
+    std::string name;               // of its script and of the SVG's parts: letters, digits, _
+    std::vector<PlotPanel> panels;  // side by side
+};
+
+[[nodiscard]] std::string gnuplot_script(const Plot& plot);
+
+/// The <svg> element. Empty when gnuplot is not there or fails.
+[[nodiscard]] std::optional<std::string> draw(const Plot& plot,
+                                              const std::filesystem::path& script_folder);
+
+}  // namespace romano::experiments

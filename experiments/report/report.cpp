@@ -1,0 +1,170 @@
+#include "experiments/report/report.h"
+
+#include <algorithm>
+#include <sstream>
+
+#include "experiments/measure/percentile.h"
+#include "experiments/report/configuration.h"
+#include "experiments/report/figures.h"
+#include "experiments/report/summary_table.h"
+
+namespace romano::experiments {
+namespace {
+
+constexpr const char* style = R"(
+:root { color-scheme: light; --ink: #1d2330; --soft: #5b6475; --line: #dfe3ea; --good: #0b7a4b;
+        --bad: #b3261e; }
+body { font: 16px/1.55 system-ui, "Segoe UI", Roboto, "DejaVu Sans", sans-serif; color: var(--ink);
+       max-width: 1180px; margin: 0 auto; padding: 2rem 1.5rem 4rem; background: #fff; }
+h1 { font-size: 1.9rem; margin: 0 0 .2rem; } h2 { font-size: 1.3rem; margin: 2.6rem 0 .4rem; }
+.sub { color: var(--soft); margin: 0 0 1.4rem; }
+.tiles { display: grid; grid-template-columns: repeat(auto-fit, minmax(180px, 1fr)); gap: .8rem; }
+.tile { border: 1px solid var(--line); border-radius: 10px; padding: .8rem 1rem; }
+.tile b { display: block; font-size: 1.55rem; line-height: 1.25; }
+.tile span { color: var(--soft); font-size: .88rem; line-height: 1.35; display: block; }
+.good b { color: var(--good); } .bad b { color: var(--bad); }
+figure { margin: .6rem 0 0; } figure svg { width: 100%; height: auto; max-height: 480px; }
+figcaption { border-left: 3px solid var(--line); padding: .1rem 0 .1rem .9rem; max-width: 56rem; }
+figcaption p { margin: .3rem 0; } .how { color: var(--soft); font-size: .92rem; }
+.wide { overflow-x: auto; }
+table { border-collapse: collapse; font-size: .9rem; font-variant-numeric: tabular-nums; }
+th, td { padding: .32rem .6rem; text-align: right; border-bottom: 1px solid var(--line);
+         white-space: nowrap; } th { vertical-align: bottom; } th small { color: var(--soft);
+         font-weight: normal; } tbody tr:hover { background: #f5f7fa; }
+pre { background: #f5f7fa; border: 1px solid var(--line); border-radius: 8px; padding: .8rem 1rem;
+      overflow-x: auto; font-size: .86rem; } code { font-size: .92em; }
+dl { display: grid; grid-template-columns: max-content 1fr; gap: .2rem 1.2rem; }
+dt { color: var(--soft); } dd { margin: 0; }
+)";
+
+double total(std::span<const RunRow> rows, Measured RunRow::*value) {
+    double sum = 0;
+    for (const RunRow& row : rows) sum += (row.*value).value_or(0);
+    return sum;
+}
+
+std::string tile(const char* mood, const std::string& number, const std::string& words) {
+    return std::string{"<div class=\"tile "} + mood + "\"><b>" + html_text(number) + "</b><span>" +
+           words + "</span></div>\n";
+}
+
+std::string whole(double number) {
+    return number_text(Measured{number}, 0);
+}
+
+const char* zero_is_good(double number) {
+    return number == 0 ? "good" : "bad";
+}
+
+std::string tiles_of(std::span<const RunRow> rows) {
+    std::vector<RunRow> ok;
+    std::ranges::copy_if(rows, std::back_inserter(ok), [](const RunRow& row) { return row.ok(); });
+    const double failed = static_cast<double>(rows.size() - ok.size());
+    const double lost = total(ok, &RunRow::acknowledged_but_lost_qos1) +
+                        total(ok, &RunRow::acknowledged_but_lost_qos2);
+    const double doubled = total(ok, &RunRow::duplicates_qos2);
+    const double again = total(ok, &RunRow::connects_after_fault) +
+                         total(ok, &RunRow::registers_after_fault) +
+                         total(ok, &RunRow::subscribes_after_fault);
+    const double struck = total(ok, &RunRow::failover_clients);
+    const double recovered = total(ok, &RunRow::failover_recovered_clients);
+    std::vector<double> medians;
+    std::vector<double> lasts;
+    for (const RunRow& row : ok) {
+        if (row.failover_p50_ms) medians.push_back(*row.failover_p50_ms);
+        if (row.failover_last_ms) lasts.push_back(*row.failover_last_ms);
+    }
+    std::string html = "<div class=\"tiles\">\n";
+    html +=
+        tile(zero_is_good(failed), std::to_string(ok.size()) + " of " + std::to_string(rows.size()),
+             "runs succeeded");
+    html += tile(zero_is_good(lost), whole(lost),
+                 "acknowledged messages lost, of " + whole(total(ok, &RunRow::acknowledged)) +
+                     " acknowledged (QoS 1, 2)");
+    html += tile(zero_is_good(doubled), whole(doubled), "QoS 2 messages delivered twice");
+    if (struck > 0) {
+        html +=
+            tile(recovered == struck ? "good" : "bad", whole(recovered) + " of " + whole(struck),
+                 "clients of a struck broker heard again at the same address");
+        html += tile(zero_is_good(again), whole(again),
+                     "times a client sent CONNECT, REGISTER or SUBSCRIBE after a fault");
+        html += tile("", number_text(Percentiles{medians}.at(0.5), 0) + " ms",
+                     "failover of the median client in the median run; the slowest took " +
+                         number_text(Percentiles{lasts}.max(), 0) + " ms");
+    }
+    return html + "</div>\n";
+}
+
+std::string failures_of(std::span<const RunRow> rows) {
+    std::string html;
+    for (const RunRow& row : rows) {
+        if (row.ok()) continue;
+        html += "<li>Cell " + std::to_string(row.cell.number) + " (" +
+                html_text(describe(row.cell)) + "): " + html_text(row.status) + "</li>\n";
+    }
+    return html.empty() ? html : "<h2>Runs that failed</h2>\n<ul>\n" + html + "</ul>\n";
+}
+
+std::string setting(const char* name, const std::string& value) {
+    return std::string{"<dt>"} + name + "</dt><dd>" + html_text(value) + "</dd>\n";
+}
+
+}  // namespace
+
+std::string report_of(const Sweep& sweep, const Manifest& manifest, std::span<const RunRow> rows,
+                      const std::filesystem::path& results) {
+    const auto configurations = configurations_of(rows);
+    std::ostringstream html;
+    html << "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
+         << "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>"
+         << html_text(sweep.settings.name) << ": ROMANO without a central broker</title>\n<style>"
+         << style << "</style>\n</head>\n<body>\n<h1>ROMANO without a central broker</h1>\n"
+         << "<p class=\"sub\">Sweep <b>" << html_text(sweep.settings.name) << "</b>, "
+         << rows.size() << " of " << sweep.cells.size()
+         << " cells: real brokers and real MQTT-SN robots over UDP on one host, traffic pattern <b>"
+         << name_of(sweep.settings.pattern) << "</b>. " << html_text(manifest.started_utc)
+         << "</p>\n"
+         << tiles_of(rows);
+
+    int number = 0;
+    for (const Figure& figure :
+         figures_of(configurations, sweep.settings.fault_after.count(), results)) {
+        html << "<h2>" << ++number << ". " << html_text(figure.title) << "</h2>\n<figure>\n"
+             << draw(figure.plot, results / "plots")
+                    .value_or("<p><em>Not drawn: gnuplot is missing.</em></p>")
+             << "<figcaption><p>" << figure.shows
+             << "</p><p class=\"how\">How it was measured: " << figure.measured
+             << "</p></figcaption>\n</figure>\n";
+    }
+
+    html << "<h2>Summary</h2>\n<div class=\"wide\">\n"
+         << to_html(summary_of(configurations))
+         << "</div>\n<p class=\"how\">Medians over the runs of a configuration; losses, duplicates "
+            "and <em>again</em> are sums. <em>lost, acked</em>: QoS 1 and 2 messages that were "
+            "acknowledged to their publisher and did not reach a subscriber. <em>failover</em>: "
+            "from the first to the last client of the struck broker. <em>leaderless</em>: longest. "
+            "<em>again</em>: CONNECT, REGISTER and SUBSCRIBE messages that clients sent after the "
+            "fault. <em>overhead</em>: between brokers, all together.</p>\n"
+         << failures_of(rows);
+
+    const Machine& machine = manifest.machine;
+    html << "<h2>Machine and build</h2>\n<dl>\n"
+         << setting("CPU", machine.cpu) << setting("Cores", std::to_string(machine.cores))
+         << setting("Memory", number_text(Measured{machine.memory_gib}, 1) + " GiB")
+         << setting("System", machine.system + ", " + machine.kernel)
+         << setting("Commit", std::string{manifest.build.commit})
+         << setting("Compiler",
+                    std::string{manifest.build.compiler} + ", " + std::string{manifest.build.type})
+         << "</dl>\n<h2>Run it again</h2>\n<p>The whole sweep, or one of its cells alone (here the "
+            "first):</p>\n<pre>romano sweep '"
+         << html_text(manifest.sweep_file) << "' --fresh\n"
+         << html_text(rerun_command(manifest.sweep_file, sweep.cells.front()))
+         << "</pre>\n<p>Beside this file: <code>runs.csv</code> (one row a run), "
+            "<code>samples/</code> (every message), <code>traces/</code> (what the brokers said), "
+            "<code>plots/</code> (gnuplot scripts with their numbers), "
+            "<code>manifest.json</code>.</p>\n<p>The sweep file:</p>\n<pre>"
+         << html_text(sweep.text) << "</pre>\n</body>\n</html>\n";
+    return html.str();
+}
+
+}  // namespace romano::experiments

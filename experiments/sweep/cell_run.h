@@ -1,0 +1,92 @@
+// One cell, run for real: broker processes on loopback addresses in a DDS domain of their own, a
+// swarm of robots, a fault in the middle, and what came of it.
+//
+//   start brokers → all in one view → robots join → load … fault … load → drain → measure → stop
+#pragma once
+
+#include <boost/asio/io_context.hpp>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "experiments/process/broker_process.h"
+#include "experiments/process/process_usage.h"
+#include "experiments/robots/swarm.h"
+#include "experiments/sweep/results_folder.h"
+#include "experiments/sweep/run_row.h"
+#include "experiments/sweep/sweep_file.h"
+#include "experiments/watch/broker_watch.h"
+
+namespace romano::experiments {
+
+/// Ctrl-C while a cell ran: there is no row of it.
+struct Interrupted : std::runtime_error {
+    Interrupted() : std::runtime_error("interrupted") {}
+};
+
+struct CellSurroundings {
+    boost::asio::io_context& io;
+    std::filesystem::path broker_program;
+    const ResultsFolder& results;
+    /// Told what is going on, with the share of the cell that is over.
+    std::function<void(double share, std::string_view doing)> on_progress;
+    std::function<bool()> is_interrupted;
+};
+
+class CellRun {
+public:
+    CellRun(const SweepSettings& settings, const Cell& cell, const CellSurroundings& surroundings);
+    ~CellRun();
+
+    /// Always a row: when something fails, its status says what. Throws Interrupted only.
+    RunRow run();
+
+private:
+    struct Broker;
+
+    void start_brokers();
+    void await_one_view();
+    void join_robots();
+    void load();
+    void inject_fault();
+    void drain();
+    void stop();
+
+    void measure_deliveries(RunRow& row) const;
+    void measure_failover(RunRow& row) const;
+    void measure_brokers(RunRow& row) const;
+
+    void on_watch_change();
+    [[nodiscard]] std::size_t choose_victim() const;
+    void begin_usage();
+    void end_usage(Broker& broker);
+    void check_brokers();
+    [[nodiscard]] double share_over() const;
+    /// Runs the robots and watches until `done` or the deadline; true when `done`.
+    bool run_until(Instant deadline, const std::function<bool()>& done);
+    void run_for(Duration duration);
+
+    const SweepSettings& settings_;
+    const Cell& cell_;
+    const CellSurroundings& surroundings_;
+    std::vector<std::unique_ptr<Broker>> brokers_;
+    std::unique_ptr<Swarm> swarm_;
+    std::string doing_;
+    Instant begun_{};
+    Instant checked_{};
+
+    struct FaultRecord {
+        double at_s = 0;  // of the swarm's clock
+        Instant at{};
+        std::size_t broker = 0;
+        std::vector<std::uint64_t> sent_before;  // by the types of again_types
+    };
+    std::optional<FaultRecord> fault_;
+};
+
+}  // namespace romano::experiments

@@ -1,0 +1,42 @@
+#include "experiments/sweep/manifest.h"
+
+#include <nlohmann/json.hpp>
+
+namespace romano::experiments {
+
+std::string to_json(const Manifest& manifest, const Sweep& sweep) {
+    using nlohmann::ordered_json;
+    ordered_json cells = ordered_json::array();
+    for (const Cell& cell : sweep.cells) {
+        cells.push_back({{"cell", cell.number},
+                         {"what", describe(cell)},
+                         {"seed", cell.seed},
+                         {"rerun", rerun_command(manifest.sweep_file, cell)}});
+    }
+    const ordered_json json = {
+        {"sweep", sweep.settings.name},
+        {"started_utc", manifest.started_utc},
+        {"romano",
+         {{"version", manifest.build.version},
+          {"commit", manifest.build.commit},
+          {"compiler", manifest.build.compiler},
+          {"build_type", manifest.build.type}}},
+        {"broker", manifest.broker_version},
+        {"machine",
+         {{"cpu", manifest.machine.cpu},
+          {"cores", manifest.machine.cores},
+          {"memory_gib", manifest.machine.memory_gib},
+          {"kernel", manifest.machine.kernel},
+          {"system", manifest.machine.system}}},
+        {"sweep_file", manifest.sweep_file},
+        {"sweep_text", sweep.text},
+        {"cells", cells},
+    };
+    return json.dump(2, ' ', false, ordered_json::error_handler_t::replace) + "\n";
+}
+
+std::string rerun_command(const std::string& sweep_file, const Cell& cell) {
+    return "romano sweep '" + sweep_file + "' --cell " + std::to_string(cell.number);
+}
+
+}  // namespace romano::experiments

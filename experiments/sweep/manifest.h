@@ -1,0 +1,25 @@
+// manifest.json: what is needed to understand a sweep's numbers and to run any of its cells again.
+#pragma once
+
+#include <string>
+
+#include "experiments/sweep/build_info.h"
+#include "experiments/sweep/machine.h"
+#include "experiments/sweep/sweep_file.h"
+
+namespace romano::experiments {
+
+struct Manifest {
+    BuildInfo build;
+    Machine machine;
+    std::string started_utc;  // when the sweep was begun, or gone on with
+    std::string sweep_file;   // absolute, as it was called
+    std::string broker_version;
+};
+
+[[nodiscard]] std::string to_json(const Manifest& manifest, const Sweep& sweep);
+
+/// The command that runs one cell again, exactly.
+[[nodiscard]] std::string rerun_command(const std::string& sweep_file, const Cell& cell);
+
+}  // namespace romano::experiments

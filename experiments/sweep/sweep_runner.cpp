@@ -1,0 +1,153 @@
+#include "experiments/sweep/sweep_runner.h"
+
+#include <unistd.h>
+
+#include <array>
+#include <boost/asio/io_context.hpp>
+#include <csignal>
+#include <cstdio>
+#include <ctime>
+#include <fstream>
+
+#include "experiments/report/configuration.h"
+#include "experiments/report/report.h"
+#include "experiments/report/summary_table.h"
+#include "experiments/sweep/cell_run.h"
+#include "experiments/sweep/manifest.h"
+#include "experiments/sweep/progress_bar.h"
+#include "experiments/sweep/results_folder.h"
+
+namespace romano::experiments {
+namespace {
+
+volatile std::sig_atomic_t interrupted = 0;
+
+/// Ctrl-C and SIGTERM end the sweep between two moments of a cell, so that its brokers are stopped.
+void listen_for_interrupts() {
+    struct sigaction action = {};
+    action.sa_handler = [](int) { interrupted = 1; };
+    ::sigaction(SIGINT, &action, nullptr);
+    ::sigaction(SIGTERM, &action, nullptr);
+}
+
+std::string utc_now() {
+    const std::time_t now = std::time(nullptr);
+    std::tm utc{};
+    ::gmtime_r(&now, &utc);
+    std::array<char, 32> text{};
+    std::strftime(text.data(), text.size(), "%Y-%m-%d %H:%M:%S UTC", &utc);
+    return text.data();
+}
+
+/// What `romano-broker --version` says, in one line.
+std::string version_of(const std::filesystem::path& program) {
+    std::string quoted;
+    for (const char c : program.string()) quoted += c == '\'' ? "'\\''" : std::string(1, c);
+    const std::string command = "'" + quoted + "' --version 2>/dev/null";
+    std::array<char, 256> line{};
+    if (std::FILE* output = ::popen(command.c_str(), "r")) {
+        const char* read = std::fgets(line.data(), static_cast<int>(line.size()), output);
+        ::pclose(output);
+        if (read != nullptr) {
+            std::string text = line.data();
+            while (!text.empty() && text.back() == '\n') text.pop_back();
+            return text;
+        }
+    }
+    return "unknown";
+}
+
+std::string line_of(const RunRow& row) {
+    std::string line = "cell " + std::to_string(row.cell.number) + ": " + describe(row.cell);
+    if (!row.ok()) return line + ": FAILED: " + row.status;
+    line += ": delivered " +
+            number_text(row.delivery_ratio ? Measured{*row.delivery_ratio * 100} : Measured{}, 2) +
+            " %, p99 " + number_text(row.delay_p99_ms, 1) + " ms";
+    if (row.failover_clients) {
+        line += ", failover " + number_text(row.failover_first_ms, 0) + ".." +
+                number_text(row.failover_last_ms, 0) + " ms";
+    }
+    return line;
+}
+
+void write_text(const std::filesystem::path& file, const std::string& text) {
+    std::ofstream stream(file, std::ios::binary | std::ios::trunc);
+    if (!(stream << text).flush()) throw SweepError("cannot write `" + file.string() + "`");
+}
+
+void keep_one_cell(Sweep& sweep, std::uint32_t number) {
+    if (number == 0 || number > sweep.cells.size()) {
+        throw SweepError("--cell " + std::to_string(number) + ": the sweep has cells 1 to " +
+                         std::to_string(sweep.cells.size()));
+    }
+    sweep.cells = {sweep.cells[number - 1]};
+    sweep.settings.output /= "cell-" + std::to_string(number) + "-again";
+}
+
+}  // namespace
+
+int run_sweep(const SweepRequest& request) {
+    Sweep sweep = read_sweep(request.file);
+    const bool one_cell = request.only_cell.has_value();
+    if (one_cell) keep_one_cell(sweep, *request.only_cell);
+    if (::access(request.broker_program.c_str(), X_OK) != 0) {
+        throw SweepError("no broker to run: `" + request.broker_program.string() +
+                         "` is no program; build romano-broker, or name it with --broker");
+    }
+    ResultsFolder results{sweep.settings.output, sweep, request.fresh || one_cell};
+    const Manifest manifest{.build = build_info(),
+                            .machine = this_machine(),
+                            .started_utc = utc_now(),
+                            .sweep_file = std::filesystem::absolute(request.file).string(),
+                            .broker_version = version_of(request.broker_program)};
+    write_text(results.path() / "manifest.json", to_json(manifest, sweep));
+
+    listen_for_interrupts();
+    boost::asio::io_context io{1};
+    const auto done_before = results.rows().size();
+    if (done_before > 0) {
+        std::printf("%s: %zu of %zu cells were done before; going on\n", results.path().c_str(),
+                    done_before, sweep.cells.size());
+    }
+    bool stopped = false;
+    {
+        ProgressBar bar{stdout, sweep.cells.size(), done_before};
+        for (const Cell& cell : sweep.cells) {
+            if (results.has(cell)) continue;
+            const CellSurroundings surroundings{
+                .io = io,
+                .broker_program = request.broker_program,
+                .results = results,
+                .on_progress =
+                    [&bar, &cell](double share, std::string_view doing) {
+                        bar.show(share, describe(cell) + ": " + std::string{doing});
+                    },
+                .is_interrupted = [] { return interrupted != 0; }};
+            try {
+                const RunRow row = CellRun{sweep.settings, cell, surroundings}.run();
+                results.append(row);
+                bar.finish_cell(line_of(row));
+            } catch (const Interrupted&) {
+                stopped = true;
+                break;
+            }
+        }
+    }
+
+    const auto report = results.path() / "report.html";
+    write_text(report, report_of(sweep, manifest, results.rows(), results.path()));
+    if (!results.rows().empty()) {
+        std::printf("\n%s\n", to_text(summary_of(configurations_of(results.rows()))).c_str());
+    }
+    std::printf("Report: %s\n", std::filesystem::absolute(report).c_str());
+    if (stopped) {
+        std::printf("Interrupted: the same command goes on where it stopped.\n");
+        return 130;
+    }
+    for (const RunRow& row : results.rows()) {
+        if (!row.ok()) return 1;
+    }
+    return 0;
+}
+
+}  // namespace romano::experiments

@@ -1,0 +1,23 @@
+// A whole sweep: every cell that has no row yet, in order, then manifest, report and table.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "experiments/sweep/sweep_file.h"
+
+namespace romano::experiments {
+
+struct SweepRequest {
+    std::filesystem::path file;
+    bool fresh = false;                      // forget earlier results
+    std::optional<std::uint32_t> only_cell;  // run this one again, into a folder of its own
+    std::filesystem::path broker_program;    // romano-broker
+};
+
+/// The program's exit code: 0, 1 when runs failed, 130 after Ctrl-C. Throws SweepError before
+/// anything has started.
+int run_sweep(const SweepRequest& request);
+
+}  // namespace romano::experiments

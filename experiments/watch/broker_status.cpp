@@ -1,0 +1,42 @@
+#include "experiments/watch/broker_status.h"
+
+#include <nlohmann/json.hpp>
+
+namespace romano::experiments {
+namespace {
+
+using nlohmann::json;
+
+template <typename Value>
+void read(const json& object, const char* key, Value& value) {
+    if (const auto found = object.find(key); found != object.end() && !found->is_null()) {
+        value = found->get<Value>();
+    }
+}
+
+}  // namespace
+
+std::optional<BrokerStatus> parse_broker_status(std::string_view text) {
+    try {
+        const json object = json::parse(text);
+        BrokerStatus status;
+        status.name = object.at("name").get<std::string>();
+        read(object, "alive", status.alive);
+        read(object, "leader", status.leader);
+        read(object, "rank", status.rank);
+        read(object, "sessions", status.sessions);
+        read(object, "connected", status.connected);
+        read(object, "addresses", status.addresses);
+        read(object, "transport_octets_sent", status.transport_octets_sent);
+        if (const auto view = object.find("view"); view != object.end() && view->is_object()) {
+            read(*view, "term", status.view_term);
+            read(*view, "leader", status.view_leader);
+            read(*view, "members", status.view_members);
+        }
+        return status;
+    } catch (const json::exception&) {
+        return std::nullopt;
+    }
+}
+
+}  // namespace romano::experiments

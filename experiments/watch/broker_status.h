@@ -1,0 +1,33 @@
+// What a broker says about a broker: the JSON text that it keeps retained on $SYS/brokers/<name>.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace romano::experiments {
+
+/// Clients subscribe to this to learn of every broker that theirs knows.
+inline constexpr std::string_view brokers_filter = "$SYS/brokers/+";
+
+struct BrokerStatus {
+    std::string name;
+    bool alive = false;
+    bool leader = false;
+    std::uint64_t rank = 0;
+    std::uint64_t sessions = 0;
+    std::uint64_t connected = 0;
+    std::vector<std::string> addresses;  // "127.0.0.1:1883"
+    std::uint64_t view_term = 0;
+    std::string view_leader;
+    std::vector<std::string> view_members;
+    std::uint64_t transport_octets_sent = 0;  // to its peers, since it started
+};
+
+/// Empty when the text is no such JSON object with a name; other keys that lack keep their
+/// defaults, and unknown ones are passed over: brokers of several versions may meet.
+[[nodiscard]] std::optional<BrokerStatus> parse_broker_status(std::string_view json);
+
+}  // namespace romano::experiments

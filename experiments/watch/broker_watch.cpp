@@ -1,0 +1,49 @@
+#include "experiments/watch/broker_watch.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace romano::experiments {
+
+BrokerWatch::BrokerWatch(boost::asio::io_context& io, const BrokerAddress& broker,
+                         const std::string& client_id, const client::Timing& timing,
+                         std::function<void()> on_change)
+    : client_id_(client_id),
+      on_change_(std::move(on_change)),
+      client_(io, broker, timing, std::hash<std::string>{}(client_id),
+              [this](const client::Event& event) { on_event(event); }) {
+    client_.connect({.client_id = client_id_, .clean_session = true});
+}
+
+void BrokerWatch::on_event(const client::Event& event) {
+    if (std::holds_alternative<client::Connected>(event)) {
+        (void)client_.subscribe(client::topic_name(brokers_filter), mqttsn::Qos::at_least_once);
+    } else if (std::holds_alternative<client::Subscribed>(event)) {
+        subscribed_ = true;
+    } else if (std::holds_alternative<client::Lost>(event) ||
+               std::holds_alternative<client::Refused>(event) ||
+               std::holds_alternative<client::Failed>(event)) {
+        failed_ = true;
+    } else if (const auto* received = std::get_if<client::Received>(&event)) {
+        auto status = parse_broker_status(as_text(received->data));
+        if (!status) return;
+        std::string name = status->name;
+        brokers_.insert_or_assign(std::move(name),
+                                  Seen{std::move(*status), std::string{as_text(received->data)}});
+        if (on_change_) on_change_();
+    }
+}
+
+std::size_t BrokerWatch::alive() const {
+    return static_cast<std::size_t>(std::ranges::count_if(
+        brokers_, [](const auto& entry) { return entry.second.status.alive; }));
+}
+
+std::optional<std::string> BrokerWatch::leader() const {
+    for (const auto& [name, seen] : brokers_) {
+        if (seen.status.alive && seen.status.leader) return name;
+    }
+    return std::nullopt;
+}
+
+}  // namespace romano::experiments

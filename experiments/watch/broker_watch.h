@@ -1,0 +1,52 @@
+// Looks at the cluster with one broker's eyes: a plain MQTT-SN client that subscribes to
+// $SYS/brokers/+ there and keeps the latest word on each broker.
+#pragma once
+
+#include <boost/asio/io_context.hpp>
+#include <chrono>
+#include <functional>
+#include <map>
+#include <optional>
+#include <string>
+
+#include "experiments/robots/socket_client.h"
+#include "experiments/watch/broker_status.h"
+
+namespace romano::experiments {
+
+class BrokerWatch {
+public:
+    struct Seen {
+        BrokerStatus status;
+        std::string text;  // as it came
+    };
+
+    /// `on_change` is called after each word on a broker; may be empty.
+    BrokerWatch(boost::asio::io_context& io, const BrokerAddress& broker,
+                const std::string& client_id, const client::Timing& timing,
+                std::function<void()> on_change);
+
+    [[nodiscard]] const std::map<std::string, Seen>& brokers() const { return brokers_; }
+    /// The brokers said to be alive.
+    [[nodiscard]] std::size_t alive() const;
+    /// The living broker that is said to lead; empty when there is none.
+    [[nodiscard]] std::optional<std::string> leader() const;
+
+    [[nodiscard]] bool is_subscribed() const { return subscribed_; }
+    /// No answer after all repetitions, or a refusal: it watches no more.
+    [[nodiscard]] bool has_failed() const { return failed_; }
+    [[nodiscard]] const SocketClient& client() const { return client_; }
+    void leave() { client_.disconnect(); }
+
+private:
+    void on_event(const client::Event& event);
+
+    std::string client_id_;
+    std::function<void()> on_change_;
+    std::map<std::string, Seen> brokers_;
+    bool subscribed_ = false;
+    bool failed_ = false;
+    SocketClient client_;
+};
+
+}  // namespace romano::experiments

@@ -1,0 +1,192 @@
+// A report of synthetic runs holds what a reader needs: verdict, figures, table, failures, rerun.
+
+#include "experiments/report/report.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+
+#include "experiments/report/configuration.h"
+#include "experiments/report/figures.h"
+#include "experiments/report/summary_table.h"
+#include "experiments/sweep/results_folder.h"
+
+namespace romano::experiments {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+constexpr const char* sweep_text = R"(
+name = "synthetic"
+repetitions = 2
+[[axes]]
+brokers = [1, 2, 3, 5]
+robots = 20
+fault = ["none", "kill-leader", "kill-home"]
+[[axes]]
+brokers = 3
+robots = [5, 10, 40]
+)";
+
+RunRow made_up(const Cell& cell) {
+    RunRow row;
+    row.cell = cell;
+    const double noise = std::sin(cell.number);
+    row.published = row.acknowledged = 100;
+    row.acknowledged_but_lost_qos1 = row.acknowledged_but_lost_qos2 = row.duplicates_qos2 = 0;
+    row.delivery_ratio = cell.fault == Fault::none ? 1 : 0.99;
+    row.delivery_ratio_qos0 = cell.fault == Fault::none ? 1 : 0.97 + 0.01 * noise;
+    row.delivery_ratio_qos1 = row.delivery_ratio_qos2 = 1;
+    row.delay_p50_ms = 1 + 0.02 * cell.robots + 0.1 * noise;
+    row.delay_p99_ms = 4 + 0.1 * cell.robots + noise;
+    row.fan_out_p50_ms = 2 + 0.03 * cell.robots;
+    row.fan_out_p99_ms = 6 + 0.2 * cell.robots;
+    row.interbroker_octets_per_s = 20'000.0 * (cell.brokers - 1);
+    row.broker_cpu_percent_mean = 3 + cell.brokers + noise;
+    row.broker_rss_peak_mib_mean = 20 + cell.brokers;
+    if (cell.fault != Fault::none) {
+        row.failover_clients = row.failover_recovered_clients = 7;
+        row.failover_first_ms = 120 + 10 * noise;
+        row.failover_p50_ms = 150 + 10 * noise;
+        row.failover_last_ms = 190 + 10 * noise;
+        row.connects_after_fault = row.registers_after_fault = row.subscribes_after_fault = 0;
+    }
+    if (cell.fault == Fault::kill_leader) row.without_leader_ms = 110 + 5 * noise;
+    return row;
+}
+
+class Reports : public ::testing::Test {
+protected:
+    void SetUp() override {
+        const char* kept = std::getenv("ROMANO_KEEP_REPORT");
+        folder_ = kept != nullptr
+                      ? fs::path{kept}
+                      : fs::temp_directory_path() / ("romano-report-" + std::to_string(::getpid()));
+        const ResultsFolder results{folder_, sweep_, true};
+        for (const Cell& cell : sweep_.cells) rows_.push_back(made_up(cell));
+        DeliveryAccount account;
+        const std::vector<RobotNumber> receivers = {0, 1, 2};
+        for (int i = 0; i < 400; ++i) {
+            const double sent = i * 0.02;
+            const auto sequence = account.on_published(
+                0, Stream::group, static_cast<std::uint8_t>(i % 3), sent, receivers);
+            const double ready = sent > 4 && sent < 4.15 ? 4.15 : sent;
+            for (const RobotNumber receiver : receivers) {
+                account.on_arrived(0, sequence, receiver, ready + 0.001 * (receiver + 1));
+            }
+        }
+        for (const Cell& cell : sweep_.cells) results.write_samples(cell, account);
+    }
+    void TearDown() override {
+        if (std::getenv("ROMANO_KEEP_REPORT") == nullptr) fs::remove_all(folder_);
+    }
+
+    std::string report() const { return report_of(sweep_, manifest_, rows_, folder_); }
+
+    fs::path folder_;
+    Sweep sweep_ = parse_sweep(sweep_text, "synthetic.toml");
+    std::vector<RunRow> rows_;
+    Manifest manifest_{.build = build_info(),
+                       .machine = this_machine(),
+                       .started_utc = "2000-01-02 03:04:05 UTC",
+                       .sweep_file = "/some/where/synthetic.toml",
+                       .broker_version = "romano-broker"};
+};
+
+TEST_F(Reports, StandAloneWithTheirFigures) {
+    const std::string html = report();
+    for (const char* part :
+         {"<!DOCTYPE html>", "Failover time against the number of brokers",
+          "Delay against the number of robots", "Delivery ratio",
+          "Overhead against the number of brokers", "What a fault looks like",
+          "How it was measured", "romano sweep '/some/where/synthetic.toml' --cell 1", "CPU",
+          "Commit", "</html>"}) {
+        EXPECT_THAT(html, HasSubstr(part));
+    }
+    for (const char* from_elsewhere : {"<script", "<link", "src=\"", "@import"}) {
+        EXPECT_THAT(html, Not(HasSubstr(from_elsewhere)));
+    }
+    std::ofstream(folder_ / "report.html") << html;
+}
+
+TEST_F(Reports, DrawEveryFigureAsSvgAndKeepItsScript) {
+    const auto configurations = configurations_of(rows_);
+    for (const Figure& figure : figures_of(configurations, 4, folder_)) {
+        const auto svg = draw(figure.plot, folder_ / "plots");
+        ASSERT_TRUE(svg) << figure.title;
+        EXPECT_TRUE(svg->starts_with("<svg")) << figure.title;
+        EXPECT_TRUE(fs::exists(folder_ / "plots" / (figure.plot.name + ".gp"))) << figure.title;
+    }
+}
+
+TEST_F(Reports, TellOfRunsThatFailed) {
+    rows_[4].status = "broker b1 ended unexpectedly, signal 11 <Segmentation fault>";
+    const std::string html = report();
+    EXPECT_THAT(html, HasSubstr("Runs that failed"));
+    EXPECT_THAT(html, HasSubstr("signal 11 &lt;Segmentation fault&gt;"));
+    EXPECT_THAT(html, HasSubstr("25 of 26"));
+}
+
+TEST_F(Reports, TellOfBrokenPromises) {
+    rows_[3].acknowledged_but_lost_qos1 = 3;
+    EXPECT_THAT(report(), HasSubstr("<div class=\"tile bad\"><b>3</b><span>acknowledged messages"));
+}
+
+TEST_F(Reports, OfNoRunAtAllAreStillReports) {
+    rows_.clear();
+    EXPECT_THAT(report(), HasSubstr("0 of 26 cells"));
+}
+
+TEST(Configurations, JoinRepetitionsAndSeedsAndKeepFailuresApart) {
+    const Sweep sweep =
+        parse_sweep("repetitions = 2\n[axes]\nbrokers = [2, 3]\nseed = [1, 2]\n", "try.toml");
+    std::vector<RunRow> rows;
+    for (const Cell& cell : sweep.cells) rows.push_back(made_up(cell));
+    rows[0].status = "failed";
+    const auto configurations = configurations_of(rows);
+    ASSERT_EQ(configurations.size(), 2u);
+    EXPECT_EQ(configurations[0].runs.size(), 3u);
+    EXPECT_EQ(configurations[0].failed.size(), 1u);
+    EXPECT_EQ(configurations[1].runs.size(), 4u);
+    EXPECT_EQ(configurations[1].sum(&RunRow::published), 400);
+    EXPECT_EQ(configurations[1].median(&RunRow::interbroker_octets_per_s), 40'000);
+}
+
+TEST(Labels, NameWhatVariesAndIsNotGiven) {
+    const Sweep sweep =
+        parse_sweep("[axes]\nbrokers = [2, 3]\nacks = [1, 2]\nrobots = [1, 5]\n", "try.toml");
+    std::vector<RunRow> rows;
+    for (const Cell& cell : sweep.cells) rows.push_back(made_up(cell));
+    const auto configurations = configurations_of(rows);
+    const std::vector<Axis> given = {Axis::brokers};
+    EXPECT_EQ(label_of(sweep.cells[0], configurations, given), "1 robot, acks 1");
+    EXPECT_EQ(label_of(sweep.cells.back(), configurations, given), "5 robots, acks 2");
+}
+
+TEST(SummaryTables, AlignTheirColumns) {
+    const SummaryTable table{
+        .head = {"a", "long head"}, .units = {"", "ms"}, .rows = {{"1", "\u2013"}, {"22", "3.5"}}};
+    EXPECT_EQ(to_text(table),
+              " a  long head\n"
+              "           ms\n"
+              "-------------\n"
+              " 1          \u2013\n"
+              "22        3.5\n");
+}
+
+TEST(SummaryTables, NeverRoundALossAway) {
+    RunRow row;
+    row.delivery_ratio = 0.999999;
+    const std::vector<RunRow> rows = {row};
+    EXPECT_THAT(to_text(summary_of(configurations_of(rows))), HasSubstr(">99.99"));
+}
+
+}  // namespace
+}  // namespace romano::experiments

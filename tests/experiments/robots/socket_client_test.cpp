@@ -1,0 +1,41 @@
+#include "experiments/robots/socket_client.h"
+
+#include <gtest/gtest.h>
+
+namespace romano::experiments {
+namespace {
+
+using mqttsn::MsgType;
+
+TEST(SentCounts, CountDatagramsByTypeWithEitherFormOfTheLength) {
+    SentCounts counts;
+    const std::array<std::uint8_t, 2> pingreq = {0x02, 0x16};
+    const std::array<std::uint8_t, 5> long_publish = {0x01, 0x01, 0x2C, 0x0C, 0x00};
+    counts.count(pingreq);
+    counts.count(pingreq);
+    counts.count(long_publish);
+    counts.count({});
+    EXPECT_EQ(counts.of(MsgType::pingreq), 2u);
+    EXPECT_EQ(counts.of(MsgType::publish), 1u);
+    EXPECT_EQ(counts.of(MsgType::connect), 0u);
+}
+
+TEST(Resolving, KnowsAddressesOfBothFamilies) {
+    boost::asio::io_context io;
+    EXPECT_EQ(resolve_broker(io, "127.0.0.1", 1883).address().to_string(), "127.0.0.1");
+    EXPECT_EQ(resolve_broker(io, "::1", 1883).address().to_string(), "::1");
+    EXPECT_EQ(resolve_broker(io, "::1", 1884).port(), 1884);
+}
+
+TEST(Resolving, NamesTheHostThatIsUnknown) {
+    boost::asio::io_context io;
+    try {
+        (void)resolve_broker(io, "no such host", 1883);
+        FAIL() << "found";
+    } catch (const std::runtime_error& error) {
+        EXPECT_EQ(std::string{error.what()}.find("cannot find the host `no such host`: "), 0u);
+    }
+}
+
+}  // namespace
+}  // namespace romano::experiments
