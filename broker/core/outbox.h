@@ -36,10 +36,11 @@ public:
     /// A PUBLISH of this turn with these octets, to another session without a forwarder.
     void repeat(const Session& session, Octets octets, Turn& turn);
 
-    /// To somebody without a session.
+    /// To an address, whether or not it has a session.
     template <typename M>
     void answer(const Endpoint& via, const ClientAddress& to, const M& message, Turn& turn) {
-        put({via, to}, message, turn);
+        const Session* session = tables_.sessions.find(to);
+        put({via, to, session == nullptr ? 0 : session->output_floor}, message, turn);
     }
 
     template <typename M>

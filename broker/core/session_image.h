@@ -92,6 +92,10 @@ struct SessionImage {
     std::vector<LogPosition> worked_through;
 };
 
+/// True when both describe the same session in the same state, apart from when it was heard last;
+/// messages are compared by their positions.
+[[nodiscard]] bool same_state(const SessionImage& a, const SessionImage& b);
+
 /// Which of two copies of one session counts when brokers meet: the higher epoch, then one whose
 /// client was heard at its home, then the one that was heard later.
 [[nodiscard]] inline bool outranks(const SessionHeader& a, const SessionHeader& b) {
