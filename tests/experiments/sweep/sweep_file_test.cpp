@@ -155,8 +155,6 @@ INSTANTIATE_TEST_SUITE_P(
         Refusal{"[axes]\nrate = 0",
                 "try.toml, line 2: `axes.rate = 0`: messages per second from 0.01 to 100000 are "
                 "allowed"},
-        Refusal{"[axes]\nelector = \"king\"",
-                "try.toml, line 2: `axes.elector = \"king\"`: allowed are component"},
         Refusal{"[axes]\nacks = \"some\"",
                 "try.toml, line 2: `axes.acks = \"some\"`: a number of peers from 0 to 31, or "
                 "\"all\""},
@@ -173,6 +171,13 @@ INSTANTIATE_TEST_SUITE_P(
                 "try.toml: no [axes]; at least `[axes]` with `brokers = [1]` is needed"},
         Refusal{"axes = 3",
                 "try.toml, line 1: `axes = 3`: a table [axes], or several [[axes]], are allowed"}));
+
+TEST(SweepFile, KnowsTheElectorsAndDetectorsThatThereAre) {
+    EXPECT_THAT(refusal_of("[axes]\nelector = \"king\""),
+                HasSubstr("`axes.elector = \"king\"`: allowed are component"));
+    EXPECT_THAT(refusal_of("[axes]\ndetector = \"crystal ball\""),
+                HasSubstr("`axes.detector = \"crystal ball\"`: allowed are fixed"));
+}
 
 TEST(SweepFile, ThatIsNoTomlIsRefusedWithItsLine) {
     EXPECT_THAT(refusal_of("name = \n"), HasSubstr("try.toml, line 1: no TOML: "));
