@@ -26,64 +26,65 @@ void ClientCore::on_datagram(Instant now, Bytes datagram, Output& out) {
     if (!frame) return drop();
     // Whatever comes while awake shows that the broker is not done yet (6.14d).
     if (state_ == State::awake) exchange_.put_off(now, timing_.t_retry);
-    dispatch(now, *frame, out);
+    dispatch(*frame, {now, out});
+    carry_on({now, out});
 }
 
-void ClientCore::dispatch(Instant now, const mqttsn::Frame& frame, Output& out) {
+void ClientCore::dispatch(const mqttsn::Frame& frame, const Call& call) {
     const Bytes body = frame.body;
     switch (frame.type) {
         case MsgType::connack:
-            if (const auto m = mqttsn::decode_connack(body)) return on_connack(now, *m, out);
+            if (const auto m = mqttsn::decode_connack(body)) return on_connack(*m, call);
             break;
         case MsgType::willtopicreq:
-            if (body.empty()) return on_will_prompt(now, ConnectStep::will_topic, out);
+            if (body.empty()) return on_will_prompt(ConnectStep::will_topic, call);
             break;
         case MsgType::willmsgreq:
-            if (body.empty()) return on_will_prompt(now, ConnectStep::will_message, out);
+            if (body.empty()) return on_will_prompt(ConnectStep::will_message, call);
             break;
         case MsgType::register_:
-            if (const auto m = mqttsn::decode_register(body)) return on_register(*m, out);
+            if (const auto m = mqttsn::decode_register(body)) return on_register(*m, call.out);
             break;
         case MsgType::regack:
-            if (const auto m = mqttsn::decode_regack(body)) return on_regack(now, *m, out);
+            if (const auto m = mqttsn::decode_regack(body)) return on_regack(*m, call);
             break;
         case MsgType::publish:
-            if (const auto m = mqttsn::decode_publish(body)) return on_publish(body, *m, out);
+            if (const auto m = mqttsn::decode_publish(body)) return on_publish(body, *m, call.out);
             break;
         case MsgType::puback:
-            if (const auto m = mqttsn::decode_puback(body)) return on_puback(now, *m, out);
+            if (const auto m = mqttsn::decode_puback(body)) return on_puback(*m, call);
             break;
         case MsgType::pubrec:
-            if (const auto m = mqttsn::decode_pubrec(body)) return on_pubrec(now, *m, out);
+            if (const auto m = mqttsn::decode_pubrec(body)) return on_pubrec(*m, call);
             break;
         case MsgType::pubrel:
-            if (const auto m = mqttsn::decode_pubrel(body)) return on_pubrel(*m, out);
+            if (const auto m = mqttsn::decode_pubrel(body)) return on_pubrel(*m, call.out);
             break;
         case MsgType::pubcomp:
-            if (const auto m = mqttsn::decode_pubcomp(body)) return on_pubcomp(now, *m, out);
+            if (const auto m = mqttsn::decode_pubcomp(body)) return on_pubcomp(*m, call);
             break;
         case MsgType::suback:
-            if (const auto m = mqttsn::decode_suback(body)) return on_suback(now, *m, out);
+            if (const auto m = mqttsn::decode_suback(body)) return on_suback(*m, call);
             break;
         case MsgType::unsuback:
-            if (const auto m = mqttsn::decode_unsuback(body)) return on_unsuback(now, *m, out);
+            if (const auto m = mqttsn::decode_unsuback(body)) return on_unsuback(*m, call);
             break;
         case MsgType::pingreq:
-            return on_pingreq(out);
+            return on_pingreq(call.out);
         case MsgType::pingresp:
-            if (body.empty()) return on_pingresp(now, out);
+            if (body.empty()) return on_pingresp(call);
             break;
         case MsgType::disconnect:
-            if (mqttsn::decode_disconnect(body)) return on_disconnect(now, out);
+            if (mqttsn::decode_disconnect(body)) return on_disconnect(call);
             break;
         case MsgType::willtopicresp:
             if (const auto m = mqttsn::decode_willtopicresp(body)) {
-                return on_will_response(now, Operation::Kind::will_topic, m->return_code, out);
+                return on_will_response(Operation::Kind::will_topic, m->return_code, call);
             }
             break;
         case MsgType::willmsgresp:
             if (const auto m = mqttsn::decode_willmsgresp(body)) {
-                return on_will_response(now, Operation::Kind::will_message, m->return_code, out);
+                return on_will_response(Operation::Kind::will_message, m->return_code, call);
             }
             break;
         default:  // what only brokers receive, discovery, reserved types
@@ -94,16 +95,17 @@ void ClientCore::dispatch(Instant now, const mqttsn::Frame& frame, Output& out) 
 
 void ClientCore::on_tick(Instant now, Output& out) {
     out.clear();
+    const Call call{now, out};
     if (exchange_.is_due(now)) {
         if (exchange_.repeat(now, timing_.t_retry)) {
             repeat_request(out);
         } else {
-            give_up(now, out);
+            give_up(call);
         }
     }
-    if (collect_due_ <= now) begin_collecting(now, out);
-    tick_keep_alive(now, out);
-    carry_on(now, out);
+    if (collect_due_ <= now) begin_collecting(call);
+    tick_keep_alive(call);
+    carry_on(call);
 }
 
 Instant ClientCore::next_wakeup() const {
@@ -115,17 +117,21 @@ Instant ClientCore::next_wakeup() const {
     return next;
 }
 
+void ClientCore::start_exchange(Instant now) {
+    exchange_.start(now, timing_.t_retry, timing_.n_retry);
+}
+
 void ClientCore::repeat_request(Output& out) {
     switch (state_) {
         case State::connecting:
             return send_connect_step(out);
+        case State::connected:
+            return send_front(true, out);
+        case State::awake:
+            return send(mqttsn::Pingreq{options_.client_id}, out);
         case State::disconnecting:
         case State::falling_asleep:
             return send_disconnect(out);
-        case State::awake:
-            return send_collect(out);
-        case State::connected:
-            return send_front_again(out);
         case State::disconnected:
         case State::asleep:
             return;
@@ -133,15 +139,12 @@ void ClientCore::repeat_request(Output& out) {
 }
 
 /// Nretry repetitions were not answered (6.13).
-void ClientCore::give_up(Instant now, Output& out) {
-    switch (state_) {
-        case State::awake:
-            return fall_asleep(now, out);
-        case State::disconnecting:
-            return become_disconnected(Disconnected{.by_broker = false}, out);
-        default:
-            return become_disconnected(Lost{}, out);
+void ClientCore::give_up(const Call& call) {
+    if (state_ == State::awake) return fall_asleep(call);
+    if (state_ == State::disconnecting) {
+        return become_disconnected(Disconnected{.by_broker = false}, call.out);
     }
+    become_disconnected(Lost{}, call.out);
 }
 
 }  // namespace romano::client

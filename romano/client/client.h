@@ -171,49 +171,50 @@ protected:
 private:
     enum class ConnectStep : std::uint8_t { connect, will_topic, will_message };
 
+    /// One call of this client: its time, and where its output goes.
+    struct Call {
+        Instant now;
+        Output& out;
+    };
+
     // connection.cpp
-    void begin_connect_step(Instant now, ConnectStep step, Output& out);
+    void begin_connect_step(ConnectStep step, const Call& call);
     void send_connect_step(Output& out);
-    void on_will_prompt(Instant now, ConnectStep step, Output& out);
-    void on_connack(Instant now, const mqttsn::Connack& message, Output& out);
+    void on_will_prompt(ConnectStep step, const Call& call);
+    void on_connack(const mqttsn::Connack& message, const Call& call);
     void send_disconnect(Output& out);
-    void on_disconnect(Instant now, Output& out);
+    void on_disconnect(const Call& call);
     void become_disconnected(const Event& why, Output& out);
     void stop_timers();
     [[nodiscard]] std::uint16_t keep_alive_s() const;
 
     // registering.cpp
-    void begin_register(Instant now, Operation operation, Output& out);
-    void send_register(const Operation& operation, Output& out);
-    void on_regack(Instant now, const mqttsn::Regack& message, Output& out);
+    void begin_register(const Call& call);
+    void on_regack(const mqttsn::Regack& message, const Call& call);
     void on_register(const mqttsn::Register& message, Output& out);
 
     // publishing.cpp
     [[nodiscard]] bool leaves_at_once(Instant now, mqttsn::Qos qos) const;
     [[nodiscard]] std::optional<mqttsn::TopicId> publish_topic_id(
         const mqttsn::TopicRef& topic) const;
-    void begin_publish(Instant now, Operation operation, Output& out);
-    static void send_publish(const Operation& operation, Bytes data, bool dup, Output& out);
-    void on_puback(Instant now, const mqttsn::Puback& message, Output& out);
-    void on_puback_of_qos0(Instant now, const mqttsn::Puback& message, Output& out);
-    void on_pubrec(Instant now, const mqttsn::Pubrec& message, Output& out);
-    void on_pubcomp(Instant now, const mqttsn::Pubcomp& message, Output& out);
+    void begin_publish(const Call& call);
+    void send_publish(const Operation& operation, Bytes data, bool dup, Output& out);
+    void on_puback(const mqttsn::Puback& message, const Call& call);
+    void on_puback_of_qos0(const mqttsn::Puback& message, const Call& call);
+    void on_pubrec(const mqttsn::Pubrec& message, const Call& call);
+    void on_pubcomp(const mqttsn::Pubcomp& message, const Call& call);
 
     // subscribing.cpp
-    void begin_subscribe(Instant now, Operation operation, Output& out);
-    void send_subscribe(const Operation& operation, bool dup, Output& out);
-    void on_suback(Instant now, const mqttsn::Suback& message, Output& out);
-    void on_unsuback(Instant now, const mqttsn::Unsuback& message, Output& out);
+    void begin_subscribe(const Call& call);
+    void on_suback(const mqttsn::Suback& message, const Call& call);
+    void on_unsuback(const mqttsn::Unsuback& message, const Call& call);
 
     // will_update.cpp
-    void begin_will_update(Instant now, Operation operation, Output& out);
-    void send_will_update(const Operation& operation, Output& out);
-    void on_will_response(Instant now, Operation::Kind kind, mqttsn::ReturnCode code, Output& out);
+    void on_will_response(Operation::Kind kind, mqttsn::ReturnCode code, const Call& call);
 
     // receiving.cpp
     void on_publish(Bytes body, const mqttsn::Publish& message, Output& out);
-    static void answer_publish(const mqttsn::Publish& message, mqttsn::ReturnCode code,
-                               Output& out);
+    void answer_publish(const mqttsn::Publish& message, mqttsn::ReturnCode code, Output& out);
     [[nodiscard]] bool remember_unreleased(mqttsn::MsgId msg_id);
     void forget_unreleased(mqttsn::MsgId msg_id);
     void on_pubrel(const mqttsn::Pubrel& message, Output& out);
@@ -222,50 +223,49 @@ private:
     // keep_alive.cpp
     void on_answer(Instant now);
     [[nodiscard]] static Duration before_end_of(std::uint16_t period_s);
-    void tick_keep_alive(Instant now, Output& out);
+    void tick_keep_alive(const Call& call);
     void on_pingreq(Output& out);
-    void on_pingresp(Instant now, Output& out);
+    void on_pingresp(const Call& call);
 
     // sleeping.cpp
-    void begin_collecting(Instant now, Output& out);
-    void send_collect(Output& out);
-    void fall_asleep(Instant now, Output& out);
+    void begin_collecting(const Call& call);
+    void fall_asleep(const Call& call);
 
     // client.cpp
-    void dispatch(Instant now, const mqttsn::Frame& frame, Output& out);
+    void dispatch(const mqttsn::Frame& frame, const Call& call);
     void drop() { ++dropped_; }
+    void start_exchange(Instant now);
     void repeat_request(Output& out);
-    void give_up(Instant now, Output& out);
+    void give_up(const Call& call);
     template <typename M>
-    static void send(const M& message, Output& out) {
+    void send(const M& message, Output& out) {
         out.send(mqttsn::encode(message, out.room()));
     }
 
-    // operation_turns.cpp: the operations one after the other
-    Result<OperationId, Refusal> request(Instant now, Operation operation,
-                                         const mqttsn::TopicRef& topic, Bytes data, Output& out);
-    Result<OperationId, Refusal> enqueue(Instant now, const Operation& operation,
-                                         std::string_view name, Bytes data, Output& out);
-    void carry_on(Instant now, Output& out);
-    void begin_front(Instant now, Output& out);
-    void send_front_again(Output& out);
-    void resume_front(Instant now, Output& out);
-    void await_answer(Instant now, Operation operation, Operation::Stage stage);
+    // turns.cpp: the operations one after the other
+    Result<OperationId, Refusal> request(Operation operation, const mqttsn::TopicRef& topic,
+                                         Bytes data, const Call& call);
+    Result<OperationId, Refusal> enqueue(Operation operation, std::string_view name, Bytes data,
+                                         const Call& call);
+    void carry_on(const Call& call);
+    void begin_front(const Call& call);
+    void send_first(Operation::Stage stage, mqttsn::MsgId msg_id, const Call& call);
+    void send_front(bool dup, Output& out);
+    void resume_front(const Call& call);
     [[nodiscard]] bool is_awaited(Operation::Stage stage, mqttsn::MsgId msg_id) const;
     [[nodiscard]] bool is_awaited(Operation::Kind kind, Operation::Stage stage,
                                   mqttsn::MsgId msg_id) const;
+    [[nodiscard]] bool is_accepted(bool awaited, mqttsn::ReturnCode code, const Call& call);
     [[nodiscard]] mqttsn::TopicRef front_topic() const;
-    void postpone_front(Operation operation);
+    void postpone_front();
     void finish_front(const Event& event, Output& out);
-    void refuse_front(Instant now, mqttsn::ReturnCode code, Output& out);
-    void pause(Instant now, Output& out);
+    void fail_front(mqttsn::ReturnCode code, Output& out);
+    void pause(const Call& call);
     [[nodiscard]] bool is_paused(Instant now) const { return now < paused_until_; }
-    [[nodiscard]] static bool is_qos0(const Operation& operation);
-    [[nodiscard]] OperationId next_operation();
     [[nodiscard]] mqttsn::MsgId next_msg_id();
-
-    /// What the long form of PUBLISH has around its data; other messages have less.
-    static constexpr std::size_t largest_overhead = 9;
+    [[nodiscard]] OperationId next_operation() { return OperationId{++last_operation_}; }
+    /// What fits into the long form of PUBLISH; other messages have less around it.
+    [[nodiscard]] std::size_t most_data() const { return datagram_octets_ - 9; }
 
     Timing timing_;
     ConnectOptions options_;

@@ -10,13 +10,13 @@ void ClientCore::connect(Instant now, const ConnectOptions& options, Output& out
     options_ = options;
     state_ = State::connecting;
     stop_timers();
-    begin_connect_step(now, ConnectStep::connect, out);
+    begin_connect_step(ConnectStep::connect, {now, out});
 }
 
-void ClientCore::begin_connect_step(Instant now, ConnectStep step, Output& out) {
+void ClientCore::begin_connect_step(ConnectStep step, const Call& call) {
     connect_step_ = step;
-    exchange_.start(now, timing_.t_retry, timing_.n_retry);
-    send_connect_step(out);
+    start_exchange(call.now);
+    send_connect_step(call.out);
 }
 
 void ClientCore::send_connect_step(Output& out) {
@@ -38,26 +38,25 @@ void ClientCore::send_connect_step(Output& out) {
 }
 
 /// A prompt may come twice, as every message; the answer is given again (6.2d).
-void ClientCore::on_will_prompt(Instant now, ConnectStep step, Output& out) {
+void ClientCore::on_will_prompt(ConnectStep step, const Call& call) {
     if (state_ != State::connecting || !options_.will) return drop();
-    begin_connect_step(now, step, out);
+    begin_connect_step(step, call);
 }
 
-void ClientCore::on_connack(Instant now, const mqttsn::Connack& message, Output& out) {
+void ClientCore::on_connack(const mqttsn::Connack& message, const Call& call) {
     if (state_ != State::connecting) return drop();
     if (message.return_code != mqttsn::ReturnCode::accepted) {
-        return become_disconnected(Refused{message.return_code}, out);
+        return become_disconnected(Refused{message.return_code}, call.out);
     }
     exchange_.stop();
     state_ = State::connected;
-    on_answer(now);
-    out.tell(Connected{});
+    on_answer(call.now);
+    call.out.tell(Connected{});
     if (options_.clean_session) {
         topics_.clear();
         unreleased_count_ = 0;
     }
-    resume_front(now, out);
-    carry_on(now, out);
+    resume_front(call);
 }
 
 void ClientCore::disconnect(Instant now, Output& out) {
@@ -65,29 +64,29 @@ void ClientCore::disconnect(Instant now, Output& out) {
     if (state_ == State::disconnected) return;
     state_ = State::disconnecting;
     stop_timers();
+    start_exchange(now);
     send_disconnect(out);
-    exchange_.start(now, timing_.t_retry, timing_.n_retry);
 }
 
 /// With a duration when it is the beginning of a sleep.
 void ClientCore::send_disconnect(Output& out) {
     const bool sleeps = state_ == State::falling_asleep;
-    send(mqttsn::Disconnect{sleeps, sleeps ? sleep_duration_s_ : std::uint16_t{0}}, out);
+    send(mqttsn::Disconnect{sleeps, sleep_duration_s_}, out);
 }
 
-void ClientCore::on_disconnect(Instant now, Output& out) {
+void ClientCore::on_disconnect(const Call& call) {
     switch (state_) {
         case State::disconnected:
         case State::connecting:  // meant for a datagram before CONNECT (G8)
             return drop();
         case State::falling_asleep:
-            return fall_asleep(now, out);
+            return fall_asleep(call);
         case State::disconnecting:
-            return become_disconnected(Disconnected{.by_broker = false}, out);
+            return become_disconnected(Disconnected{.by_broker = false}, call.out);
         case State::connected:
         case State::asleep:
         case State::awake:
-            return become_disconnected(Disconnected{.by_broker = true}, out);
+            return become_disconnected(Disconnected{.by_broker = true}, call.out);
     }
 }
 

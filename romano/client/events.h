@@ -1,7 +1,8 @@
 // What a client tells its owner: datagrams to send and events, in the order in which they arose.
 //
 // The owner keeps one Output (for many clients, when it likes) and drains it after each call; the
-// next call empties it. Views in an event live as long as the datagram that was handed in.
+// next call empties it. Views in an event point into the datagram that was handed in and into the
+// client: they are good until either changes.
 #pragma once
 
 #include <cstddef>
@@ -83,7 +84,7 @@ public:
 
     // For the client.
 
-    /// No call of the client makes more than this of either; see ClientCore::carry_on().
+    /// No call of the client makes more of either: what would not fit waits for the next tick.
     static constexpr std::size_t most = 4;
 
     void clear();

@@ -7,7 +7,9 @@
 
 namespace romano::client {
 
+/// The broker has answered a request, so it has heard of us.
 void ClientCore::on_answer(Instant now) {
+    if (ping_.is_running()) return;  // that PINGREQ wants its own answer
     ping_due_ = options_.keep_alive.count() == 0 ? never : now + before_end_of(keep_alive_s());
 }
 
@@ -16,23 +18,23 @@ Duration ClientCore::before_end_of(std::uint16_t period_s) {
     return std::chrono::milliseconds{period_s * std::int64_t{750}};
 }
 
-void ClientCore::tick_keep_alive(Instant now, Output& out) {
-    if (state_ != State::connected) return;
-    if (ping_.is_due(now)) {
-        if (!ping_.repeat(now, timing_.t_retry)) return become_disconnected(Lost{}, out);
-        send(mqttsn::Pingreq{}, out);
-    } else if (ping_due_ <= now && !ping_.is_running()) {
-        ping_.start(now, timing_.t_retry, timing_.n_retry);
+void ClientCore::tick_keep_alive(const Call& call) {
+    if (ping_.is_due(call.now)) {
+        if (!ping_.repeat(call.now, timing_.t_retry)) return become_disconnected(Lost{}, call.out);
+    } else if (ping_due_ <= call.now) {
+        ping_.start(call.now, timing_.t_retry, timing_.n_retry);
         ping_due_ = never;
-        send(mqttsn::Pingreq{}, out);
+    } else {
+        return;
     }
+    send(mqttsn::Pingreq{}, call.out);
 }
 
-void ClientCore::on_pingresp(Instant now, Output& out) {
-    if (state_ == State::awake) return fall_asleep(now, out);
+void ClientCore::on_pingresp(const Call& call) {
+    if (state_ == State::awake) return fall_asleep(call);
     if (state_ != State::connected) return drop();
     ping_.stop();
-    on_answer(now);
+    on_answer(call.now);
 }
 
 /// The broker asks whether we live.

@@ -43,7 +43,7 @@ struct Operation {
     mqttsn::TopicId topic_id{};  // predefined
     mqttsn::MsgId msg_id{};      // of the request that is out
     std::uint16_t name_size = 0;
-    std::uint32_t data_size = 0;
+    std::uint16_t data_size = 0;
 };
 
 class OperationQueue {
@@ -55,16 +55,18 @@ public:
     /// Copies everything. False, and nothing changed, when it does not fit.
     [[nodiscard]] bool push(Operation operation, std::string_view name, Bytes data);
 
-    [[nodiscard]] Operation front() const;
+    [[nodiscard]] Operation& front() { return front_; }
+    [[nodiscard]] const Operation& front() const { return front_; }
     [[nodiscard]] std::string_view front_name() const;
     [[nodiscard]] Bytes front_data() const;
-    /// Stores what has changed in the front; name and data stay.
-    void update_front(const Operation& operation);
     void pop();
 
 private:
-    MutableBytes octets_;
+    void load_front();
+
+    MutableBytes octets_;  // for each: an Operation as it was pushed, its name, its data
     std::size_t used_ = 0;
+    Operation front_;  // the first, as it is now
 };
 
 }  // namespace romano::client

@@ -8,6 +8,7 @@ using mqttsn::ReturnCode;
 using mqttsn::TopicIdType;
 
 namespace {
+
 /// In PUBLISH a short name always fills the topic id's two octets.
 bool can_be_published_on(const mqttsn::TopicRef& topic, Qos qos) {
     if (topic.type == TopicIdType::short_name) return topic.name.size() == 2;
@@ -25,16 +26,16 @@ Result<OperationId, Refusal> ClientCore::publish(Instant now, const mqttsn::Topi
     if (options.qos == Qos::at_most_once && state_ == State::disconnected) {
         return Refusal::not_connected;
     }
-    Operation operation{.id = next_operation(),
-                        .kind = Operation::Kind::publish,
+    Operation operation{.kind = Operation::Kind::publish,
                         .qos = options.qos,
                         .retain = options.retain,
                         .topic_type = topic.type};
     const auto topic_id = publish_topic_id(topic);
     if (!topic_id || !leaves_at_once(now, options.qos)) {
-        return request(now, operation, topic, data, out);
+        return request(operation, topic, data, {now, out});
     }
-    if (data.size() + largest_overhead > datagram_octets_) return Refusal::too_long;
+    if (data.size() > most_data()) return Refusal::too_long;
+    operation.id = next_operation();
     operation.topic_id = *topic_id;
     send_publish(operation, data, false, out);
     out.tell(Published{operation.id});
@@ -56,18 +57,17 @@ std::optional<mqttsn::TopicId> ClientCore::publish_topic_id(const mqttsn::TopicR
     return mqttsn::TopicId{be16(as_octets(topic.name), 0)};
 }
 
-void ClientCore::begin_publish(Instant now, Operation operation, Output& out) {
+void ClientCore::begin_publish(const Call& call) {
     const auto topic_id = publish_topic_id(front_topic());
-    if (!topic_id) return begin_register(now, operation, out);
+    if (!topic_id) return begin_register(call);
+    Operation& operation = operations_.front();
     operation.topic_id = *topic_id;
-    if (operation.qos == Qos::at_most_once) {
-        operation.msg_id = mqttsn::no_msg_id;
-        send_publish(operation, operations_.front_data(), false, out);
-        return finish_front(Published{operation.id}, out);
+    if (operation.qos != Qos::at_most_once) {
+        return send_first(Operation::Stage::requested, next_msg_id(), call);
     }
-    operation.msg_id = next_msg_id();
-    await_answer(now, operation, Operation::Stage::requested);
-    send_publish(operation, operations_.front_data(), false, out);
+    operation.msg_id = mqttsn::no_msg_id;
+    send_publish(operation, operations_.front_data(), false, call.out);
+    finish_front(Published{operation.id}, call.out);
 }
 
 void ClientCore::send_publish(const Operation& operation, Bytes data, bool dup, Output& out) {
@@ -81,61 +81,53 @@ void ClientCore::send_publish(const Operation& operation, Bytes data, bool dup, 
          out);
 }
 
-void ClientCore::on_puback(Instant now, const mqttsn::Puback& message, Output& out) {
+void ClientCore::on_puback(const mqttsn::Puback& message, const Call& call) {
     if (!is_awaited(Operation::Kind::publish, Operation::Stage::requested, message.msg_id)) {
-        return on_puback_of_qos0(now, message, out);
+        return on_puback_of_qos0(message, call);
     }
-    Operation operation = operations_.front();
-    if (message.return_code == ReturnCode::accepted) {
-        if (operation.qos == Qos::exactly_once) return drop();  // never belongs to QoS 2 (6.6a)
-        on_answer(now);
-        finish_front(Published{operation.id}, out);
-        return carry_on(now, out);
+    Operation& operation = operations_.front();
+    if (operation.qos == Qos::exactly_once && message.return_code == ReturnCode::accepted) {
+        return drop();  // never belongs to QoS 2 (6.6a)
     }
-    on_answer(now);
-    const bool can_register_anew = message.return_code == ReturnCode::invalid_topic_id &&
-                                   operation.topic_type == TopicIdType::normal &&
-                                   !operation.registered_anew;
-    if (!can_register_anew) return refuse_front(now, message.return_code, out);
-    if (const auto topic_id = topics_.id_of(operations_.front_name())) topics_.forget(*topic_id);
-    operation.registered_anew = true;
-    postpone_front(operation);
-    carry_on(now, out);
+    if (message.return_code == ReturnCode::invalid_topic_id &&
+        operation.topic_type == TopicIdType::normal && !operation.registered_anew) {
+        on_answer(call.now);
+        topics_.forget(operation.topic_id);
+        operation.registered_anew = true;
+        return postpone_front();
+    }
+    if (is_accepted(true, message.return_code, call)) {
+        finish_front(Published{operation.id}, call.out);
+    }
 }
 
 /// An error is answered at QoS 0 too (6.6b): the message is lost, what it says is heeded.
-void ClientCore::on_puback_of_qos0(Instant now, const mqttsn::Puback& message, Output& out) {
+void ClientCore::on_puback_of_qos0(const mqttsn::Puback& message, const Call& call) {
     if (state_ != State::connected) return drop();
     if (message.return_code == ReturnCode::invalid_topic_id) {
         topics_.forget(message.topic_id);
     } else if (message.return_code == ReturnCode::congestion) {
-        pause(now, out);
+        pause(call);
     } else {
         drop();
     }
 }
 
 /// PUBREC asks for PUBREL however often it comes.
-void ClientCore::on_pubrec(Instant now, const mqttsn::Pubrec& message, Output& out) {
-    const bool first =
-        is_awaited(Operation::Kind::publish, Operation::Stage::requested, message.msg_id) &&
-        operations_.front().qos == Qos::exactly_once;
-    if (!first &&
-        !is_awaited(Operation::Kind::publish, Operation::Stage::releasing, message.msg_id)) {
-        return drop();
-    }
-    on_answer(now);
-    if (first) await_answer(now, operations_.front(), Operation::Stage::releasing);
-    send(mqttsn::Pubrel{message.msg_id}, out);
+void ClientCore::on_pubrec(const mqttsn::Pubrec& message, const Call& call) {
+    constexpr auto kind = Operation::Kind::publish;
+    Operation& operation = operations_.front();
+    const bool first = is_awaited(kind, Operation::Stage::requested, message.msg_id) &&
+                       operation.qos == Qos::exactly_once;
+    const bool again = is_awaited(kind, Operation::Stage::releasing, message.msg_id);
+    if (!is_accepted(first || again, ReturnCode::accepted, call)) return;
+    send_first(Operation::Stage::releasing, message.msg_id, call);
 }
 
-void ClientCore::on_pubcomp(Instant now, const mqttsn::Pubcomp& message, Output& out) {
-    if (!is_awaited(Operation::Kind::publish, Operation::Stage::releasing, message.msg_id)) {
-        return drop();
-    }
-    on_answer(now);
-    finish_front(Published{operations_.front().id}, out);
-    carry_on(now, out);
+void ClientCore::on_pubcomp(const mqttsn::Pubcomp& message, const Call& call) {
+    const bool awaited = is_awaited(Operation::Stage::releasing, message.msg_id);
+    if (!is_accepted(awaited, ReturnCode::accepted, call)) return;
+    finish_front(Published{operations_.front().id}, call.out);
 }
 
 }  // namespace romano::client

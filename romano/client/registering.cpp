@@ -7,41 +7,30 @@ using mqttsn::ReturnCode;
 
 Result<OperationId, Refusal> ClientCore::register_name(Instant now, std::string_view name,
                                                        Output& out) {
-    return request(now, {.id = next_operation(), .kind = Operation::Kind::register_name},
-                   topic_name(name), {}, out);
+    return request({.kind = Operation::Kind::register_name}, topic_name(name), {}, {now, out});
 }
 
 /// Room for the answer is made sure of first: an id that cannot be kept is of no use.
-void ClientCore::begin_register(Instant now, Operation operation, Output& out) {
+void ClientCore::begin_register(const Call& call) {
     if (!topics_.has_room_for(operations_.front_name())) {
-        return finish_front(Failed{operation.id, ReturnCode::congestion}, out);
+        return fail_front(ReturnCode::congestion, call.out);
     }
-    operation.msg_id = next_msg_id();
-    await_answer(now, operation, Operation::Stage::registering);
-    send_register(operation, out);
+    send_first(Operation::Stage::registering, next_msg_id(), call);
 }
 
-void ClientCore::send_register(const Operation& operation, Output& out) {
-    send(mqttsn::Register{mqttsn::no_topic_id, operation.msg_id, operations_.front_name()}, out);
-}
-
-void ClientCore::on_regack(Instant now, const mqttsn::Regack& message, Output& out) {
-    if (!is_awaited(Operation::Stage::registering, message.msg_id)) return drop();
-    on_answer(now);
-    if (message.return_code != ReturnCode::accepted) {
-        return refuse_front(now, message.return_code, out);
-    }
-    const Operation operation = operations_.front();
+void ClientCore::on_regack(const mqttsn::Regack& message, const Call& call) {
+    const bool awaited = is_awaited(Operation::Stage::registering, message.msg_id);
+    if (!is_accepted(awaited, message.return_code, call)) return;
+    const Operation& operation = operations_.front();
     if (!mqttsn::is_assignable(message.topic_id)) {
-        finish_front(Failed{operation.id, ReturnCode::invalid_topic_id}, out);
+        fail_front(ReturnCode::invalid_topic_id, call.out);
     } else if (!topics_.put(message.topic_id, operations_.front_name())) {
-        finish_front(Failed{operation.id, ReturnCode::congestion}, out);
+        fail_front(ReturnCode::congestion, call.out);
     } else if (operation.kind == Operation::Kind::register_name) {
-        finish_front(Registered{operation.id, message.topic_id}, out);
+        finish_front(Registered{operation.id, message.topic_id}, call.out);
     } else {
-        postpone_front(operation);
+        postpone_front();
     }
-    carry_on(now, out);
 }
 
 /// The broker's own REGISTER, before it publishes on a name whose id this client cannot know. Any

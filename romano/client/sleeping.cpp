@@ -12,33 +12,29 @@ void ClientCore::sleep(Instant now, std::chrono::seconds duration, Output& out) 
         static_cast<std::uint16_t>(std::clamp<std::int64_t>(duration.count(), 1, 0xFFFF));
     state_ = State::falling_asleep;
     stop_timers();
+    start_exchange(now);
     send_disconnect(out);
-    exchange_.start(now, timing_.t_retry, timing_.n_retry);
 }
 
 void ClientCore::wake(Instant now, Output& out) {
     out.clear();
-    if (state_ == State::asleep) begin_collecting(now, out);
+    if (state_ == State::asleep) begin_collecting({now, out});
 }
 
-void ClientCore::begin_collecting(Instant now, Output& out) {
+void ClientCore::begin_collecting(const Call& call) {
     state_ = State::awake;
     collect_due_ = never;
-    send_collect(out);
-    exchange_.start(now, timing_.t_retry, timing_.n_retry);
-}
-
-void ClientCore::send_collect(Output& out) {
-    send(mqttsn::Pingreq{options_.client_id}, out);
+    start_exchange(call.now);
+    repeat_request(call.out);
 }
 
 /// Also after Nretry unanswered PINGREQs: the client sleeps on and tries again in its next period
 /// (6.14d).
-void ClientCore::fall_asleep(Instant now, Output& out) {
+void ClientCore::fall_asleep(const Call& call) {
     state_ = State::asleep;
     stop_timers();
-    collect_due_ = now + before_end_of(sleep_duration_s_);
-    out.tell(Asleep{});
+    collect_due_ = call.now + before_end_of(sleep_duration_s_);
+    call.out.tell(Asleep{});
 }
 
 }  // namespace romano::client
