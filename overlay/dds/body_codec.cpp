@@ -1,0 +1,44 @@
+#include "overlay/dds/body_codec.h"
+
+#include <limits>
+
+#include "overlay/dds/cluster_message_proto.h"
+
+namespace romano::dds {
+namespace {
+
+constexpr std::size_t block_octets = 256 * 1024;
+
+google::protobuf::ArenaOptions with_first_block(char* block) {
+    google::protobuf::ArenaOptions options;
+    options.initial_block = block;
+    options.initial_block_size = block_octets;
+    return options;
+}
+
+}  // namespace
+
+BodyCodec::BodyCodec()
+    : first_block_(std::make_unique_for_overwrite<char[]>(block_octets)),
+      arena_(with_first_block(first_block_.get())) {}
+
+Bytes BodyCodec::encode(const cluster::ClusterMessage& message) {
+    arena_.Reset();
+    auto* whole = google::protobuf::Arena::CreateMessage<overlay::proto::ClusterMessage>(&arena_);
+    to_proto(message, *whole);
+    octets_.clear();
+    if (!whole->SerializeToString(&octets_)) octets_.clear();
+    return as_octets(octets_);
+}
+
+std::optional<cluster::ClusterMessage> BodyCodec::decode(Bytes body) {
+    arena_.Reset();
+    auto* whole = google::protobuf::Arena::CreateMessage<overlay::proto::ClusterMessage>(&arena_);
+    constexpr std::size_t most = std::numeric_limits<int>::max();
+    if (body.size() > most || !whole->ParseFromArray(body.data(), static_cast<int>(body.size()))) {
+        return std::nullopt;
+    }
+    return from_proto(*whole);
+}
+
+}  // namespace romano::dds

@@ -1,0 +1,346 @@
+#include "overlay/dds/cluster_message_proto.h"
+
+#include "overlay/dds/log_event_proto.h"
+#include "overlay/dds/session_proto.h"
+
+namespace romano::overlay::proto {
+namespace {
+
+using Maybe = std::optional<cluster::ClusterMessage>;
+
+void to_proto(const cluster::ViewNumber& in, ViewNumber& out) {
+    out.set_term(in.term);
+    out.set_leader(static_cast<std::uint64_t>(in.leader));
+    out.set_count(in.count);
+}
+
+cluster::ViewNumber number_from(const ViewNumber& in) {
+    return {in.term(), broker::BrokerId{in.leader()}, in.count()};
+}
+
+void to_proto(const cluster::View& in, View& out) {
+    to_proto(in.number, *out.mutable_number());
+    all_to_proto(in.members, *out.mutable_members());
+}
+
+std::optional<cluster::View> from_proto(const View& in) {
+    cluster::View out{number_from(in.number()), {}};
+    if (!all_from_proto(in.members(), out.members)) return std::nullopt;
+    return out;
+}
+
+void to_proto(const election::Claim& in, Claim& out) {
+    out.set_capability(in.rank.capability);
+    out.set_condition(in.rank.condition);
+    out.set_id(static_cast<std::uint64_t>(in.rank.id));
+    out.set_term(in.term);
+    if (in.leader) out.set_leader(static_cast<std::uint64_t>(*in.leader));
+}
+
+election::Claim claim_from(const Claim& in) {
+    election::Claim out{
+        {in.capability(), in.condition(), election::NodeId{in.id()}}, in.term(), std::nullopt};
+    if (in.has_leader()) out.leader = election::NodeId{in.leader()};
+    return out;
+}
+
+template <typename Log>  // LogBatch and LogTail
+void events_to_proto(const Log& in, LogEvents& out) {
+    to_proto(in.log, *out.mutable_log());
+    out.set_first_seq(in.first_seq);
+    out.mutable_events()->Reserve(static_cast<int>(in.events.size()));
+    for (const auto& event : in.events) to_proto(event, *out.add_events());
+}
+
+template <typename Log>
+Maybe read_events(const LogEvents& in) {
+    const auto log = from_proto(in.log());
+    if (!log) return std::nullopt;
+    Log out{*log, in.first_seq(), {}};
+    if (!all_from_proto(in.events(), out.events)) return std::nullopt;
+    return out;
+}
+
+void to_proto(const cluster::LeftAddress& in, LeftAddress& out) {
+    to_proto(in.log, *out.mutable_log());
+    to_proto(in.address, *out.mutable_address());
+}
+
+std::optional<cluster::LeftAddress> from_proto(const LeftAddress& in) {
+    const auto log = from_proto(in.log());
+    const auto address = from_proto(in.address());
+    if (!log || !address) return std::nullopt;
+    return cluster::LeftAddress{*log, *address};
+}
+
+void to_proto(const cluster::Assignment& in, Assignment& out) {
+    to_proto(in.end, *out.mutable_end());
+    to_proto(in.address, *out.mutable_address());
+    out.set_heir(static_cast<std::uint64_t>(in.heir));
+}
+
+std::optional<cluster::Assignment> from_proto(const Assignment& in) {
+    const auto end = from_proto(in.end());
+    const auto address = from_proto(in.address());
+    if (!end || !address) return std::nullopt;
+    return cluster::Assignment{*end, *address, broker::BrokerId{in.heir()}};
+}
+
+// One overload a message: writes it as the alternative of the oneof that is its own.
+struct Writer {
+    ClusterMessage& out;
+
+    void operator()(const cluster::Beacon& m) const {
+        auto& to = *out.mutable_beacon();
+        to.set_name(m.name);
+        to_proto(m.log, *to.mutable_log());
+        to.set_last_seq(m.last_seq);
+        to.set_tick(m.tick);
+        to_proto(m.view, *to.mutable_view());
+        to_proto(m.claim, *to.mutable_claim());
+        for (const auto id : m.hears) to.add_hears(static_cast<std::uint64_t>(id));
+        all_to_proto(m.applied, *to.mutable_applied());
+        all_to_proto(m.home_addresses, *to.mutable_home_addresses());
+        all_to_proto(m.serving, *to.mutable_serving());
+        to.set_sessions(m.sessions);
+        to.set_connected(m.connected);
+        to.set_transport_octets_sent(m.transport_octets_sent);
+        to.set_transport_octets_received(m.transport_octets_received);
+        to.set_leaving(m.leaving);
+    }
+    void operator()(const cluster::LogBatch& m) const {
+        events_to_proto(m, *out.mutable_log_batch());
+    }
+    void operator()(const cluster::LogAck& m) const { to_proto(m.through, *out.mutable_log_ack()); }
+    void operator()(const cluster::ForwardBatch& m) const {
+        all_to_proto(m.messages, *out.mutable_forward_batch()->mutable_messages());
+    }
+    void operator()(const cluster::ElectionMessage& m) const {
+        auto& to = *out.mutable_ballot();
+        to.set_kind(m.ballot.kind);
+        to.set_term(m.ballot.term);
+        to.set_detail(m.ballot.detail);
+    }
+    void operator()(const cluster::ViewProposal& m) const {
+        auto& to = *out.mutable_view_proposal();
+        to_proto(m.view, *to.mutable_view());
+        all_to_proto(m.removed, *to.mutable_removed());
+    }
+    void operator()(const cluster::ViewHoldings& m) const {
+        auto& to = *out.mutable_view_holdings();
+        to_proto(m.number, *to.mutable_number());
+        all_to_proto(m.holds, *to.mutable_holds());
+        for (const auto& left : m.addresses) to_proto(left, *to.add_addresses());
+    }
+    void operator()(const cluster::TailRequest& m) const {
+        auto& to = *out.mutable_tail_request();
+        to_proto(m.number, *to.mutable_number());
+        to_proto(m.after, *to.mutable_after());
+        to.set_to(static_cast<std::uint64_t>(m.to));
+    }
+    void operator()(const cluster::LogTail& m) const {
+        events_to_proto(m, *out.mutable_log_tail());
+    }
+    void operator()(const cluster::ViewAnnouncement& m) const {
+        auto& to = *out.mutable_view_announcement();
+        to_proto(m.view, *to.mutable_view());
+        for (const auto& assignment : m.assignments) to_proto(assignment, *to.add_assignments());
+        all_to_proto(m.ends, *to.mutable_ends());
+    }
+    void operator()(const cluster::SnapshotRequest& m) const {
+        to_proto(m.log, *out.mutable_snapshot_request()->mutable_log());
+        out.mutable_snapshot_request()->set_after(m.after);
+    }
+    void operator()(const cluster::SnapshotPart& m) const {
+        auto& to = *out.mutable_snapshot_part();
+        to_proto(m.as_of, *to.mutable_as_of());
+        to.set_part(m.part);
+        to.set_last(m.last);
+        all_to_proto(m.sessions, *to.mutable_sessions());
+        all_to_proto(m.retained, *to.mutable_retained());
+        all_to_proto(m.publishes, *to.mutable_publishes());
+        all_to_proto(m.cursors, *to.mutable_cursors());
+    }
+    void operator()(const cluster::AddressOffer& m) const {
+        to_proto(m.address, *out.mutable_address_offer());
+    }
+    void operator()(const cluster::AddressBound& m) const {
+        to_proto(m.address, *out.mutable_address_bound()->mutable_address());
+        out.mutable_address_bound()->set_bound(m.bound);
+    }
+    void operator()(const cluster::SessionHandoff& m) const {
+        auto& to = *out.mutable_session_handoff();
+        to_proto(m.address, *to.mutable_address());
+        to.set_last(m.last);
+        all_to_proto(m.sessions, *to.mutable_sessions());
+    }
+    void operator()(const cluster::HandoffAck& m) const {
+        auto& to = *out.mutable_handoff_ack();
+        to_proto(m.address, *to.mutable_address());
+        to.set_client_id(m.client_id);
+    }
+    void operator()(const cluster::SessionRequest& m) const {
+        out.set_session_request(m.client_id);
+    }
+    void operator()(const cluster::SessionClaim& m) const {
+        to_proto(m.header, *out.mutable_session_claim());
+    }
+};
+
+Maybe read_beacon(const Beacon& in) {
+    const auto log = from_proto(in.log());
+    auto view = from_proto(in.view());
+    if (!log || !view) return std::nullopt;
+    cluster::Beacon out;
+    out.name = in.name();
+    out.log = *log;
+    out.last_seq = in.last_seq();
+    out.tick = in.tick();
+    out.view = std::move(*view);
+    out.claim = claim_from(in.claim());
+    out.sessions = in.sessions();
+    out.connected = in.connected();
+    out.transport_octets_sent = in.transport_octets_sent();
+    out.transport_octets_received = in.transport_octets_received();
+    out.leaving = in.leaving();
+    for (const auto id : in.hears()) out.hears.push_back(broker::BrokerId{id});
+    if (!all_from_proto(in.applied(), out.applied)) return std::nullopt;
+    if (!all_from_proto(in.home_addresses(), out.home_addresses)) return std::nullopt;
+    if (!all_from_proto(in.serving(), out.serving)) return std::nullopt;
+    return out;
+}
+
+Maybe read_forward_batch(const ForwardBatch& in) {
+    cluster::ForwardBatch out;
+    if (!all_from_proto(in.messages(), out.messages)) return std::nullopt;
+    return out;
+}
+
+Maybe read_ballot(const Ballot& in) {
+    const auto kind = narrow<std::uint8_t>(in.kind());
+    if (!kind) return std::nullopt;
+    return cluster::ElectionMessage{{*kind, in.term(), in.detail()}};
+}
+
+Maybe read_view_proposal(const ViewProposal& in) {
+    auto view = from_proto(in.view());
+    if (!view) return std::nullopt;
+    cluster::ViewProposal out{std::move(*view), {}};
+    if (!all_from_proto(in.removed(), out.removed)) return std::nullopt;
+    return out;
+}
+
+Maybe read_view_holdings(const ViewHoldings& in) {
+    cluster::ViewHoldings out{number_from(in.number()), {}, {}};
+    if (!all_from_proto(in.holds(), out.holds)) return std::nullopt;
+    for (const auto& item : in.addresses()) {
+        const auto left = from_proto(item);
+        if (!left) return std::nullopt;
+        out.addresses.push_back(*left);
+    }
+    return out;
+}
+
+Maybe read_view_announcement(const ViewAnnouncement& in) {
+    auto view = from_proto(in.view());
+    if (!view) return std::nullopt;
+    cluster::ViewAnnouncement out{std::move(*view), {}, {}};
+    for (const auto& item : in.assignments()) {
+        const auto assignment = from_proto(item);
+        if (!assignment) return std::nullopt;
+        out.assignments.push_back(*assignment);
+    }
+    if (!all_from_proto(in.ends(), out.ends)) return std::nullopt;
+    return out;
+}
+
+Maybe read_snapshot_part(const SnapshotPart& in) {
+    const auto as_of = from_proto(in.as_of());
+    if (!as_of) return std::nullopt;
+    cluster::SnapshotPart out{*as_of, in.part(), in.last(), {}, {}, {}, {}};
+    if (!all_from_proto(in.sessions(), out.sessions)) return std::nullopt;
+    if (!all_from_proto(in.retained(), out.retained)) return std::nullopt;
+    if (!all_from_proto(in.publishes(), out.publishes)) return std::nullopt;
+    if (!all_from_proto(in.cursors(), out.cursors)) return std::nullopt;
+    return out;
+}
+
+Maybe read_session_handoff(const SessionHandoff& in) {
+    const auto address = from_proto(in.address());
+    if (!address) return std::nullopt;
+    cluster::SessionHandoff out{*address, in.last(), {}};
+    if (!all_from_proto(in.sessions(), out.sessions)) return std::nullopt;
+    return out;
+}
+
+}  // namespace
+
+void to_proto(const cluster::ClusterMessage& in, ClusterMessage& out) {
+    std::visit(Writer{out}, in);
+}
+
+Maybe from_proto(const ClusterMessage& in) {
+    switch (in.message_case()) {
+        case ClusterMessage::kBeacon:
+            return read_beacon(in.beacon());
+        case ClusterMessage::kLogBatch:
+            return read_events<cluster::LogBatch>(in.log_batch());
+        case ClusterMessage::kLogAck:
+            if (const auto through = from_proto(in.log_ack())) return cluster::LogAck{*through};
+            break;
+        case ClusterMessage::kForwardBatch:
+            return read_forward_batch(in.forward_batch());
+        case ClusterMessage::kBallot:
+            return read_ballot(in.ballot());
+        case ClusterMessage::kViewProposal:
+            return read_view_proposal(in.view_proposal());
+        case ClusterMessage::kViewHoldings:
+            return read_view_holdings(in.view_holdings());
+        case ClusterMessage::kTailRequest:
+            if (const auto after = from_proto(in.tail_request().after())) {
+                return cluster::TailRequest{number_from(in.tail_request().number()), *after,
+                                            broker::BrokerId{in.tail_request().to()}};
+            }
+            break;
+        case ClusterMessage::kLogTail:
+            return read_events<cluster::LogTail>(in.log_tail());
+        case ClusterMessage::kViewAnnouncement:
+            return read_view_announcement(in.view_announcement());
+        case ClusterMessage::kSnapshotRequest:
+            if (const auto log = from_proto(in.snapshot_request().log())) {
+                return cluster::SnapshotRequest{*log, in.snapshot_request().after()};
+            }
+            break;
+        case ClusterMessage::kSnapshotPart:
+            return read_snapshot_part(in.snapshot_part());
+        case ClusterMessage::kAddressOffer:
+            if (const auto address = from_proto(in.address_offer())) {
+                return cluster::AddressOffer{*address};
+            }
+            break;
+        case ClusterMessage::kAddressBound:
+            if (const auto address = from_proto(in.address_bound().address())) {
+                return cluster::AddressBound{*address, in.address_bound().bound()};
+            }
+            break;
+        case ClusterMessage::kSessionHandoff:
+            return read_session_handoff(in.session_handoff());
+        case ClusterMessage::kSessionRequest:
+            return cluster::SessionRequest{in.session_request()};
+        case ClusterMessage::kHandoffAck:
+            if (const auto address = from_proto(in.handoff_ack().address())) {
+                return cluster::HandoffAck{*address, in.handoff_ack().client_id()};
+            }
+            break;
+        case ClusterMessage::kSessionClaim:
+            if (auto header = from_proto(in.session_claim())) {
+                return cluster::SessionClaim{std::move(*header)};
+            }
+            break;
+        case ClusterMessage::MESSAGE_NOT_SET:
+            break;
+    }
+    return std::nullopt;
+}
+
+}  // namespace romano::overlay::proto

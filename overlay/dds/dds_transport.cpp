@@ -1,0 +1,136 @@
+#include "overlay/dds/dds_transport.h"
+
+#include <spdlog/spdlog.h>
+
+namespace romano::dds {
+namespace {
+
+constexpr const char* beacon_topic = "romano_beacon";
+constexpr const char* log_topic = "romano_log";
+
+// Deep enough for every beacon of a large cluster while the reader is paused for a second.
+Qos beacon_qos() {
+    return best_effort(1024);
+}
+
+// What is not acknowledged waits here; a peer that stands still is let go after the lease (1 s).
+Qos log_qos() {
+    return reliable(20'000);
+}
+
+}  // namespace
+
+DdsTransport::DdsTransport(boost::asio::io_context& io, const Domain& domain,
+                           const broker::LogId& self, std::function<void()> on_drained)
+    : self_(self),
+      on_drained_(std::move(on_drained)),
+      wakeup_(std::make_shared<Wakeup>(io, [this] { drain(); })),
+      participant_(domain.make_participant()),
+      beacons_(participant_, beacon_topic, beacon_qos(), self),
+      log_(participant_, log_topic, log_qos(), self) {}
+
+DdsTransport::~DdsTransport() = default;
+
+void DdsTransport::start(Receiver receiver) {
+    receiver_ = std::move(receiver);
+    inbox_ = std::make_unique<SampleReader>(participant_, inbox_topic(self_), inbox_qos(), wakeup_);
+    const auto read = [this](const std::string& topic, const Qos& qos) {
+        readers_.push_back(std::make_unique<SampleReader>(participant_, topic, qos, wakeup_));
+    };
+    read(beacon_topic, beacon_qos());
+    read(log_topic, log_qos());
+    read(forward_topic(self_), forward_qos());
+}
+
+void DdsTransport::send(const overlay::Outgoing& outgoing) {
+    const Bytes body = codec_.encode(outgoing.message);
+    if (!outgoing.to) return send_to_all(outgoing.message, body);
+    const auto at = peers_.find(*outgoing.to);
+    if (at == peers_.end()) {
+        ++counters_.unknown_peer;
+        return;
+    }
+    send_to(at->second, delivery_of(outgoing.message), body);
+}
+
+void DdsTransport::send_to_all(const cluster::ClusterMessage& message, Bytes body) {
+    const auto delivery = delivery_of(message);
+    if (delivery == cluster::Delivery::beacon) return count_written(beacons_.write(body), body);
+    if (delivery == cluster::Delivery::log) return count_written(log_.write(body), body);
+    for (auto& [id, peer] : peers_) send_to(peer, delivery, body);
+}
+
+void DdsTransport::send_to(Peer& peer, cluster::Delivery delivery, Bytes body) {
+    const bool may_be_lost = delivery == cluster::Delivery::best_effort;
+    SampleWriter& writer = may_be_lost ? peer.writers.forwards : peer.writers.inbox;
+    count_written(writer.write(body), body);
+}
+
+void DdsTransport::count_written(bool written, Bytes body) {
+    if (!written) {
+        ++counters_.write_failed;
+        return;
+    }
+    ++counters_.sent;
+    counters_.sent_octets += body.size();
+}
+
+void DdsTransport::drain() {
+    bool more = false;
+    const auto take = [&](SampleReader& reader, auto handle) {
+        const std::size_t count =
+            reader.take([&](const SampleView& sample) { (this->*handle)(sample); });
+        more = more || count == SampleReader::most_at_once;
+    };
+    for (const auto& reader : readers_) take(*reader, &DdsTransport::on_sample);
+    take(*inbox_, &DdsTransport::on_inbox_sample);
+    if (on_drained_) on_drained_();
+    // The rest in another turn, so that clients are not kept waiting.
+    if (more) wakeup_->ring();
+}
+
+void DdsTransport::on_inbox_sample(const SampleView& sample) {
+    Peer* peer = peer_of(sample.from);
+    if (peer == nullptr) return;
+    // After a lost and found link DDS brings the last ones again.
+    if (sample.number <= peer->last_inbox_number) {
+        ++counters_.repeated;
+        return;
+    }
+    peer->last_inbox_number = sample.number;
+    on_sample(sample);
+}
+
+void DdsTransport::on_sample(const SampleView& sample) {
+    if (sample.from == self_ || peer_of(sample.from) == nullptr) return;
+    auto message = codec_.decode(sample.body);
+    if (!message) {
+        ++counters_.malformed;
+        return;
+    }
+    ++counters_.received;
+    counters_.received_octets += sample.body.size();
+    receiver_({sample.from, std::move(*message)});
+}
+
+DdsTransport::Peer* DdsTransport::peer_of(const broker::LogId& log) {
+    const auto at = peers_.find(log.broker);
+    if (at != peers_.end()) {
+        const auto known = at->second.writers.addressee.incarnation;
+        if (known == log.incarnation) return &at->second;
+        if (known > log.incarnation) return nullptr;  // words of a broker that was restarted since
+        peers_.erase(at);
+    } else if (peers_.size() == most_peers) {
+        ++counters_.too_many_peers;
+        return nullptr;
+    }
+    try {
+        return &peers_.emplace(log.broker, Peer{PeerWriters(participant_, self_, log), 0})
+                    .first->second;
+    } catch (const DdsError& error) {
+        spdlog::warn("a peer cannot be answered: {}", error.what());
+        return nullptr;
+    }
+}
+
+}  // namespace romano::dds

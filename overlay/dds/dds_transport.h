@@ -1,0 +1,82 @@
+// The transport between broker processes: Cyclone DDS.
+//
+// Topics: romano_beacon (best-effort), romano_log (reliable), and an inbox and a forward topic a
+// broker (peer_writers.h). A peer is known from its first sample on. Samples are taken on the
+// io_context's thread. A body that is no message is dropped and counted.
+#pragma once
+
+#include <boost/asio/io_context.hpp>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "broker/core/log_position.h"
+#include "overlay/dds/body_codec.h"
+#include "overlay/dds/domain.h"
+#include "overlay/dds/peer_writers.h"
+#include "overlay/dds/sample_reader.h"
+#include "overlay/dds/sample_writer.h"
+#include "overlay/dds/wakeup.h"
+#include "overlay/transport.h"
+
+namespace romano::dds {
+
+struct TransportCounters {
+    std::uint64_t sent = 0;
+    std::uint64_t sent_octets = 0;
+    std::uint64_t received = 0;
+    std::uint64_t received_octets = 0;
+    std::uint64_t write_failed = 0;    // DDS did not take it
+    std::uint64_t unknown_peer = 0;    // to a broker that was never heard
+    std::uint64_t malformed = 0;       // a body that is no message
+    std::uint64_t repeated = 0;        // DDS brought an inbox sample again
+    std::uint64_t too_many_peers = 0;  // from a broker beyond the table's bound
+};
+
+class DdsTransport : public overlay::Transport {
+public:
+    static constexpr std::size_t most_peers = 256;
+
+    /// `on_drained` is called after each burst of received messages. Throws DdsError.
+    DdsTransport(boost::asio::io_context& io, const Domain& domain, const broker::LogId& self,
+                 std::function<void()> on_drained = {});
+    ~DdsTransport() override;
+
+    /// Throws DdsError.
+    void start(Receiver receiver) override;
+    void send(const overlay::Outgoing& message) override;
+
+    [[nodiscard]] const TransportCounters& counters() const { return counters_; }
+
+private:
+    struct Peer {
+        PeerWriters writers;
+        std::uint64_t last_inbox_number = 0;
+    };
+
+    void send_to_all(const cluster::ClusterMessage& message, Bytes body);
+    void send_to(Peer& peer, cluster::Delivery delivery, Bytes body);
+    void count_written(bool written, Bytes body);
+    void drain();
+    void on_sample(const SampleView& sample);
+    void on_inbox_sample(const SampleView& sample);
+    [[nodiscard]] Peer* peer_of(const broker::LogId& log);
+
+    broker::LogId self_;
+    std::function<void()> on_drained_;
+    Receiver receiver_;
+    BodyCodec codec_;
+    TransportCounters counters_;
+    std::shared_ptr<Wakeup> wakeup_;
+    Entity participant_;
+    SampleWriter beacons_;
+    SampleWriter log_;
+    std::map<broker::BrokerId, Peer> peers_;
+    std::vector<std::unique_ptr<SampleReader>> readers_;  // beacons, log, forwards
+    std::unique_ptr<SampleReader> inbox_;
+};
+
+}  // namespace romano::dds

@@ -1,0 +1,33 @@
+// A DDS domain that is configured from code, with one participant in it. One per domain id in a
+// process; everything else of DDS lives inside it and goes first.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "overlay/dds/entity.h"
+
+namespace romano::dds {
+
+struct DomainOptions {
+    std::uint32_t id = 0;   // 0 to 230
+    std::string interface;  // empty: Cyclone DDS chooses
+};
+
+class Domain {
+public:
+    /// Throws DdsError.
+    explicit Domain(const DomainOptions& options);
+
+    /// A participant of its own, for each broker in this process.
+    [[nodiscard]] Entity make_participant() const;
+
+private:
+    std::uint32_t id_;
+    Entity domain_;
+};
+
+/// The configuration in Cyclone's XML.
+[[nodiscard]] std::string configuration_of(const DomainOptions& options);
+
+}  // namespace romano::dds

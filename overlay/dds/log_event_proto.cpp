@@ -1,0 +1,204 @@
+#include "overlay/dds/log_event_proto.h"
+
+#include "overlay/dds/session_proto.h"
+
+namespace romano::overlay::proto {
+namespace {
+
+using Maybe = std::optional<broker::LogEvent>;
+
+void to_proto(const broker::Route& in, Route& out) {
+    out.set_client_id(in.client_id);
+    out.set_qos(static_cast<std::uint32_t>(in.qos));
+    out.set_retain(in.retain);
+}
+
+std::optional<broker::Route> from_proto(const Route& in) {
+    const auto qos = qos_from(in.qos());
+    if (!qos) return std::nullopt;
+    return broker::Route{in.client_id(), *qos, in.retain()};
+}
+
+// One overload an event: writes it as the alternative of the oneof that is its own.
+struct Writer {
+    LogEvent& out;
+
+    void operator()(const broker::SessionPut& e) const {
+        to_proto(e.image, *out.mutable_session_put());
+    }
+    void operator()(const broker::SessionChanged& e) const {
+        auto& to = *out.mutable_session_changed();
+        to_proto(e.header, *to.mutable_header());
+        to.set_forgets_topics(e.forgets_topics);
+    }
+    void operator()(const broker::SessionErased& e) const { out.set_session_erased(e.client_id); }
+    void operator()(const broker::WillChanged& e) const {
+        auto& to = *out.mutable_will_changed();
+        to.set_client_id(e.client_id);
+        if (e.will) to_proto(*e.will, *to.mutable_will());
+    }
+    void operator()(const broker::Subscribed& e) const {
+        auto& to = *out.mutable_subscribed();
+        to.set_client_id(e.client_id);
+        to_proto(e.subscription, *to.mutable_subscription());
+    }
+    void operator()(const broker::Unsubscribed& e) const {
+        auto& to = *out.mutable_unsubscribed();
+        to.set_client_id(e.client_id);
+        to.set_filter(e.filter);
+    }
+    void operator()(const broker::TopicBound& e) const {
+        auto& to = *out.mutable_topic_bound();
+        to.set_client_id(e.client_id);
+        to_proto(e.binding, *to.mutable_binding());
+    }
+    void operator()(const broker::Published& e) const {
+        auto& to = *out.mutable_published();
+        to_proto(e.message, *to.mutable_message());
+        to.set_publisher(e.publisher);
+        to.set_msg_id(static_cast<std::uint32_t>(e.msg_id));
+        for (const auto& route : e.routes) to_proto(route, *to.add_routes());
+    }
+    void operator()(const broker::Routed& e) const {
+        auto& to = *out.mutable_routed();
+        to_proto(e.message, *to.mutable_message());
+        for (const auto& route : e.routes) to_proto(route, *to.add_routes());
+    }
+    void operator()(const broker::Cursor& e) const { to_proto(e.through, *out.mutable_cursor()); }
+    void operator()(const broker::DeliveryStarted& e) const {
+        auto& to = *out.mutable_delivery_started();
+        to.set_client_id(e.client_id);
+        to_proto(e.message, *to.mutable_message());
+        to.set_msg_id(static_cast<std::uint32_t>(e.msg_id));
+        to.set_qos(static_cast<std::uint32_t>(e.qos));
+    }
+    void operator()(const broker::DeliveryReleased& e) const {
+        step(e.client_id, e.message, *out.mutable_delivery_released());
+    }
+    void operator()(const broker::DeliveryEnded& e) const {
+        step(e.client_id, e.message, *out.mutable_delivery_ended());
+    }
+    void operator()(const broker::PublishReleased& e) const {
+        auto& to = *out.mutable_publish_released();
+        to.set_client_id(e.client_id);
+        to.set_msg_id(static_cast<std::uint32_t>(e.msg_id));
+    }
+
+    static void step(const broker::ClientId& client_id, const broker::LogPosition& message,
+                     DeliveryStep& to) {
+        to.set_client_id(client_id);
+        to_proto(message, *to.mutable_message());
+    }
+};
+
+template <typename Routes>
+bool read_routes(const Routes& in, std::vector<broker::Route>& out) {
+    for (const auto& item : in) {
+        auto route = from_proto(item);
+        if (!route) return false;
+        out.push_back(std::move(*route));
+    }
+    return true;
+}
+
+Maybe read_will_changed(const WillChanged& in) {
+    broker::WillChanged out{in.client_id(), std::nullopt};
+    if (in.has_will()) {
+        out.will = from_proto(in.will());
+        if (!out.will) return std::nullopt;
+    }
+    return out;
+}
+
+Maybe read_published(const Published& in) {
+    auto message = from_proto(in.message());
+    const auto msg_id = narrow<mqttsn::MsgId>(in.msg_id());
+    if (!in.has_message() || !message || !msg_id) return std::nullopt;
+    broker::Published out{std::move(*message), in.publisher(), *msg_id, {}};
+    if (!read_routes(in.routes(), out.routes)) return std::nullopt;
+    return out;
+}
+
+Maybe read_routed(const Routed& in) {
+    const auto message = from_proto(in.message());
+    if (!message) return std::nullopt;
+    broker::Routed out{*message, {}};
+    if (!read_routes(in.routes(), out.routes)) return std::nullopt;
+    return out;
+}
+
+Maybe read_delivery_started(const DeliveryStarted& in) {
+    const auto message = from_proto(in.message());
+    const auto msg_id = narrow<mqttsn::MsgId>(in.msg_id());
+    const auto qos = qos_from(in.qos());
+    if (!message || !msg_id || !qos) return std::nullopt;
+    return broker::DeliveryStarted{in.client_id(), *message, *msg_id, *qos};
+}
+
+template <typename Step>
+Maybe read_step(const DeliveryStep& in) {
+    const auto message = from_proto(in.message());
+    if (!message) return std::nullopt;
+    return Step{in.client_id(), *message};
+}
+
+}  // namespace
+
+void to_proto(const broker::LogEvent& in, LogEvent& out) {
+    std::visit(Writer{out}, in);
+}
+
+Maybe from_proto(const LogEvent& in) {
+    switch (in.event_case()) {
+        case LogEvent::kSessionPut:
+            if (auto image = from_proto(in.session_put())) {
+                return broker::SessionPut{std::move(*image)};
+            }
+            break;
+        case LogEvent::kSessionChanged:
+            if (auto header = from_proto(in.session_changed().header())) {
+                return broker::SessionChanged{std::move(*header),
+                                              in.session_changed().forgets_topics()};
+            }
+            break;
+        case LogEvent::kSessionErased:
+            return broker::SessionErased{in.session_erased()};
+        case LogEvent::kWillChanged:
+            return read_will_changed(in.will_changed());
+        case LogEvent::kSubscribed:
+            if (auto subscription = from_proto(in.subscribed().subscription())) {
+                return broker::Subscribed{in.subscribed().client_id(), std::move(*subscription)};
+            }
+            break;
+        case LogEvent::kUnsubscribed:
+            return broker::Unsubscribed{in.unsubscribed().client_id(), in.unsubscribed().filter()};
+        case LogEvent::kTopicBound:
+            if (auto binding = from_proto(in.topic_bound().binding())) {
+                return broker::TopicBound{in.topic_bound().client_id(), std::move(*binding)};
+            }
+            break;
+        case LogEvent::kPublished:
+            return read_published(in.published());
+        case LogEvent::kRouted:
+            return read_routed(in.routed());
+        case LogEvent::kCursor:
+            if (const auto through = from_proto(in.cursor())) return broker::Cursor{*through};
+            break;
+        case LogEvent::kDeliveryStarted:
+            return read_delivery_started(in.delivery_started());
+        case LogEvent::kDeliveryReleased:
+            return read_step<broker::DeliveryReleased>(in.delivery_released());
+        case LogEvent::kDeliveryEnded:
+            return read_step<broker::DeliveryEnded>(in.delivery_ended());
+        case LogEvent::kPublishReleased:
+            if (const auto msg_id = narrow<mqttsn::MsgId>(in.publish_released().msg_id())) {
+                return broker::PublishReleased{in.publish_released().client_id(), *msg_id};
+            }
+            break;
+        case LogEvent::EVENT_NOT_SET:
+            break;
+    }
+    return std::nullopt;
+}
+
+}  // namespace romano::overlay::proto

@@ -1,0 +1,248 @@
+#include "tests/overlay/dds/random_message.h"
+
+#include <utility>
+
+namespace romano::dds {
+namespace {
+
+std::uint64_t wide(Random& r) {
+    return (std::uint64_t{r.next()} << 32U) | r.next();
+}
+bool flag(Random& r) {
+    return r.below(2) == 1;
+}
+
+std::string text(Random& r, std::uint32_t most = 40) {
+    std::string out(r.below(most + 1), '\0');
+    for (char& c : out) c = static_cast<char>(r.below(256));
+    return out;
+}
+
+std::vector<std::uint8_t> octets(Random& r) {
+    const std::string from = text(r, 200);
+    return {from.begin(), from.end()};
+}
+
+template <typename Make>
+auto some(Random& r, Make make, std::uint32_t most = 4) {
+    std::vector<decltype(make(r))> out;
+    for (std::uint32_t n = r.below(most + 1); n > 0; --n) out.push_back(make(r));
+    return out;
+}
+
+template <typename Enum>
+Enum up_to(Random& r, Enum last) {
+    return static_cast<Enum>(r.below(static_cast<std::uint32_t>(last) + 1));
+}
+
+mqttsn::Qos qos(Random& r) {
+    return up_to(r, mqttsn::Qos::exactly_once);
+}
+mqttsn::MsgId msg_id(Random& r) {
+    return static_cast<mqttsn::MsgId>(r.below(0x10000));
+}
+mqttsn::TopicId topic_id(Random& r) {
+    return static_cast<mqttsn::TopicId>(r.below(0x10000));
+}
+broker::BrokerId broker_id(Random& r) {
+    return broker::BrokerId{wide(r)};
+}
+broker::LogId log_id(Random& r) {
+    return {broker_id(r), wide(r)};
+}
+broker::LogPosition position(Random& r) {
+    return {log_id(r), wide(r)};
+}
+
+Endpoint endpoint(Random& r) {
+    Endpoint out;
+    out.family = up_to(r, Endpoint::Family::ipv6);
+    if (out.family == Endpoint::Family::none) return out;
+    const std::size_t size = out.family == Endpoint::Family::ipv4 ? 4 : 16;
+    for (std::size_t i = 0; i < size; ++i) {
+        out.address[i] = static_cast<std::uint8_t>(r.below(256));
+    }
+    out.port = static_cast<std::uint16_t>(r.below(0x10000));
+    out.scope = r.below(4);
+    return out;
+}
+
+broker::MessagePtr message(Random& r) {
+    return broker::MessagePtr{
+        broker::Message{text(r), octets(r), qos(r), flag(r), position(r), {wide(r)}}};
+}
+
+broker::SessionHeader header(Random& r) {
+    return {text(r),
+            {endpoint(r), text(r, 8)},
+            endpoint(r),
+            up_to(r, broker::SessionState::lost),
+            flag(r),
+            static_cast<std::uint16_t>(r.below(0x10000)),
+            static_cast<std::uint16_t>(r.below(0x10000)),
+            wide(r),
+            flag(r),
+            {wide(r)}};
+}
+
+broker::Will will(Random& r) {
+    return {text(r), octets(r), qos(r), flag(r)};
+}
+
+broker::Subscription subscription(Random& r) {
+    return {text(r), up_to(r, mqttsn::TopicIdType::short_name), topic_id(r), qos(r)};
+}
+
+broker::TopicBinding binding(Random& r) {
+    return {topic_id(r), text(r), flag(r)};
+}
+
+broker::Delivery delivery(Random& r) {
+    return {position(r), flag(r) ? message(r) : broker::MessagePtr{}, qos(r),
+            flag(r),     up_to(r, broker::DeliveryStage::released),   msg_id(r)};
+}
+
+broker::SessionImage image(Random& r) {
+    return {header(r),
+            flag(r) ? std::optional(will(r)) : std::nullopt,
+            some(r, subscription),
+            some(r, binding),
+            some(r, delivery),
+            some(r, msg_id),
+            some(r, position)};
+}
+
+broker::Route route(Random& r) {
+    return {text(r), qos(r), flag(r)};
+}
+
+broker::LogEvent event_of(std::size_t kind, Random& r) {
+    switch (kind) {
+        case 0:
+            return broker::SessionPut{image(r)};
+        case 1:
+            return broker::SessionChanged{header(r), flag(r)};
+        case 2:
+            return broker::SessionErased{text(r)};
+        case 3:
+            return broker::WillChanged{text(r), flag(r) ? std::optional(will(r)) : std::nullopt};
+        case 4:
+            return broker::Subscribed{text(r), subscription(r)};
+        case 5:
+            return broker::Unsubscribed{text(r), text(r)};
+        case 6:
+            return broker::TopicBound{text(r), binding(r)};
+        case 7:
+            return broker::Published{message(r), text(r), msg_id(r), some(r, route)};
+        case 8:
+            return broker::Routed{position(r), some(r, route)};
+        case 9:
+            return broker::Cursor{position(r)};
+        case 10:
+            return broker::DeliveryStarted{text(r), position(r), msg_id(r), qos(r)};
+        case 11:
+            return broker::DeliveryReleased{text(r), position(r)};
+        case 12:
+            return broker::DeliveryEnded{text(r), position(r)};
+        default:
+            return broker::PublishReleased{text(r), msg_id(r)};
+    }
+}
+static_assert(std::variant_size_v<broker::LogEvent> == 14, "event_of() makes every kind");
+
+std::vector<broker::LogEvent> one_event_of_each_kind(Random& r) {
+    std::vector<broker::LogEvent> out;
+    for (std::size_t kind = 0; kind < std::variant_size_v<broker::LogEvent>; ++kind) {
+        out.push_back(event_of(kind, r));
+    }
+    return out;
+}
+
+cluster::ViewNumber view_number(Random& r) {
+    return {wide(r), broker_id(r), wide(r)};
+}
+cluster::View view(Random& r) {
+    return {view_number(r), some(r, log_id)};
+}
+
+election::Claim claim(Random& r) {
+    election::Claim out{{r.next(), r.next(), election::NodeId{wide(r)}}, wide(r), std::nullopt};
+    if (flag(r)) out.leader = election::NodeId{wide(r)};
+    return out;
+}
+
+cluster::LeftAddress left_address(Random& r) {
+    return {log_id(r), endpoint(r)};
+}
+cluster::Assignment assignment(Random& r) {
+    return {position(r), endpoint(r), broker_id(r)};
+}
+
+cluster::Beacon beacon(Random& r) {
+    cluster::Beacon out;
+    out.name = text(r);
+    out.log = log_id(r);
+    out.last_seq = wide(r);
+    out.tick = wide(r);
+    out.view = view(r);
+    out.claim = claim(r);
+    out.hears = some(r, broker_id);
+    out.applied = some(r, position);
+    out.home_addresses = some(r, endpoint);
+    out.serving = some(r, endpoint);
+    out.sessions = r.next();
+    out.connected = r.next();
+    out.transport_octets_sent = wide(r);
+    out.transport_octets_received = wide(r);
+    out.leaving = flag(r);
+    return out;
+}
+
+}  // namespace
+
+cluster::ClusterMessage random_message(std::size_t kind, Random& r) {
+    switch (kind) {
+        case 0:
+            return beacon(r);
+        case 1:
+            return cluster::LogBatch{log_id(r), wide(r), one_event_of_each_kind(r)};
+        case 2:
+            return cluster::LogAck{position(r)};
+        case 3:
+            return cluster::ForwardBatch{some(r, message)};
+        case 4:
+            return cluster::ElectionMessage{
+                {static_cast<std::uint8_t>(r.below(256)), wide(r), wide(r)}};
+        case 5:
+            return cluster::ViewProposal{view(r), some(r, log_id)};
+        case 6:
+            return cluster::ViewHoldings{view_number(r), some(r, position), some(r, left_address)};
+        case 7:
+            return cluster::TailRequest{view_number(r), position(r), broker_id(r)};
+        case 8:
+            return cluster::LogTail{log_id(r), wide(r), one_event_of_each_kind(r)};
+        case 9:
+            return cluster::ViewAnnouncement{view(r), some(r, assignment), some(r, position)};
+        case 10:
+            return cluster::SnapshotRequest{log_id(r), wide(r)};
+        case 11:
+            return cluster::SnapshotPart{position(r),      r.next(),         flag(r),
+                                         some(r, image),   some(r, message), some(r, message),
+                                         some(r, position)};
+        case 12:
+            return cluster::AddressOffer{endpoint(r)};
+        case 13:
+            return cluster::AddressBound{endpoint(r), flag(r)};
+        case 14:
+            return cluster::SessionHandoff{endpoint(r), flag(r), some(r, image)};
+        case 15:
+            return cluster::SessionRequest{text(r)};
+        case 16:
+            return cluster::HandoffAck{endpoint(r), text(r)};
+        default:
+            return cluster::SessionClaim{header(r)};
+    }
+}
+static_assert(message_kinds == 18, "random_message() makes every kind");
+
+}  // namespace romano::dds

@@ -1,0 +1,39 @@
+// A DDS domain id that no other test uses at the moment, also not one of another build that runs on
+// this machine: tests on one domain would hear each other.
+#pragma once
+
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include <cstdint>
+#include <string>
+
+namespace romano::dds {
+
+class TestDomain {
+public:
+    TestDomain() {
+        for (id_ = first; id_ <= last; ++id_) {
+            const std::string path = "/tmp/romano-test-domain-" + std::to_string(id_);
+            lock_ = open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+            if (lock_ >= 0 && flock(lock_, LOCK_EX | LOCK_NB) == 0) return;
+            if (lock_ >= 0) close(lock_);
+        }
+        ADD_FAILURE() << "no DDS domain from 150 to 199 is free";
+    }
+    ~TestDomain() { close(lock_); }
+    TestDomain(const TestDomain&) = delete;
+    TestDomain& operator=(const TestDomain&) = delete;
+
+    [[nodiscard]] std::uint32_t id() const { return id_; }
+
+private:
+    static constexpr std::uint32_t first = 150;
+    static constexpr std::uint32_t last = 199;
+    std::uint32_t id_ = first;
+    int lock_ = -1;
+};
+
+}  // namespace romano::dds
