@@ -1,0 +1,25 @@
+#include "broker/daemon/broker_options.h"
+
+#include <random>
+
+#include "broker/net/clock.h"
+
+namespace romano::daemon {
+
+broker::BrokerOptions broker_options(const Settings& settings) {
+    broker::BrokerOptions out;
+    out.log.broker = broker::broker_id_of(settings.name);
+    out.log.incarnation = static_cast<std::uint64_t>(net::unix_time().count());
+    out.unix_time_at_zero = net::unix_time_at_zero();
+    out.gateway_id = settings.gateway_id;
+    if (settings.discovery_groups.empty()) out.advertise_every = Duration{0};
+    out.predefined_topics = settings.predefined_topics;
+    return out;
+}
+
+std::uint64_t random_seed() {
+    std::random_device device;
+    return (std::uint64_t{device()} << 32U) | device();
+}
+
+}  // namespace romano::daemon

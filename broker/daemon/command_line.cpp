@@ -1,0 +1,131 @@
+#include "broker/daemon/command_line.h"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <fstream>
+#include <iterator>
+
+#include "broker/daemon/refusal.h"
+
+namespace romano::daemon {
+namespace {
+
+constexpr const char* examples = R"(Examples:
+  romano-broker
+      serves all IPv4 addresses of this machine at port 1883, alone
+  romano-broker --listen 192.168.1.5:1883 --listen [fd00::5]:1883 --predefined 1=robots/pose 2=robots/stop
+      serves two addresses; every client knows topic id 1 and 2
+  romano-broker --listen 127.0.0.1:1883 --name r1 --domain 7 --interface lo --rank 3
+  romano-broker --listen 127.0.0.2:1883 --name r2 --domain 7 --interface lo
+      two brokers that are one: a client may talk to either, and each takes over from the other
+  romano-broker --config r1.toml
+      the same options from a file: listen = ["127.0.0.1:1883"], name = "r1", domain = 7, ...
+
+Exit code: 0 after SIGTERM or SIGINT, 2 when a setting is not possible.)";
+
+std::string one_line(std::string text) {
+    while (!text.empty() && text.back() == '\n') text.pop_back();
+    std::ranges::replace(text, '\n', ' ');
+    return text;
+}
+
+void add_options(CLI::App& app, SettingTexts& texts) {
+    app.add_option("--listen", texts.listen,
+                   "Serve clients at this address (repeatable; default 0.0.0.0:1883)")
+        ->type_name("ADDR:PORT");
+    app.add_option("--name", texts.name,
+                   "The broker's name, unique in its cluster (default: HOST-ADDR:PORT)")
+        ->type_name("NAME");
+    app.add_option("--predefined", texts.predefined,
+                   "A predefined topic id and its topic (repeatable)")
+        ->type_name("ID=TOPIC");
+    app.add_option("--gateway-id", texts.gateway_id, "The id in ADVERTISE and GWINFO")
+        ->type_name("1..255")
+        ->capture_default_str();
+    app.add_option("--discovery-group", texts.discovery_group,
+                   "Take part in MQTT-SN discovery in this multicast group (repeatable); "
+                   "\"default\" means 225.1.1.1:1883 and [ff02::225:1:1:1]:1883")
+        ->type_name("ADDR:PORT");
+
+    const std::string cluster = "Cluster";
+    app.add_option("--domain", texts.domain,
+                   "Be a member of the cluster on this DDS domain (without it: alone)")
+        ->type_name("0..230")
+        ->group(cluster);
+    app.add_option("--interface", texts.interface,
+                   "Network interface between the brokers (default: DDS chooses)")
+        ->type_name("IF")
+        ->group(cluster);
+    app.add_option("--rank", texts.rank, "Capability: the highest rank leads")
+        ->type_name("N")
+        ->capture_default_str()
+        ->group(cluster);
+    app.add_option("--acks", texts.acks,
+                   "Peers that must hold an event before a client sees its effect")
+        ->type_name("N|all")
+        ->capture_default_str()
+        ->group(cluster);
+    app.add_option("--elector", texts.elector, "Election algorithm")
+        ->type_name("NAME")
+        ->capture_default_str()
+        ->group(cluster);
+    app.add_option("--detector", texts.detector, "Failure detector")
+        ->type_name("NAME")
+        ->capture_default_str()
+        ->group(cluster);
+    app.add_option("--beacon-ms", texts.beacon_ms, "Time between two beacons")
+        ->type_name("MS")
+        ->capture_default_str()
+        ->group(cluster);
+    app.add_option("--detection-timeout-ms", texts.detection_timeout_ms,
+                   "Silence after which a peer is taken for dead")
+        ->type_name("MS")
+        ->capture_default_str()
+        ->group(cluster);
+
+    app.add_option("--log-level", texts.log_level,
+                   "Trace on stderr: trace, debug, info, warn, error or off")
+        ->type_name("LEVEL")
+        ->capture_default_str();
+}
+
+// CLI11 names its own files and formats in this one; people want theirs.
+[[noreturn]] void refuse(const CLI::ParseError& error, const std::string& file) {
+    const std::string what = one_line(error.what());
+    if (error.get_name() == "ConfigError") {
+        const std::string key = what.substr(what.rfind(' ') + 1);
+        throw Refusal("--config '" + file + "': '" + key +
+                      "' is no setting; the keys are the long options of --help");
+    }
+    throw Refusal(what + "; romano-broker --help lists the settings");
+}
+
+}  // namespace
+
+std::variant<SettingTexts, Information> read_command_line(int argc, const char* const* argv) {
+    CLI::App app{"An MQTT-SN 1.2 broker over UDP, alone or as one of a cluster.", "romano-broker"};
+    app.footer(examples);
+    app.set_version_flag("--version", "romano-broker " ROMANO_VERSION);
+    app.allow_config_extras(CLI::config_extras_mode::error);
+    app.get_formatter()->column_width(38);
+    SettingTexts texts;
+    add_options(app, texts);
+    CLI::Option* config =
+        app.set_config("--config", "", "Read settings from this file (TOML or INI)");
+    config->type_name("FILE");
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::CallForVersion& version) {
+        return Information{std::string(version.what()) + "\n"};
+    } catch (const CLI::Success&) {
+        return Information{app.help()};
+    } catch (const CLI::FileError&) {
+        throw Refusal("--config '" + config->as<std::string>() +
+                      "': the file cannot be read; give a TOML or INI file");
+    } catch (const CLI::ParseError& error) {
+        refuse(error, config->count() > 0 ? config->as<std::string>() : "");
+    }
+    return texts;
+}
+
+}  // namespace romano::daemon

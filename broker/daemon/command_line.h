@@ -1,0 +1,38 @@
+// The command line and the configuration file, still as text: one field an option. Every option
+// is also a key of the file; what the command line says goes before the file.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+namespace romano::daemon {
+
+struct SettingTexts {
+    std::vector<std::string> listen = {};
+    std::optional<std::string> name = {};
+    std::optional<std::string> domain = {};
+    std::optional<std::string> interface = {};
+    std::string rank = "0";
+    std::string acks = "1";
+    std::string elector = "component";
+    std::string detector = "fixed";
+    std::string beacon_ms = "10";
+    std::string detection_timeout_ms = "100";
+    std::string gateway_id = "1";
+    std::vector<std::string> predefined = {};
+    std::vector<std::string> discovery_group = {};
+    std::string log_level = "info";
+};
+
+/// What --help and --version want printed instead.
+struct Information {
+    std::string text;
+};
+
+/// Throws Refusal for an unknown option or key, and for a file that cannot be read.
+[[nodiscard]] std::variant<SettingTexts, Information> read_command_line(int argc,
+                                                                        const char* const* argv);
+
+}  // namespace romano::daemon

@@ -1,0 +1,95 @@
+#include "broker/daemon/lone_broker.h"
+
+#include <nlohmann/json.hpp>
+
+#include "broker/daemon/broker_options.h"
+#include "broker/daemon/refusal.h"
+#include "broker/daemon/service_addresses.h"
+#include "broker/net/clock.h"
+#include "broker/net/endpoint_text.h"
+
+namespace romano::daemon {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr auto status_every = 1s;
+
+// A batch of publishes that each fan out to thousands must not pile up in memory.
+constexpr std::size_t most_actions_held = 4096;
+
+}  // namespace
+
+LoneBroker::LoneBroker(boost::asio::io_context& io, const Settings& settings,
+                       const OnServing& on_serving)
+    : io_(io),
+      name_(settings.name),
+      options_(broker_options(settings)),
+      core_(options_, random_seed()),
+      udp_(io, *this),
+      core_timer_(io, [this] { on_core_wakeup(); }),
+      status_timer_(io, [this] { on_status_wakeup(); }) {
+    std::string where;
+    for (const Endpoint& address : settings.listen) {
+        Endpoint bound;
+        if (const auto error = udp_.open(address, net::Bind::alone, &bound)) {
+            throw Refusal(why_not_served(address, error));
+        }
+        where += (where.empty() ? "" : ", ") + net::to_text(bound);
+    }
+    join_discovery_groups(udp_, settings);
+    on_core_wakeup();
+    on_status_wakeup();
+    on_serving(where);
+}
+
+void LoneBroker::on_datagram(const Endpoint& via, const Endpoint& from, Bytes octets) {
+    core_.on_datagram(net::now(), via, from, octets, actions_);
+    if (actions_.list().size() >= most_actions_held) send();
+}
+
+void LoneBroker::on_batch_end() {
+    send();
+    core_timer_.arm(core_.next_wakeup());
+}
+
+void LoneBroker::on_core_wakeup() {
+    core_.on_tick(net::now(), actions_);
+    on_batch_end();
+}
+
+void LoneBroker::on_status_wakeup() {
+    publish_status();
+    status_timer_.arm(net::now() + status_every);
+}
+
+void LoneBroker::publish_status() {
+    nlohmann::json addresses = nlohmann::json::array();
+    for (const Endpoint& address : udp_.addresses()) addresses.push_back(net::to_text(address));
+    const std::string status = nlohmann::json{
+        {"name", name_},
+        {"alive", true},
+        {"leader", true},
+        {"rank", 0},
+        {"sessions", core_.session_count()},
+        {"connected", core_.connected_count()},
+        {"addresses", std::move(addresses)},
+        {"view", {{"term", 0}, {"leader", name_}, {"count", 1}, {"members", {name_}}}},
+        {"incarnation",
+         options_.log.incarnation}}.dump();
+    if (status == last_status_) return;
+    last_status_ = status;
+    core_.set_system_topic(net::now(), "$SYS/brokers/" + name_, as_octets(status), actions_);
+    on_batch_end();
+}
+
+void LoneBroker::send() {
+    udp_.carry_out(actions_);
+    actions_.clear();
+}
+
+void LoneBroker::leave() {
+    io_.stop();
+}
+
+}  // namespace romano::daemon

@@ -1,0 +1,41 @@
+// A broker without a cluster: the broker core on sockets and one timer. Writes no log; says about
+// itself under $SYS/brokers/ what a member says about all brokers.
+#pragma once
+
+#include <boost/asio/io_context.hpp>
+#include <string>
+#include <utility>
+
+#include "broker/core/broker_core.h"
+#include "broker/daemon/running_broker.h"
+#include "broker/net/core_timer.h"
+#include "broker/net/udp_service.h"
+
+namespace romano::daemon {
+
+class LoneBroker : public RunningBroker, private net::DatagramHandler {
+public:
+    /// Throws Refusal.
+    LoneBroker(boost::asio::io_context& io, const Settings& settings, const OnServing& on_serving);
+    void leave() override;
+
+private:
+    void on_datagram(const Endpoint& via, const Endpoint& from, Bytes octets) override;
+    void on_batch_end() override;
+    void on_core_wakeup();
+    void on_status_wakeup();
+    void publish_status();
+    void send();
+
+    boost::asio::io_context& io_;
+    std::string name_;
+    broker::BrokerOptions options_;
+    broker::BrokerCore core_;
+    broker::Actions actions_;
+    net::UdpService udp_;
+    net::CoreTimer core_timer_;
+    net::CoreTimer status_timer_;
+    std::string last_status_;
+};
+
+}  // namespace romano::daemon

@@ -1,0 +1,217 @@
+#include "broker/daemon/settings.h"
+
+#include <net/if.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <limits>
+#include <span>
+#include <string_view>
+
+#include "broker/daemon/refusal.h"
+#include "broker/net/discovery_group.h"
+#include "broker/net/endpoint_text.h"
+#include "broker/net/socket_address.h"
+#include "election/elector.h"
+#include "election/failure_detector.h"
+#include "romano/mqttsn/topic.h"
+
+namespace romano::daemon {
+namespace {
+
+using std::chrono::milliseconds;
+
+constexpr std::uint32_t highest_domain = 230;  // DDSI's port numbers end there
+constexpr std::size_t longest_name = 64;
+
+[[noreturn]] void refuse(std::string_view option, std::string_view value, std::string_view why) {
+    throw Refusal("--" + std::string(option) + " '" + std::string(value) +
+                  "': " + std::string(why));
+}
+
+std::optional<std::uint64_t> parse_number(std::string_view text) {
+    std::uint64_t number = 0;
+    const char* end = text.data() + text.size();
+    const auto [stop, error] = std::from_chars(text.data(), end, number);
+    if (error != std::errc{} || stop != end) return std::nullopt;
+    return number;
+}
+
+template <typename Number>
+Number number_in(std::string_view option, std::string_view text, Number low, Number high) {
+    const auto number = parse_number(text);
+    if (!number || *number < low || *number > high) {
+        refuse(
+            option, text,
+            "must be a whole number from " + std::to_string(low) + " to " + std::to_string(high));
+    }
+    return static_cast<Number>(*number);
+}
+
+template <typename Names>
+std::string one_of(std::string_view option, const std::string& text, const Names& known) {
+    if (std::ranges::find(known, text) != std::ranges::end(known)) return text;
+    std::string list;
+    for (const std::string_view name : known) {
+        list += (list.empty() ? "" : ", ") + std::string(name);
+    }
+    refuse(option, text, "is not known; choose one of: " + list);
+}
+
+Endpoint address_and_port(std::string_view option, const std::string& text) {
+    const auto endpoint = net::parse_endpoint(text);
+    if (!endpoint) {
+        refuse(option, text,
+               "is no address and port; write ADDR:PORT, for example 127.0.0.1:1883 or "
+               "[::1]:1883");
+    }
+    return *endpoint;
+}
+
+std::vector<Endpoint> check_listen(const std::vector<std::string>& texts) {
+    if (texts.empty()) return {*net::parse_endpoint("0.0.0.0:1883")};
+    std::vector<Endpoint> out;
+    for (const std::string& text : texts) {
+        const Endpoint endpoint = address_and_port("listen", text);
+        if (net::is_multicast(endpoint)) {
+            refuse("listen", text, "is a multicast group; clients need an address of this machine");
+        }
+        if (endpoint.port != 0 && std::ranges::count(out, endpoint) > 0) {
+            refuse("listen", text, "is given twice; once is enough");
+        }
+        out.push_back(endpoint);
+    }
+    return out;
+}
+
+std::vector<Endpoint> check_groups(const std::vector<std::string>& texts,
+                                   const std::vector<Endpoint>& listen) {
+    const auto has_family = [&](Endpoint::Family family) {
+        return std::ranges::any_of(listen, [&](const auto& at) { return at.family == family; });
+    };
+    std::vector<Endpoint> out;
+    for (const std::string& text : texts) {
+        if (text == "default") {
+            std::ranges::copy_if(net::usual_discovery_groups(), std::back_inserter(out),
+                                 [&](const auto& group) { return has_family(group.family); });
+            continue;
+        }
+        const Endpoint group = address_and_port("discovery-group", text);
+        if (!net::is_multicast(group) || group.port == 0) {
+            refuse("discovery-group", text,
+                   "is no multicast group and port; for example 225.1.1.1:1883");
+        }
+        if (!has_family(group.family)) {
+            refuse("discovery-group", text,
+                   "needs a --listen address of the same family (IPv4 or IPv6)");
+        }
+        out.push_back(group);
+    }
+    return out;
+}
+
+std::string default_name(const Endpoint& first) {
+    std::array<char, 256> host{};
+    if (gethostname(host.data(), host.size() - 1) != 0) host = {"broker"};
+    const std::string address = net::to_text(first);
+    std::string name = host.data();
+    return name.substr(0, longest_name - address.size() - 1) + "-" + address;
+}
+
+std::string check_name(const std::optional<std::string>& text, const Endpoint& first) {
+    if (!text) return default_name(first);
+    const bool printable =
+        std::ranges::all_of(*text, [](char c) { return static_cast<unsigned char>(c) > ' '; });
+    if (!printable || text->size() > longest_name || !mqttsn::is_valid_topic_name(*text) ||
+        text->find('/') != std::string::npos) {
+        refuse("name", *text, "must be 1 to 64 octets without spaces, '/', '+' and '#'");
+    }
+    return *text;
+}
+
+std::map<mqttsn::TopicId, std::string> check_predefined(const std::vector<std::string>& texts) {
+    std::map<mqttsn::TopicId, std::string> out;
+    for (const std::string& text : texts) {
+        const auto equals = text.find('=');
+        if (equals == std::string::npos) {
+            refuse("predefined", text, "must be ID=TOPIC, for example 1=robots/pose");
+        }
+        const auto id = parse_number(std::string_view(text).substr(0, equals));
+        if (!id || *id == 0 || *id >= 0xFFFF) {
+            refuse("predefined", text, "must begin with a topic id from 1 to 65534");
+        }
+        const std::string topic = text.substr(equals + 1);
+        if (!mqttsn::is_valid_topic_name(topic)) {
+            refuse("predefined", text,
+                   "must end with a topic name: UTF-8, not empty, without '+' and '#'");
+        }
+        if (!out.emplace(static_cast<mqttsn::TopicId>(*id), topic).second) {
+            refuse("predefined", text, "gives this topic id a second topic; an id has one");
+        }
+    }
+    return out;
+}
+
+std::string check_interface(const std::optional<std::string>& text) {
+    if (!text) return {};
+    if (!text->empty() && if_nametoindex(text->c_str()) != 0) return *text;
+    std::string list;
+    if (auto* const interfaces = if_nameindex()) {
+        for (auto* at = interfaces; at->if_index != 0; ++at) {
+            list += (list.empty() ? "" : ", ") + std::string(at->if_name);
+        }
+        if_freenameindex(interfaces);
+    }
+    refuse("interface", *text, "is no network interface of this machine; there are: " + list);
+}
+
+std::uint32_t check_acks(const std::string& text) {
+    if (text == "all") return cluster::all_peers;
+    const auto number = parse_number(text);
+    if (!number || *number >= cluster::all_peers) {
+        refuse("acks", text, "must be a number of peers, or all");
+    }
+    return static_cast<std::uint32_t>(*number);
+}
+
+std::optional<ClusterSettings> check_cluster(const SettingTexts& texts) {
+    ClusterSettings out;
+    // Also without --domain: a setting that is wrong is wrong.
+    auto& options = out.options;
+    options.rank =
+        number_in<std::uint32_t>("rank", texts.rank, 0, std::numeric_limits<std::uint32_t>::max());
+    options.acks = check_acks(texts.acks);
+    options.elector = one_of("elector", texts.elector, election::elector_names());
+    options.detector = one_of("detector", texts.detector, election::detector_names());
+    const auto beacon = number_in<std::uint32_t>("beacon-ms", texts.beacon_ms, 1, 10'000);
+    options.beacon_every = milliseconds(beacon);
+    options.detection_timeout = milliseconds(number_in<std::uint32_t>(
+        "detection-timeout-ms", texts.detection_timeout_ms, 2 * beacon, 600'000));
+    if (texts.interface && !texts.domain) {
+        refuse("interface", *texts.interface, "is for the brokers of a cluster; give --domain too");
+    }
+    out.interface = check_interface(texts.interface);
+    if (!texts.domain) return std::nullopt;
+    out.domain = number_in<std::uint32_t>("domain", *texts.domain, 0, highest_domain);
+    return out;
+}
+
+}  // namespace
+
+Settings check(const SettingTexts& texts) {
+    static constexpr std::array<std::string_view, 6> levels = {"trace", "debug", "info",
+                                                               "warn",  "error", "off"};
+    Settings out;
+    out.listen = check_listen(texts.listen);
+    out.name = check_name(texts.name, out.listen.front());
+    out.discovery_groups = check_groups(texts.discovery_group, out.listen);
+    out.gateway_id = number_in<std::uint8_t>("gateway-id", texts.gateway_id, 1, 255);
+    out.predefined_topics = check_predefined(texts.predefined);
+    out.cluster = check_cluster(texts);
+    out.log_level = one_of("log-level", texts.log_level, levels);
+    return out;
+}
+
+}  // namespace romano::daemon

@@ -1,0 +1,37 @@
+// What the broker was told, checked: every field holds a possible value.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "broker/daemon/command_line.h"
+#include "overlay/cluster/options.h"
+#include "romano/base/endpoint.h"
+#include "romano/mqttsn/types.h"
+
+namespace romano::daemon {
+
+struct ClusterSettings {
+    std::uint32_t domain = 0;
+    std::string interface;  // empty: DDS chooses
+    cluster::ClusterOptions options;
+};
+
+struct Settings {
+    std::string name;
+    std::vector<Endpoint> listen;
+    std::vector<Endpoint> discovery_groups;
+    std::uint8_t gateway_id = 1;
+    std::map<mqttsn::TopicId, std::string> predefined_topics;
+    std::optional<ClusterSettings> cluster;
+    std::string log_level;
+};
+
+/// Throws Refusal for the first setting that is not possible.
+[[nodiscard]] Settings check(const SettingTexts& texts);
+
+}  // namespace romano::daemon

@@ -1,0 +1,149 @@
+#include "broker/daemon/command_line.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <fstream>
+
+#include "broker/daemon/refusal.h"
+
+namespace romano::daemon {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::StartsWith;
+
+std::variant<SettingTexts, Information> read(std::vector<const char*> arguments) {
+    arguments.insert(arguments.begin(), "romano-broker");
+    return read_command_line(static_cast<int>(arguments.size()), arguments.data());
+}
+
+SettingTexts texts(const std::vector<const char*>& arguments) {
+    return std::get<SettingTexts>(read(arguments));
+}
+
+std::string refusal(const std::vector<const char*>& arguments) {
+    try {
+        (void)read(arguments);
+    } catch (const Refusal& refused) {
+        EXPECT_THAT(refused.what(), testing::Not(HasSubstr("\n"))) << "one sentence is one line";
+        return refused.what();
+    }
+    return "accepted";
+}
+
+class ConfigFile {
+public:
+    explicit ConfigFile(const std::string& text)
+        : path_(testing::TempDir() + "romano-config-" + std::to_string(getpid()) + ".toml") {
+        std::ofstream(path_) << text;
+    }
+    ~ConfigFile() { unlink(path_.c_str()); }
+    ConfigFile(const ConfigFile&) = delete;
+    ConfigFile& operator=(const ConfigFile&) = delete;
+    [[nodiscard]] const char* path() const { return path_.c_str(); }
+
+private:
+    std::string path_;
+};
+
+TEST(CommandLine, TakesRepeatedOptionsAndSeveralValues) {
+    const auto read = texts({"--listen", "127.0.0.1:1", "--listen", "[::1]:2", "--predefined",
+                             "1=a", "2=b", "--name", "r1"});
+    EXPECT_THAT(read.listen, ElementsAre("127.0.0.1:1", "[::1]:2"));
+    EXPECT_THAT(read.predefined, ElementsAre("1=a", "2=b"));
+    EXPECT_EQ(read.name, "r1");
+    EXPECT_FALSE(read.domain);
+}
+
+TEST(CommandLine, EveryOptionIsAKeyOfTheConfigurationFile) {
+    const ConfigFile file(R"(# a comment
+listen = ["127.0.0.1:1883", "[::1]:1883"]
+name = "r1"
+domain = 7
+interface = "lo"
+rank = 3
+acks = "all"
+elector = "component"
+detector = "fixed"
+beacon-ms = 20
+detection-timeout-ms = 200
+gateway-id = 9
+predefined = ["1=robots/pose", "2=a topic, with comma"]
+discovery-group = ["225.1.1.1:1883"]
+log-level = "warn"
+)");
+    const auto read = texts({"--config", file.path()});
+    EXPECT_THAT(read.listen, ElementsAre("127.0.0.1:1883", "[::1]:1883"));
+    EXPECT_EQ(read.name, "r1");
+    EXPECT_EQ(read.domain, "7");
+    EXPECT_EQ(read.interface, "lo");
+    EXPECT_EQ(read.rank, "3");
+    EXPECT_EQ(read.acks, "all");
+    EXPECT_EQ(read.elector, "component");
+    EXPECT_EQ(read.detector, "fixed");
+    EXPECT_EQ(read.beacon_ms, "20");
+    EXPECT_EQ(read.detection_timeout_ms, "200");
+    EXPECT_EQ(read.gateway_id, "9");
+    EXPECT_THAT(read.predefined, ElementsAre("1=robots/pose", "2=a topic, with comma"));
+    EXPECT_THAT(read.discovery_group, ElementsAre("225.1.1.1:1883"));
+    EXPECT_EQ(read.log_level, "warn");
+}
+
+TEST(CommandLine, GoesBeforeTheConfigurationFile) {
+    const ConfigFile file("name = \"from-file\"\nrank = 3\n");
+    const auto read = texts({"--config", file.path(), "--name", "from-command-line"});
+    EXPECT_EQ(read.name, "from-command-line");
+    EXPECT_EQ(read.rank, "3");
+}
+
+TEST(CommandLine, RefusesAnUnknownKeyByName) {
+    const ConfigFile file("name = \"r1\"\nbananas = 3\n");
+    const std::string why = refusal({"--config", file.path()});
+    EXPECT_THAT(why, HasSubstr(file.path()));
+    EXPECT_THAT(why, HasSubstr("'bananas'"));
+}
+
+TEST(CommandLine, RefusesAFileThatIsNoConfiguration) {
+    const ConfigFile file("\x7f\x45\x4c\x46 this is not toml\n");
+    EXPECT_THAT(refusal({"--config", file.path()}), StartsWith("--config '"));
+}
+
+TEST(CommandLine, RefusesAFileThatCannotBeRead) {
+    EXPECT_THAT(refusal({"--config", "/no/such/file.toml"}), HasSubstr("/no/such/file.toml"));
+    EXPECT_THAT(refusal({"--config", "/tmp"}), HasSubstr("'/tmp'"));
+}
+
+TEST(CommandLine, RefusesAnUnknownOptionByName) {
+    EXPECT_THAT(refusal({"--bananas", "3"}), HasSubstr("--bananas"));
+    EXPECT_THAT(refusal({"stray"}), HasSubstr("stray"));
+}
+
+TEST(CommandLine, RefusesAnOptionWithoutItsValue) {
+    EXPECT_THAT(refusal({"--listen"}), HasSubstr("--listen"));
+    EXPECT_THAT(refusal({"--name"}), HasSubstr("--name"));
+}
+
+TEST(CommandLine, RefusesTheSameSingleOptionTwice) {
+    EXPECT_THAT(refusal({"--name", "a", "--name", "b"}), HasSubstr("--name"));
+}
+
+TEST(CommandLine, HelpShowsExamplesAndAllOptions) {
+    const auto help = std::get<Information>(read({"--help"})).text;
+    EXPECT_THAT(help, HasSubstr("Examples:"));
+    for (const char* option :
+         {"--listen", "--name", "--domain", "--interface", "--rank", "--acks", "--elector",
+          "--detector", "--beacon-ms", "--detection-timeout-ms", "--gateway-id", "--predefined",
+          "--discovery-group", "--log-level", "--config", "--version"}) {
+        EXPECT_THAT(help, HasSubstr(option));
+    }
+}
+
+TEST(CommandLine, VersionNamesTheProgram) {
+    EXPECT_THAT(std::get<Information>(read({"--version"})).text, StartsWith("romano-broker "));
+}
+
+}  // namespace
+}  // namespace romano::daemon

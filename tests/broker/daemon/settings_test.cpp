@@ -1,0 +1,147 @@
+#include "broker/daemon/settings.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "broker/daemon/refusal.h"
+#include "broker/net/endpoint_text.h"
+
+namespace romano::daemon {
+namespace {
+
+using namespace std::chrono_literals;
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::StartsWith;
+
+std::string refusal(const SettingTexts& texts) {
+    try {
+        (void)check(texts);
+    } catch (const Refusal& refused) {
+        return refused.what();
+    }
+    return "accepted";
+}
+
+/// The sentence names the option and the value, and says more.
+auto names(const char* option, const char* value) {
+    return AllOf(StartsWith("--" + std::string(option) + " '" + value + "': "),
+                 testing::SizeIs(testing::Gt(20U)));
+}
+
+TEST(Settings, AloneOnAllAddressesWithoutAnySetting) {
+    const Settings settings = check({});
+    ASSERT_EQ(settings.listen.size(), 1U);
+    EXPECT_EQ(net::to_text(settings.listen.front()), "0.0.0.0:1883");
+    EXPECT_FALSE(settings.cluster);
+    EXPECT_FALSE(settings.name.empty());
+    EXPECT_TRUE(settings.discovery_groups.empty());
+    EXPECT_EQ(settings.gateway_id, 1);
+}
+
+TEST(Settings, TheDefaultNameDiffersBetweenBrokersOfOneHost) {
+    EXPECT_NE(check({.listen = {"127.0.0.1:1883"}}).name,
+              check({.listen = {"127.0.0.2:1883"}}).name);
+}
+
+TEST(Settings, ADomainMakesAMember) {
+    const Settings settings = check({.domain = "7",
+                                     .interface = "lo",
+                                     .rank = "3",
+                                     .acks = "2",
+                                     .beacon_ms = "20",
+                                     .detection_timeout_ms = "150"});
+    ASSERT_TRUE(settings.cluster);
+    EXPECT_EQ(settings.cluster->domain, 7U);
+    EXPECT_EQ(settings.cluster->interface, "lo");
+    EXPECT_EQ(settings.cluster->options.rank, 3U);
+    EXPECT_EQ(settings.cluster->options.acks, 2U);
+    EXPECT_EQ(settings.cluster->options.beacon_every, 20ms);
+    EXPECT_EQ(settings.cluster->options.detection_timeout, 150ms);
+}
+
+TEST(Settings, AllPeersMayBeAskedToHoldAnEvent) {
+    EXPECT_EQ(check({.domain = "7", .acks = "all"}).cluster->options.acks, cluster::all_peers);
+}
+
+TEST(Settings, PredefinedTopicsMayHoldEqualsSigns) {
+    const auto topics = check({.predefined = {"1=a", "65534=b=c"}}).predefined_topics;
+    EXPECT_EQ(topics.at(mqttsn::TopicId{1}), "a");
+    EXPECT_EQ(topics.at(mqttsn::TopicId{65534}), "b=c");
+}
+
+TEST(Settings, TheDefaultDiscoveryGroupsFollowTheFamiliesServed) {
+    const auto groups = [](std::vector<std::string> listen) {
+        return check({.listen = std::move(listen), .discovery_group = {"default"}})
+            .discovery_groups.size();
+    };
+    EXPECT_EQ(groups({"127.0.0.1:1883"}), 1U);
+    EXPECT_EQ(groups({"[::1]:1883"}), 1U);
+    EXPECT_EQ(groups({"127.0.0.1:1883", "[::1]:1883"}), 2U);
+}
+
+TEST(Settings, RefusesWhatIsNoAddressToListenOn) {
+    EXPECT_THAT(refusal({.listen = {"127.0.0.1"}}), names("listen", "127.0.0.1"));
+    EXPECT_THAT(refusal({.listen = {"localhost:1883"}}), names("listen", "localhost:1883"));
+    EXPECT_THAT(refusal({.listen = {"225.1.1.1:1883"}}), names("listen", "225.1.1.1:1883"));
+    EXPECT_THAT(refusal({.listen = {"127.0.0.1:1", "127.0.0.1:1"}}),
+                names("listen", "127.0.0.1:1"));
+}
+
+TEST(Settings, RefusesANameThatCannotStandInATopic) {
+    for (const char* name : {"", "a/b", "a+", "#", "a b", "\xff"}) {
+        EXPECT_THAT(refusal({.name = name}), names("name", name));
+    }
+    EXPECT_NE(refusal({.name = std::string(65, 'x')}), "accepted");
+}
+
+TEST(Settings, RefusesADomainThatDdsDoesNotHave) {
+    for (const char* domain : {"231", "-1", "seven", "", "99999999999999999999"}) {
+        EXPECT_THAT(refusal({.domain = domain}), names("domain", domain));
+    }
+}
+
+TEST(Settings, RefusesAnUnknownInterfaceAndListsThoseThatAreThere) {
+    EXPECT_THAT(refusal({.domain = "7", .interface = "no-such"}),
+                AllOf(names("interface", "no-such"), HasSubstr("lo")));
+}
+
+TEST(Settings, RefusesAnInterfaceWithoutACluster) {
+    EXPECT_THAT(refusal({.interface = "lo"}),
+                AllOf(names("interface", "lo"), HasSubstr("--domain")));
+}
+
+TEST(Settings, RefusesUnknownAlgorithmsAndListsThoseThatAreThere) {
+    EXPECT_THAT(refusal({.elector = "dice"}),
+                AllOf(names("elector", "dice"), HasSubstr("component")));
+    EXPECT_THAT(refusal({.detector = "oracle"}),
+                AllOf(names("detector", "oracle"), HasSubstr("fixed")));
+    EXPECT_THAT(refusal({.log_level = "loud"}),
+                AllOf(names("log-level", "loud"), HasSubstr("info")));
+}
+
+TEST(Settings, RefusesNumbersOutOfRange) {
+    EXPECT_THAT(refusal({.rank = "high"}), names("rank", "high"));
+    EXPECT_THAT(refusal({.acks = "most"}), names("acks", "most"));
+    EXPECT_THAT(refusal({.beacon_ms = "0"}), names("beacon-ms", "0"));
+    EXPECT_THAT(refusal({.detection_timeout_ms = "19"}), names("detection-timeout-ms", "19"));
+    EXPECT_THAT(refusal({.gateway_id = "0"}), names("gateway-id", "0"));
+    EXPECT_THAT(refusal({.gateway_id = "256"}), names("gateway-id", "256"));
+}
+
+TEST(Settings, RefusesBadPredefinedTopics) {
+    for (const char* text : {"1", "=a", "0=a", "65535=a", "x=a", "1=", "1=a/+", "1=#"}) {
+        EXPECT_THAT(refusal({.predefined = {text}}), names("predefined", text));
+    }
+    EXPECT_THAT(refusal({.predefined = {"1=a", "1=b"}}), names("predefined", "1=b"));
+}
+
+TEST(Settings, RefusesADiscoveryGroupThatIsNone) {
+    EXPECT_THAT(refusal({.discovery_group = {"127.0.0.1:1883"}}),
+                names("discovery-group", "127.0.0.1:1883"));
+    EXPECT_THAT(refusal({.listen = {"127.0.0.1:1883"}, .discovery_group = {"[ff02::1]:1883"}}),
+                names("discovery-group", "[ff02::1]:1883"));
+}
+
+}  // namespace
+}  // namespace romano::daemon
