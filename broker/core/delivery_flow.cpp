@@ -233,20 +233,21 @@ void DeliveryFlow::on_puback(Session& session, const mqttsn::Puback& message, Tu
         if (exchange.topic.type == TopicIdType::normal) {
             subscriptions_.set_known(session, exchange.topic.id, false, turn);
         }
-        fall_back(session, delivery.qos, turn);
+        fall_back(session, delivery.qos, exchange.bare, turn);
     } else {
-        fall_back(session, Qos::at_least_once, turn);
+        fall_back(session, Qos::at_least_once, true, turn);
     }
 }
 
 /// Once more under a new msg id, without DUP: after REGISTER if the id is not known (G21), at QoS 1
 /// at most and bare if the client does not support it otherwise (G25).
-void DeliveryFlow::fall_back(Session& session, Qos most, Turn& turn) {
+void DeliveryFlow::fall_back(Session& session, Qos most, bool bare, Turn& turn) {
     Delivery& delivery = session.queue.front();
     delivery.qos = std::min(delivery.qos, most);
     start(session, delivery, turn);
     session.exchange = {};
-    session.exchange.refused = session.exchange.bare = true;
+    session.exchange.refused = true;
+    session.exchange.bare = bare;
     go_on(session, turn);
 }
 

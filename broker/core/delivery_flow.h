@@ -64,7 +64,7 @@ private:
                       Turn& turn);
     static void open(Session& session, Exchange::Kind kind, mqttsn::MsgId msg_id,
                      const WireTopic& topic);
-    void fall_back(Session& session, mqttsn::Qos most, Turn& turn);
+    void fall_back(Session& session, mqttsn::Qos most, bool bare, Turn& turn);
     void end_front(Session& session, Turn& turn);
     void drop_front(Session& session, Drop reason, Turn& turn);
     void supervise(Session& session, Turn& turn);

@@ -85,6 +85,20 @@ TEST_F(Broker, RetainedMessageComesAfterSuback) {  // G12
     b.hears_nothing();
 }
 
+TEST_F(Broker, RetainedMessageStaysOneWhenItOvertookItsSuback) {  // G21
+    ScriptedClient talker{broker, "talker"};
+    talker.connects();
+    talker.publishes(talker.registers("pose"), "x=1", Qos::at_least_once, true);
+    ScriptedClient listener{broker, "listener"};
+    listener.connects();
+    listener.subscribes("pose", Qos::at_least_once);
+    const auto unknown = listener.hears<Publish>();
+    listener.says(Puback{unknown.topic, unknown.msg_id, ReturnCode::invalid_topic_id});
+    const auto announced = listener.hears<Register>();
+    listener.says(Regack{announced.topic_id, announced.msg_id, ReturnCode::accepted});
+    EXPECT_TRUE(listener.hears_publish("x=1", Qos::at_least_once).retain);
+}
+
 TEST_F(Broker, PublisherHearsItsAnswerBeforeItsOwnCopy) {  // G12
     a.connects();
     const TopicId id = a.subscribes("echo", Qos::at_least_once);
