@@ -20,6 +20,7 @@
 #include <vector>
 
 #include "broker/core/broker_core.h"
+#include "broker/core/mirror.h"
 #include "romano/mqttsn/codec.h"
 
 namespace romano::broker {
@@ -45,14 +46,31 @@ inline BrokerOptions plain_options() {
     return options;
 }
 
+inline BrokerOptions logging_options() {
+    BrokerOptions options = plain_options();
+    options.writes_log = true;
+    return options;
+}
+
 /// A broker core, its time, and where its actions went.
 class ScriptedBroker {
 public:
     explicit ScriptedBroker(const BrokerOptions& options = plain_options())
-        : core(options, 1), via(loopback(1, 1883)) {}
+        : core(options, 1), via(loopback(1, 1883)), mirror(options.log) {}
 
     void receives(const ClientAddress& from, const Octets& datagram) {
         core.on_datagram(now, via, from.endpoint, datagram, actions);
+        // What names a client may bring another session here, with an order of its own.
+        switch (MsgType{datagram[datagram[1] == 0xFE ? datagram[0] + 1U : 1U]}) {
+            case MsgType::connect:
+            case MsgType::willtopic:
+            case MsgType::willmsg:
+            case MsgType::pingreq:
+                floors.erase(from);
+                break;
+            default:
+                break;
+        }
         drain();
     }
 
@@ -70,7 +88,10 @@ public:
         for (Action& action : actions.list()) {
             if (const auto* send = std::get_if<Send>(&action)) {
                 const Bytes octets = actions.octets(*send);
-                EXPECT_GE(send->after, floors[send->to]) << "a datagram overtakes an earlier one";
+                // Only a stranger's DISCONNECT belongs to no session's order.
+                const bool is_disconnect = octets.back() == 0x18;
+                EXPECT_TRUE(is_disconnect || send->after >= floors[send->to])
+                    << "a datagram overtakes an earlier one";
                 floors[send->to] = send->after;
                 inboxes[send->to].emplace_back(octets.begin(), octets.end());
                 last_after = send->after;
@@ -88,6 +109,23 @@ public:
         core.check_invariants();
     }
 
+    /// What a peer that applied the whole log holds, against what the home holds.
+    void expects_mirror_to_agree() {
+        core.append_cursors(actions);
+        drain();
+        for (; mirror.applied() < log.size();) {
+            mirror.apply(mirror.applied() + 1, log[mirror.applied()]);
+        }
+        const auto at_home = core.images();
+        const auto mirrored = mirror.images();
+        ASSERT_EQ(at_home.size(), mirrored.size());
+        for (std::size_t i = 0; i < at_home.size(); ++i) {
+            EXPECT_TRUE(same_state(at_home[i], mirrored[i])) << at_home[i].header.client_id;
+        }
+    }
+
+    [[nodiscard]] LogId core_log() const { return mirror.log(); }
+
     [[nodiscard]] std::uint64_t dropped(Drop reason) const {
         return core.counters().dropped[static_cast<std::size_t>(reason)];
     }
@@ -102,6 +140,7 @@ public:
     std::vector<LogEvent> log;  // event n at n - 1
     std::vector<MessagePtr> forwards;
     Seq last_after = 0;
+    Mirror mirror;
 };
 
 class ScriptedClient {
@@ -110,6 +149,15 @@ public:
         : id(std::move(client_id)), broker_(&at) {
         static std::uint16_t next_port = 20'000;
         address.endpoint = loopback(2, port != 0 ? port : next_port++);
+    }
+
+    /// From now on another broker answers at the address that the client talks to.
+    void moves_to(ScriptedBroker& other) {
+        auto& inbox = other.inboxes[address];
+        auto& old = broker_->inboxes[address];
+        inbox.insert(inbox.begin(), old.begin(), old.end());
+        old.clear();
+        broker_ = &other;
     }
 
     template <typename M>
@@ -140,6 +188,23 @@ public:
             return M{};
         }
         return *expected;
+    }
+
+    /// The next datagram, or null.
+    const MqttsnMessage* next() {
+        auto& inbox = broker_->inboxes[address];
+        if (inbox.empty()) return nullptr;
+        heard_ = std::move(inbox.front());
+        inbox.pop_front();
+        auto decoded = mqttsn::decode(heard_);
+        if (const auto* frame = decoded ? std::get_if<Encapsulated>(&*decoded) : nullptr) {
+            EXPECT_EQ(as_text(frame->wireless_node_id), address.wireless_node_id);
+            decoded = mqttsn::decode(frame->message);
+        }
+        EXPECT_TRUE(decoded.has_value()) << "malformed octets from the broker";
+        if (!decoded) return nullptr;
+        message_ = *decoded;
+        return &message_;
     }
 
     void hears_nothing() {
@@ -217,22 +282,6 @@ public:
     ClientAddress address;
 
 private:
-    const MqttsnMessage* next() {
-        auto& inbox = broker_->inboxes[address];
-        if (inbox.empty()) return nullptr;
-        heard_ = std::move(inbox.front());
-        inbox.pop_front();
-        auto decoded = mqttsn::decode(heard_);
-        if (const auto* frame = decoded ? std::get_if<Encapsulated>(&*decoded) : nullptr) {
-            EXPECT_EQ(as_text(frame->wireless_node_id), address.wireless_node_id);
-            decoded = mqttsn::decode(frame->message);
-        }
-        EXPECT_TRUE(decoded.has_value()) << "malformed octets from the broker";
-        if (!decoded) return nullptr;
-        message_ = *decoded;
-        return &message_;
-    }
-
     ScriptedBroker* broker_;
     Octets heard_;
     MqttsnMessage message_;

@@ -1,0 +1,319 @@
+// Sessions change their home and their clients do not notice (design: take-over, hand-off).
+
+#include <gtest/gtest.h>
+
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "romano/base/random.h"
+#include "tests/broker/core/scripted_client.h"
+
+namespace romano::broker {
+namespace {
+
+BrokerOptions options_of(std::string_view name) {
+    BrokerOptions options = logging_options();
+    options.log = {broker_id_of(name), 1};
+    return options;
+}
+
+/// The session of `client` as a peer of its home would take it over.
+SessionImage image_of(ScriptedBroker& home, std::string_view client) {
+    home.expects_mirror_to_agree();
+    return *home.mirror.image(client);
+}
+
+class Adoption : public ::testing::Test {
+protected:
+    void takes_over(ScriptedClient& client, const std::vector<MessagePtr>& missed = {}) {
+        EXPECT_TRUE(heir.core.adopt(heir.now, image_of(home, client.id), missed, heir.actions));
+        heir.drain();
+        client.moves_to(heir);
+    }
+
+    ScriptedBroker home{options_of("home")};
+    ScriptedBroker heir{options_of("heir")};
+    ScriptedClient robot{home, "robot"};
+    ScriptedClient publisher{home, "publisher"};
+};
+
+TEST_F(Adoption, InFlightPublishIsSentAgainWithDupUnderItsMsgId) {
+    publisher.connects();
+    robot.connects(false);
+    robot.subscribes("cmd");
+    publisher.publishes(publisher.registers("cmd"), "go", Qos::exactly_once);
+    const auto first = robot.hears<Publish>();
+    const MsgId msg_id = first.msg_id;
+    takes_over(robot);
+    const auto again = robot.hears<Publish>();
+    EXPECT_TRUE(again.dup);
+    EXPECT_EQ(again.msg_id, msg_id);
+    EXPECT_EQ(as_text(again.data), "go");
+    robot.says(Pubrec{msg_id});
+    EXPECT_EQ(robot.hears<Pubrel>().msg_id, msg_id);
+    robot.says(Pubcomp{msg_id});
+    robot.hears_nothing();
+    EXPECT_TRUE(heir.core.image("robot")->deliveries.empty());
+}
+
+TEST_F(Adoption, ReleasedQos2GoesOnWithPubrel) {
+    publisher.connects();
+    robot.connects(false);
+    robot.subscribes("cmd");
+    publisher.publishes(publisher.registers("cmd"), "go", Qos::exactly_once);
+    const MsgId msg_id = robot.hears<Publish>().msg_id;
+    robot.says(Pubrec{msg_id});
+    takes_over(robot);
+    robot.ignores_what_came();  // the old home's PUBREL
+    heir.waits(heir.core.next_wakeup() - heir.now);
+    EXPECT_EQ(robot.hears<Pubrel>().msg_id, msg_id);
+    robot.says(Pubcomp{msg_id});
+    robot.hears_nothing();
+}
+
+TEST_F(Adoption, RefusedDupFallsBackToANewMsgIdWithoutDup) {  // G25
+    publisher.connects();
+    robot.connects(false);
+    robot.subscribes("cmd", Qos::at_least_once);
+    publisher.publishes(publisher.registers("cmd"), "go", Qos::at_least_once);
+    const MsgId msg_id = robot.hears<Publish>().msg_id;
+    takes_over(robot);
+    const auto again = robot.hears<Publish>();
+    EXPECT_TRUE(again.dup);
+    robot.says(Puback{again.topic, again.msg_id, ReturnCode::not_supported});
+    const auto fallback = robot.hears<Publish>();
+    EXPECT_FALSE(fallback.dup);
+    EXPECT_NE(fallback.msg_id, msg_id);
+    robot.says(Puback{fallback.topic, fallback.msg_id, ReturnCode::accepted});
+    robot.hears_nothing();
+}
+
+TEST_F(Adoption, MissedMessagesAreQueuedInOrderBehindWhatWaits) {
+    publisher.connects();
+    robot.connects(false);
+    robot.subscribes("cmd");
+    publisher.publishes(publisher.registers("cmd"), "1", Qos::at_least_once);
+    robot.ignores_what_came();
+    const LogId peer{broker_id_of("peer"), 1};
+    const auto missed = [&](Seq seq, std::string_view data) {
+        return MessagePtr{Message{.topic = "cmd",
+                                  .payload = octets_of(data),
+                                  .qos = Qos::at_least_once,
+                                  .position = {peer, seq},
+                                  .published_at = {}}};
+    };
+    takes_over(robot, {missed(5, "2"), missed(9, "3")});
+    EXPECT_TRUE(robot.hears_publish("1", Qos::at_least_once).dup);
+    robot.hears_publish("2", Qos::at_least_once);
+    robot.hears_publish("3", Qos::at_least_once);
+    robot.hears_nothing();
+}
+
+TEST_F(Adoption, WhatTheOldHomeHadWorkedThroughIsNotDeliveredAgain) {
+    robot.connects(false);
+    robot.subscribes("cmd");
+    const LogId peer{broker_id_of("peer"), 1};
+    const MessagePtr message{Message{.topic = "cmd",
+                                     .payload = octets_of("once"),
+                                     .qos = Qos::exactly_once,
+                                     .position = {peer, 3},
+                                     .published_at = {}}};
+    home.core.on_peer_message(home.now, message, home.actions);
+    home.drain();
+    robot.hears_publish("once", Qos::exactly_once);
+    takes_over(robot);
+    heir.core.on_peer_message(heir.now, message, heir.actions);  // the heir is behind
+    heir.drain();
+    robot.hears_nothing();
+}
+
+TEST_F(Adoption, TopicIdsAndSubscriptionsGoOn) {
+    publisher.connects();
+    robot.connects(false);
+    const TopicId cmd = robot.subscribes("cmd");
+    const TopicId pose = robot.registers("pose");
+    takes_over(robot);
+    ScriptedClient local{heir, "local"};
+    local.connects();
+    local.subscribes("pose");
+    robot.says(Publish{false, Qos::at_least_once, false, TopicIdType::normal, pose, MsgId{900},
+                       as_octets("x")});
+    EXPECT_EQ(robot.hears<Puback>().return_code, ReturnCode::accepted);
+    local.hears_publish("x", Qos::at_least_once);
+    local.publishes(local.registers("cmd"), "go", Qos::at_least_once);
+    EXPECT_EQ(robot.hears_publish("go", Qos::at_least_once).topic, cmd);
+}
+
+TEST_F(Adoption, Qos2PublishOfTheClientIsNotAcceptedTwice) {  // P3
+    robot.connects(false);
+    const TopicId pose = robot.registers("pose");
+    const Publish publish{false, Qos::exactly_once, false,         TopicIdType::normal,
+                          pose,  MsgId{900},        as_octets("x")};
+    robot.says(publish);
+    EXPECT_EQ(robot.hears<Pubrec>().msg_id, MsgId{900});
+    takes_over(robot);
+    ScriptedClient local{heir, "local"};
+    local.connects();
+    local.subscribes("pose");
+    robot.says(publish);
+    EXPECT_EQ(robot.hears<Pubrec>().msg_id, MsgId{900});
+    local.hears_nothing();
+    robot.says(Pubrel{MsgId{900}});
+    EXPECT_EQ(robot.hears<Pubcomp>().msg_id, MsgId{900});
+}
+
+TEST_F(Adoption, EpochRisesWhenTheClientIsHeardAndNotBefore) {
+    robot.connects(false);
+    takes_over(robot);
+    EXPECT_TRUE(heir.core.image("robot")->header.provisional);
+    EXPECT_EQ(heir.core.image("robot")->header.epoch, 1u);
+    robot.says(Pingreq{});
+    robot.hears<Pingresp>();
+    EXPECT_FALSE(heir.core.image("robot")->header.provisional);
+    EXPECT_EQ(heir.core.image("robot")->header.epoch, 2u);
+    heir.expects_mirror_to_agree();
+}
+
+TEST_F(Adoption, TheCopyWhoseClientWasHeardWins) {
+    robot.connects(false);
+    const SessionImage stale = image_of(home, "robot");
+    takes_over(robot);
+    robot.says(Pingreq{});
+    robot.hears<Pingresp>();
+    EXPECT_FALSE(heir.core.adopt(heir.now, stale, {}, heir.actions));
+    EXPECT_TRUE(home.core.adopt(home.now, *heir.core.image("robot"), {}, home.actions));
+    home.drain();
+    EXPECT_EQ(home.core.image("robot")->header.epoch, 2u);
+    home.expects_mirror_to_agree();
+}
+
+TEST_F(Adoption, KeepAliveStartsAgain) {
+    robot.connects(true, 10);
+    robot.ignores_what_came();
+    heir.waits(1h);
+    takes_over(robot);
+    heir.waits(14s);
+    EXPECT_EQ(heir.core.image("robot")->header.state, SessionState::active);
+    heir.waits(2s);
+    EXPECT_EQ(heir.core.image("robot")->header.state, SessionState::lost);
+}
+
+TEST_F(Adoption, ReleasePublishesNoWillAndForgets) {  // P7
+    robot.says(robot.connect(false, 10, true));
+    robot.hears<Willtopicreq>();
+    robot.says(Willtopic{Qos::at_least_once, false, "gone"});
+    robot.hears<Willmsgreq>();
+    robot.says(Willmsg{as_octets("robot")});
+    robot.hears<Connack>();
+    publisher.connects();
+    publisher.subscribes("gone");
+    const auto image = home.core.release("robot", home.actions);
+    home.drain();
+    ASSERT_TRUE(image);
+    EXPECT_EQ(image->will->topic, "gone");
+    home.waits(1min);
+    publisher.hears_nothing();
+    EXPECT_EQ(home.core.session_count(), 1u);
+    EXPECT_FALSE(home.core.release("robot", home.actions));
+    home.expects_mirror_to_agree();
+}
+
+/// Two brokers that hand sessions to and fro while clients of both publish: every message reaches
+/// every subscriber once (QoS 2), whatever broker was ahead.
+class HandOff : public ::testing::TestWithParam<std::uint64_t> {};
+
+TEST_P(HandOff, LosesAndDoublesNothing) {
+    SCOPED_TRACE("seed " + std::to_string(GetParam()));
+    Random random{GetParam()};
+    ScriptedBroker brokers[2] = {ScriptedBroker{options_of("x")}, ScriptedBroker{options_of("y")}};
+    ScriptedClient publishers[2] = {{brokers[0], "p0"}, {brokers[1], "p1"}};
+    TopicId topic[2];
+    for (int i = 0; i < 2; ++i) {
+        publishers[i].connects(false);
+        topic[i] = publishers[i].registers("t");
+    }
+    ScriptedClient subscriber{brokers[0], "s"};
+    subscriber.connects(false);
+    subscriber.subscribes("t");
+    int at = 0;
+    std::map<std::string, int> heard;
+    int published = 0;
+    Seq applied[2] = {0, 0};  // of the other's log
+    const auto apply = [&](int at_broker, std::uint32_t most) {
+        ScriptedBroker& other = brokers[1 - at_broker];
+        for (; most > 0 && applied[at_broker] < other.log.size(); --most) {
+            const LogEvent& event = other.log[applied[at_broker]++];
+            if (const auto* p = std::get_if<Published>(&event)) {
+                brokers[at_broker].core.on_peer_message(brokers[at_broker].now, p->message,
+                                                        brokers[at_broker].actions);
+                brokers[at_broker].drain();
+            }
+        }
+        brokers[at_broker].core.advance_cursor({other.core_log(), applied[at_broker]});
+    };
+    const auto hear = [&] {
+        while (const MqttsnMessage* message = subscriber.next()) {
+            if (const auto* publish = std::get_if<Publish>(message)) {
+                if (!publish->dup) ++heard[std::string{as_text(publish->data)}];
+                subscriber.says(Pubrec{publish->msg_id});
+            } else if (const auto* release = std::get_if<Pubrel>(message)) {
+                subscriber.says(Pubcomp{release->msg_id});
+            }
+        }
+    };
+    for (int step = 0; step < 400; ++step) {
+        const int who = static_cast<int>(random.below(2));
+        switch (random.below(4)) {
+            case 0:
+            case 1:
+                publishers[who].publishes(topic[who], std::to_string(published++),
+                                          Qos::exactly_once);
+                break;
+            case 2:
+                apply(who, random.below(6));
+                break;
+            default: {
+                hear();
+                auto image = brokers[at].core.release("s", brokers[at].actions);
+                brokers[at].drain();
+                ASSERT_TRUE(image);
+                at = 1 - at;
+                // What the new home worked through and the old one had not.
+                std::vector<MessagePtr> missed;
+                for (int log = 0; log < 2; ++log) {
+                    const LogId id = brokers[log].core_log();
+                    const Seq ours =
+                        log == at ? brokers[at].core.last_seq() : brokers[at].core.cursor(id);
+                    Seq theirs = 0;
+                    for (const auto& p : image->worked_through) {
+                        if (p.log == id) theirs = p.seq;
+                    }
+                    for (Seq seq = theirs + 1; seq <= ours; ++seq) {
+                        if (const auto* p = std::get_if<Published>(&brokers[log].log[seq - 1])) {
+                            missed.push_back(p->message);
+                        }
+                    }
+                }
+                ASSERT_TRUE(
+                    brokers[at].core.adopt(brokers[at].now, *image, missed, brokers[at].actions));
+                brokers[at].drain();
+                subscriber.moves_to(brokers[at]);
+                break;
+            }
+        }
+        hear();
+    }
+    apply(0, 1'000'000);
+    apply(1, 1'000'000);
+    hear();
+    EXPECT_EQ(heard.size(), static_cast<std::size_t>(published));
+    for (const auto& [data, times] : heard) EXPECT_EQ(times, 1) << data;
+    for (ScriptedBroker& broker : brokers) broker.expects_mirror_to_agree();
+}
+
+INSTANTIATE_TEST_SUITE_P(Seeds, HandOff, ::testing::Range<std::uint64_t>(1, 21));
+
+}  // namespace
+}  // namespace romano::broker
