@@ -8,7 +8,8 @@
 
 namespace romano::cluster {
 
-/// A received message with its sender, a broker's log (name and incarnation).
+/// A received message with its sender. The incarnation is that of the sender's process: a member
+/// that had to begin a new log says so in its messages.
 struct Envelope {
     LogId from;
     ClusterMessage message;

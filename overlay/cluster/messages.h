@@ -36,24 +36,24 @@ struct ViewNumber {
 
 /// The agreed set of live brokers. Members are their logs: a restarted broker is another member.
 struct View {
-    ViewNumber number;
-    std::vector<LogId> members;  // sorted
+    ViewNumber number{};
+    std::vector<LogId> members{};  // sorted
 
     friend bool operator==(const View&, const View&) = default;
 };
 
 struct Beacon {
-    std::string name;
-    LogId log;               // the sender's own
+    std::string name{};
+    LogId log{};             // the sender's own
     Seq last_seq = 0;        // end of the sender's log
     std::uint64_t tick = 0;  // counts the sender's beacons
-    View view;
-    election::Claim claim;
-    std::vector<BrokerId> hears;       // whose beacons reach the sender: a link counts both ways
-    std::vector<LogPosition> applied;  // how far the sender applied each peer's log
+    View view{};
+    election::Claim claim{};
+    std::vector<BrokerId> hears{};       // whose beacons reach the sender: a link counts both ways
+    std::vector<LogPosition> applied{};  // how far the sender applied each peer's log
     std::vector<Endpoint>
-        home_addresses;             // the service addresses that are the sender's by configuration
-    std::vector<Endpoint> serving;  // the service addresses that it answers on now
+        home_addresses{};  // the service addresses that are the sender's by configuration
+    std::vector<Endpoint> serving{};  // the service addresses that it answers on now
     std::uint32_t sessions = 0;
     std::uint32_t connected = 0;
     std::uint64_t transport_octets_sent = 0;  // between brokers, since the start
@@ -63,17 +63,19 @@ struct Beacon {
 
 /// Events first_seq, first_seq + 1, ... of the sender's log.
 struct LogBatch {
-    LogId log;
+    LogId log{};
     Seq first_seq = 0;
-    std::vector<broker::LogEvent> events;
+    std::vector<broker::LogEvent> events{};
 };
-/// "I hold your log up to here."
+/// "I hold your log up to here." `by`: the sender's own log, so that an earlier life does not speak
+/// for this one.
 struct LogAck {
-    LogPosition through;
+    LogPosition through{};
+    LogId by{};
 };
 /// QoS 0 publishes for the receiver's subscribers; best-effort.
 struct ForwardBatch {
-    std::vector<broker::MessagePtr> messages;
+    std::vector<broker::MessagePtr> messages{};
 };
 struct ElectionMessage {
     election::Ballot ballot;
@@ -84,41 +86,42 @@ struct ElectionMessage {
 
 /// The leader proposes; receivers freeze the logs of brokers that are members no more and answer.
 struct ViewProposal {
-    View view;
-    std::vector<LogId> removed;
+    View view{};
+    std::vector<LogId> removed{};
 };
 /// A service address of a removed broker, as the sender's mirror of its log tells.
 struct LeftAddress {
-    LogId log;
-    Endpoint address;
+    LogId log{};
+    Endpoint address{};
 };
 /// The last event that the sender holds of each removed log.
 struct ViewHoldings {
-    ViewNumber number;
-    std::vector<LogPosition> holds;
-    std::vector<LeftAddress> addresses;  // the leader itself may be too new to know
+    ViewNumber number{};
+    std::vector<LogPosition> holds{};
+    std::vector<LeftAddress> addresses{};  // the leader itself may be too new to know
 };
 /// Leader to the member that holds most: send the tail of that log to those that lack it.
 struct TailRequest {
-    ViewNumber number;
-    LogPosition after;  // exclusive
+    ViewNumber number{};
+    LogPosition after{};  // exclusive
     BrokerId to{};
 };
 struct LogTail {
-    LogId log;
+    LogId log{};
     Seq first_seq = 0;
-    std::vector<broker::LogEvent> events;
+    std::vector<broker::LogEvent> events{};
 };
 /// What becomes of a removed broker's service address and of the sessions that use it.
 struct Assignment {
-    LogPosition end;   // the removed log, and its agreed last event
-    Endpoint address;  // family none: the sessions without a service address of the removed broker
+    LogPosition end{};  // the removed log, and its agreed last event
+    Endpoint
+        address{};  // family none: the sessions without a service address of the removed broker
     BrokerId heir{};
 };
 struct ViewAnnouncement {
-    View view;
-    std::vector<Assignment> assignments;
-    std::vector<LogPosition> ends;  // agreed last event of each removed log
+    View view{};
+    std::vector<Assignment> assignments{};
+    std::vector<LogPosition> ends{};  // agreed last event of each removed log
 };
 
 // --- joining and healing
@@ -127,19 +130,19 @@ struct ViewAnnouncement {
 /// "I hold your log up to `after`: send the rest (LogTail), or where you do not have it any more,
 /// and to a newcomer (after 0), all that is yours (SnapshotPart); I continue your log from there."
 struct SnapshotRequest {
-    LogId log;
+    LogId log{};
     Seq after = 0;
 };
 /// A part of a snapshot of the sender's own state as of `as_of`; parts come in order.
 struct SnapshotPart {
-    LogPosition as_of;
+    LogPosition as_of{};
     std::uint32_t part = 0;
     bool last = false;
-    std::vector<broker::SessionImage> sessions;
-    std::vector<broker::MessagePtr> retained;
+    std::vector<broker::SessionImage> sessions{};
+    std::vector<broker::MessagePtr> retained{};
     std::vector<broker::MessagePtr>
-        publishes;                     // of the sender's log, not yet passed by all cursors
-    std::vector<LogPosition> cursors;  // the sender's own
+        publishes{};                     // of the sender's log, not yet passed by all cursors
+    std::vector<LogPosition> cursors{};  // the sender's own
 };
 
 // --- handing back an address, roaming
@@ -147,28 +150,28 @@ struct SnapshotPart {
 
 /// Holder to owner: "bind this address beside me" (the holder goes on answering until it is told).
 struct AddressOffer {
-    Endpoint address;
+    Endpoint address{};
 };
 /// Owner to holder: "bound; hand over".
 struct AddressBound {
-    Endpoint address;
+    Endpoint address{};
     bool bound = false;
 };
 /// Holder to owner: the sessions, in parts; with `last`, the owner adopts them and speaks for them.
 /// The holder keeps its copies, silent, until HandoffAck, so that a crash in between loses nothing.
 struct SessionHandoff {
-    Endpoint address;  // family none: roaming, one session
+    Endpoint address{};  // family none: roaming, one session
     bool last = false;
-    std::vector<broker::SessionImage> sessions;
+    std::vector<broker::SessionImage> sessions{};
 };
 /// Owner to holder: the sessions stand in my log and are held by peers; forget yours.
 struct HandoffAck {
-    Endpoint address;
-    broker::ClientId client_id;  // roaming only
+    Endpoint address{};
+    broker::ClientId client_id{};  // roaming only
 };
 /// "A client of yours talks to me now: hand its session over."
 struct SessionRequest {
-    broker::ClientId client_id;
+    broker::ClientId client_id{};
 };
 /// After a heal two brokers may be home to one client: "this is my copy". A receiver whose own copy
 /// is outranked hands it over; another one answers with its own claim.

@@ -9,11 +9,11 @@
 #include <memory>
 #include <string>
 #include <string_view>
-#include <variant>
 #include <vector>
 
 #include "broker/core/broker_core.h"
 #include "overlay/cluster/options.h"
+#include "overlay/cluster/service_address.h"
 #include "overlay/transport.h"
 #include "romano/base/bytes.h"
 #include "romano/base/endpoint.h"
@@ -21,24 +21,15 @@
 
 namespace romano::overlay {
 
-/// Serve this address from now on; answer with on_address(). With `beside`, another process on this
-/// host still holds it and lets it go when told: bind it all the same.
-struct TakeAddress {
-    Endpoint address;
-};
-/// Stop serving this address.
-struct GiveUpAddress {
-    Endpoint address;
-};
-/// A line for the trace: something that people want to know.
-struct Notice {
-    std::string text;
-};
+using cluster::GiveUpAddress;
+using cluster::Notice;
+using cluster::TakeAddress;
 
+/// To be carried out in this order: local, peers, clients.
 struct MemberActions {
     broker::Actions clients;  // only Send and Multicast; all may go out at once
     std::vector<Outgoing> peers;
-    std::vector<std::variant<TakeAddress, GiveUpAddress, Notice>> local;
+    std::vector<cluster::LocalAction> local;
 
     void clear() {
         clients.clear();

@@ -1,0 +1,65 @@
+#include "overlay/cluster/adoption.h"
+
+#include <algorithm>
+#include <map>
+#include <utility>
+
+namespace romano::cluster {
+namespace {
+
+Seq worked_through(const broker::SessionImage& image, const LogId& log) {
+    const auto found = std::ranges::find(image.worked_through, log, &LogPosition::log);
+    return found == image.worked_through.end() ? 0 : found->seq;
+}
+
+MessagePtr find_message(const LogPosition& position, const Logs& logs) {
+    if (position.log == logs.own.id()) return logs.own.history().publish_at(position.seq);
+    const auto log = logs.peers.find(position.log);
+    return log == logs.peers.end() ? MessagePtr{} : log->second.history().publish_at(position.seq);
+}
+
+/// A mirror knows queued messages by position; what it has not seen itself may be here.
+void find_missing_messages(broker::SessionImage& image, const Effects& effects, const Logs& logs) {
+    std::map<LogPosition, MessagePtr> retained;
+    for (broker::Delivery& delivery : image.deliveries) {
+        if (delivery.message) continue;
+        delivery.message = find_message(delivery.position, logs);
+        if (delivery.message) continue;
+        if (retained.empty()) {
+            for (const auto& message : effects.broker.retained()) {
+                retained.emplace(message->position, message);
+            }
+        }
+        const auto found = retained.find(delivery.position);
+        if (found != retained.end()) delivery.message = found->second;
+    }
+    std::erase_if(image.deliveries, [](const broker::Delivery& delivery) {
+        return !delivery.message;  // nobody alive has it
+    });
+}
+
+}  // namespace
+
+std::vector<MessagePtr> missed_publishes(const broker::SessionImage& image, const Logs& logs) {
+    std::vector<MessagePtr> missed;
+    const auto take = [&](const LogId& log, const LogHistory& history) {
+        const auto publishes = history.publishes_after(worked_through(image, log));
+        const auto middle = static_cast<std::ptrdiff_t>(missed.size());
+        missed.insert(missed.end(), publishes.begin(), publishes.end());
+        std::inplace_merge(missed.begin(), missed.begin() + middle, missed.end(),
+                           [](const MessagePtr& a, const MessagePtr& b) {
+                               return a->published_at < b->published_at;
+                           });
+    };
+    take(logs.own.id(), logs.own.history());
+    for (const auto& [id, log] : logs.peers) take(id, log.history());
+    return missed;
+}
+
+bool adopt(Effects& effects, const Logs& logs, broker::SessionImage image) {
+    find_missing_messages(image, effects, logs);
+    const auto missed = missed_publishes(image, logs);
+    return effects.broker.adopt(effects.now, std::move(image), missed, effects.clients);
+}
+
+}  // namespace romano::cluster

@@ -1,0 +1,27 @@
+// Becoming the home of a session that another broker had: the image as its home or a mirror gives
+// it, and the publishes that came between what that home had worked through and what we have.
+#pragma once
+
+#include <vector>
+
+#include "overlay/cluster/effects.h"
+#include "overlay/cluster/own_log.h"
+#include "overlay/cluster/peer_log.h"
+
+namespace romano::cluster {
+
+/// All logs that are held: the peers' and the own one.
+struct Logs {
+    PeerLogs& peers;
+    OwnLog& own;
+};
+
+/// Publishes that we have worked through and the image's home had not: of each log in its order,
+/// the logs merged by time.
+[[nodiscard]] std::vector<MessagePtr> missed_publishes(const broker::SessionImage& image,
+                                                       const Logs& logs);
+
+/// False when the own session of that client stays because it outranks the image.
+bool adopt(Effects& effects, const Logs& logs, broker::SessionImage image);
+
+}  // namespace romano::cluster

@@ -1,0 +1,451 @@
+#include "overlay/cluster/cluster_core.h"
+
+#include <algorithm>
+#include <cassert>
+#include <chrono>
+#include <limits>
+#include <utility>
+
+#include "overlay/cluster/snapshot.h"
+
+namespace romano::cluster {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr Duration cursors_every = 50ms;
+constexpr Duration trim_every = 100ms;
+constexpr Duration removed_kept_for = 30s;  // logs of removed brokers: they may come back
+
+/// How far the peer's last beacon says that it applied the log.
+Seq applied_by(const Peer* peer, const LogId& log) {
+    if (peer == nullptr) return 0;
+    const auto& applied = peer->beacon.applied;
+    const auto found = std::ranges::find(applied, log, &LogPosition::log);
+    return found == applied.end() ? 0 : found->seq;
+}
+
+}  // namespace
+
+ClusterCore::ClusterCore(const ClusterOptions& options, const Identity& identity,
+                         std::uint64_t seed)
+    : options_(options),
+      name_(identity.name),
+      own_(identity.log, options.log_events_kept),
+      membership_(options, identity.log.broker, seed),
+      addresses_(identity.home_addresses),
+      watermark_(options.acks),
+      view_change_(identity.log, membership_.detection_time(), options.beacon_every),
+      take_over_(identity.log.broker, membership_.detection_time()),
+      hand_back_(identity.log.broker, membership_.detection_time()),
+      settlement_(identity.log.broker, membership_.detection_time()) {}
+
+// --- inputs
+
+void ClusterCore::on_message(Effects& effects, const Envelope& envelope) {
+    const BrokerId from = envelope.from.broker;
+    if (from == own_.id().broker) return;
+    std::visit([&](const auto& message) { on(effects, from, message); }, envelope.message);
+    after_input(effects);
+}
+
+void ClusterCore::on_tick(Effects& effects, const std::set<Endpoint>& pending_output) {
+    membership_.on_tick(effects.now, effects.peers);
+    view_change_.on_tick(effects.now, surroundings(effects), effects.peers);
+    hand_back_.carry_on(effects, membership_, view(), addresses_, pending_output);
+    settlement_.carry_on(effects, logs_);
+    after_input(effects);
+    if (effects.now < next_tick_) return;
+    next_tick_ = effects.now + options_.beacon_every;
+    if (effects.now >= next_cursors_) {
+        next_cursors_ = effects.now + cursors_every;
+        effects.broker.append_cursors(effects.clients);
+    }
+    if (effects.now >= next_trim_) {
+        next_trim_ = effects.now + trim_every;
+        trim(effects.now);
+    }
+    ask_for_gaps(effects);
+    send_beacon(effects);
+}
+
+void ClusterCore::on_address(Effects& effects, const Endpoint& address, bool served) {
+    addresses_.on_address(address, served);
+    hand_back_.on_address(effects, address, served);
+    after_input(effects);
+}
+
+void ClusterCore::on_transport_octets(std::uint64_t sent, std::uint64_t received) {
+    octets_sent_ = sent;
+    octets_received_ = received;
+}
+
+void ClusterCore::after_input(Effects& effects) {
+    if (const auto installed = view_change_.take_installed()) on_view(effects, *installed);
+    take_over_.carry_on(effects, logs(), membership_, view(), addresses_);
+    handoffs_.carry_on(effects, safe());
+    // Others wait for these news.
+    const bool news = leadership() != last_leadership_ || view().number != last_view_;
+    if (news && !listens_only_) send_beacon(effects);
+}
+
+// --- membership and views
+
+void ClusterCore::on(Effects& effects, BrokerId, const Beacon& beacon) {
+    if (!membership_.on_beacon(effects.now, beacon)) return;
+    if (membership_.is_alive(beacon.log)) heed(beacon);
+    if (!listens_only_) view_change_.on_tick(effects.now, surroundings(effects), effects.peers);
+}
+
+void ClusterCore::heed(const Beacon& beacon) {
+    PeerLog& log = log_of(beacon.log);
+    log.heard_end(beacon.last_seq);
+    log.heard_serving(beacon.serving);
+    for (const LogPosition& applied : beacon.applied) {
+        if (applied.log == own_.id()) watermark_.on_ack(beacon.log, applied.seq);
+    }
+    for (auto& [id, held] : logs_) {
+        if (!held.is_frozen() || id.broker == beacon.log.broker) continue;
+        for (const Endpoint& address : beacon.serving) held.mark_served(address);
+    }
+}
+
+void ClusterCore::on(Effects& effects, BrokerId from, const ElectionMessage& message) {
+    membership_.on_ballot(effects.now, from, message.ballot);
+}
+
+void ClusterCore::heed_leader(Instant now, const ViewNumber& number) {
+    membership_.on_leader(now, number.leader, number.term);
+}
+
+void ClusterCore::on(Effects& effects, BrokerId, const ViewProposal& message) {
+    if (listens_only_) return;  // it is asked for again
+    heed_leader(effects.now, message.view.number);
+    view_change_.on_proposal(effects.now, message, surroundings(effects), effects.peers);
+}
+
+void ClusterCore::on(Effects& effects, BrokerId from, const ViewHoldings& message) {
+    const Peer* peer = membership_.find(from);
+    if (peer == nullptr) return;
+    view_change_.on_holdings(effects.now, peer->beacon.log, message, surroundings(effects),
+                             effects.peers);
+}
+
+void ClusterCore::on(Effects& effects, BrokerId, const ViewAnnouncement& message) {
+    heed_leader(effects.now, message.view.number);
+    view_change_.on_announcement(effects.now, message, surroundings(effects));
+}
+
+void ClusterCore::on_view(Effects& effects, const ViewAnnouncement& announcement) {
+    std::string text = "view " + std::to_string(view().number.term) + " of " +
+                       std::to_string(view().members.size());
+    effects.local.push_back(Notice{std::move(text)});
+    std::erase_if(frozen_since_, [&](const auto& entry) {
+        const auto log = logs_.find(entry.first);
+        return log == logs_.end() || !log->second.is_frozen();
+    });
+    for (const auto& [id, log] : logs_) {
+        if (!log.is_frozen()) continue;
+        frozen_since_.try_emplace(id, effects.now);
+        interest_.forget(id.broker);
+    }
+    for (const LogId& member : view().members) {
+        const auto log = logs_.find(member);
+        if (log != logs_.end()) interest_.reset(member.broker, log->second.mirror().images());
+    }
+    // Another member adopts what our earlier life left at our address, and hands it to us.
+    for (const Assignment& assignment : announcement.assignments) {
+        if (assignment.heir != own_.id().broker && addresses_.is_home(assignment.address) &&
+            addresses_.is_serving(assignment.address)) {
+            hand_back_.expect(effects.now, assignment.address, assignment.heir);
+        }
+    }
+    take_over_.on_view(effects.now, announcement);
+    settlement_.compare(effects, logs_, view());
+}
+
+bool ClusterCore::was_replaced() const {
+    return std::ranges::any_of(membership_.peers(), [this](const auto& entry) {
+        const Beacon& beacon = entry.second.beacon;
+        return view_change_.contains(beacon.log) && beacon.view.number > view().number &&
+               !std::ranges::binary_search(beacon.view.members, own_.id());
+    });
+}
+
+Surroundings ClusterCore::surroundings(const Effects& effects) {
+    claimed_ = addresses_.claimed();
+    return {.membership = membership_,
+            .logs = logs_,
+            .serving = claimed_,
+            .sessions = static_cast<std::uint32_t>(effects.broker.session_count())};
+}
+
+std::vector<LogId> ClusterCore::live_peers() const {
+    std::vector<LogId> peers;
+    for (const LogId& member : view().members) {
+        if (membership_.is_alive(member)) peers.push_back(member);
+    }
+    return peers;
+}
+
+Beacon ClusterCore::beacon(const broker::BrokerCore& broker) const {
+    Beacon beacon{.name = name_,
+                  .log = own_.id(),
+                  .last_seq = own_.last(),
+                  .tick = beacons_sent_,
+                  .view = view(),
+                  .home_addresses = addresses_.home(),
+                  .serving = addresses_.claimed(),
+                  .sessions = static_cast<std::uint32_t>(broker.session_count()),
+                  .connected = static_cast<std::uint32_t>(broker.connected_count()),
+                  .transport_octets_sent = octets_sent_,
+                  .transport_octets_received = octets_received_};
+    membership_.describe(beacon);
+    for (const auto& [id, log] : logs_) beacon.applied.push_back({id, log.applied()});
+    return beacon;
+}
+
+void ClusterCore::send_beacon(Effects& effects) {
+    ++beacons_sent_;
+    last_leadership_ = leadership();
+    last_view_ = view().number;
+    effects.peers.push_back({std::nullopt, beacon(effects.broker)});
+}
+
+void ClusterCore::leave(Effects& effects) {
+    ++beacons_sent_;
+    Beacon last = beacon(effects.broker);
+    last.leaving = true;
+    effects.peers.push_back({std::nullopt, std::move(last)});
+}
+
+void ClusterCore::restart(Effects& effects, LogId log) {
+    own_ = OwnLog(log, options_.log_events_kept);
+    watermark_.restart();
+    view_change_.restart(log);
+    take_over_.restart();
+    hand_back_.restart();
+    handoffs_.restart();
+    settlement_.restart();
+    for (const Endpoint& address : addresses_.claimed()) addresses_.give_up(effects, address);
+    for (const auto& [id, held] : logs_) effects.broker.advance_cursor({id, held.applied()});
+}
+
+// --- logs
+
+void ClusterCore::flush(Outbox& out) {
+    own_.flush(out);
+}
+
+Seq ClusterCore::safe() {
+    return watermark_.advance(own_.last(), live_peers());
+}
+
+void ClusterCore::forward(const MessagePtr& message, Outbox& out) const {
+    for (const BrokerId peer : interest_.interested_in(message->topic)) {
+        out.push_back({peer, ForwardBatch{{message}}});
+    }
+}
+
+void ClusterCore::on(Effects& effects, BrokerId, const ForwardBatch& batch) {
+    for (const auto& message : batch.messages) {
+        effects.broker.on_peer_message(effects.now, message, effects.clients);
+    }
+}
+
+PeerLog& ClusterCore::log_of(const LogId& id) {
+    return logs_.try_emplace(id, id, options_.log_events_kept).first->second;
+}
+
+void ClusterCore::on(Effects& effects, BrokerId from, const LogBatch& batch) {
+    // Only of peers whose beacons are known: anything else is of an earlier life.
+    const auto log = logs_.find(batch.log);
+    if (batch.log.broker != from || log == logs_.end() || log->second.is_frozen()) return;
+    log->second.offer(batch.first_seq, batch.events);
+    apply(effects, batch.log, log->second);
+}
+
+void ClusterCore::on(Effects& effects, BrokerId from, const LogTail& tail) {
+    const auto log = logs_.find(tail.log);
+    if (log == logs_.end() || (log->second.is_frozen() && from == tail.log.broker)) return;
+    log->second.offer(tail.first_seq, tail.events);
+    apply(effects, tail.log, log->second);
+}
+
+void ClusterCore::on(Effects&, BrokerId, const LogAck& ack) {
+    if (ack.through.log != own_.id() || !membership_.is_alive(ack.by)) return;
+    watermark_.on_ack(ack.by, ack.through.seq);
+}
+
+void ClusterCore::on(Effects& effects, BrokerId, const TailRequest& request) {
+    const auto log = logs_.find(request.after.log);
+    if (log == logs_.end() || !log->second.history().reaches_back_to(request.after.seq)) return;
+    send_tail(log->second.history(), request.after.log, request.after.seq, request.to,
+              effects.peers);
+}
+
+void ClusterCore::on(Effects& effects, BrokerId from, const SnapshotRequest& request) {
+    if (request.log != own_.id()) return;
+    if (request.after != 0 && own_.send_again(from, request.after, effects.peers)) return;
+    send_snapshot(effects.broker, logs(), from, effects.peers);
+}
+
+void ClusterCore::on(Effects& effects, BrokerId from, const SnapshotPart& part) {
+    const LogId id = part.as_of.log;
+    const auto found = logs_.find(id);
+    if (id.broker != from || found == logs_.end() || found->second.is_frozen()) return;
+    PeerLog& log = found->second;
+    const auto snapshot = log.offer(part);
+    if (!snapshot) return;
+    for (const auto& message : snapshot->retained) effects.broker.put_retained(message);
+    if (snapshot->as_of.seq <= log.applied()) return;
+    log.restart(*snapshot);
+    interest_.reset(id.broker, log.mirror().images());
+    for (const auto& message : snapshot->publishes) {
+        if (message->position.seq > effects.broker.cursor(id)) {
+            effects.broker.on_peer_message(effects.now, message, effects.clients);
+        }
+        learn(message);
+    }
+    effects.broker.advance_cursor(snapshot->as_of);
+    settlement_.compare(effects, logs_, view());
+    apply(effects, id, log);
+    effects.peers.push_back({from, LogAck{{id, log.applied()}, own_.id()}});
+}
+
+void ClusterCore::apply(Effects& effects, const LogId& id, PeerLog& log) {
+    const Seq before = log.applied();
+    while (log.next() != nullptr) apply_event(effects, id, log);
+    if (log.applied() == before || log.is_frozen()) return;
+    effects.peers.push_back({id.broker, LogAck{{id, log.applied()}, own_.id()}});
+}
+
+void ClusterCore::apply_event(Effects& effects, const LogId& id, PeerLog& log) {
+    const LogEvent& event = *log.next();
+    if (!log.is_frozen()) interest_.on_event(id.broker, event);
+    MessagePtr published;
+    if (const auto* publish = std::get_if<broker::Published>(&event)) published = publish->message;
+    broker::ClientId put;
+    if (const auto* session = std::get_if<broker::SessionPut>(&event)) {
+        put = session->image.header.client_id;
+    }
+    std::optional<LogPosition> routed;
+    if (const auto* route = std::get_if<broker::Routed>(&event)) routed = route->message;
+
+    log.apply();
+    if (published) {
+        effects.broker.observe_time(published->published_at);
+        effects.broker.on_peer_message(effects.now, published, effects.clients);
+        learn(published);
+    }
+    if (routed && log.mirror().is_unresolved(*routed)) {
+        const auto writer = logs_.find(routed->log);
+        const MessagePtr message = routed->log == own_.id() ? own_.history().publish_at(routed->seq)
+                                   : writer != logs_.end()
+                                       ? writer->second.history().publish_at(routed->seq)
+                                       : MessagePtr{};
+        if (message) log.mirror().resolve(message);
+    }
+    if (!put.empty() && !log.is_frozen()) {
+        for (auto& [other, held] : logs_) held.mark_taken(put);
+        settlement_.on_peer_session(effects, id.broker, put);
+    }
+}
+
+void ClusterCore::learn(const MessagePtr& message) {
+    for (auto& [id, log] : logs_) log.mirror().resolve(message);
+}
+
+void ClusterCore::ask_for_gaps(Effects& effects) {
+    for (auto& [id, log] : logs_) {
+        if (!membership_.is_alive(id)) continue;
+        if (const auto request = log.ask(effects.now, 2 * options_.beacon_every)) {
+            effects.peers.push_back({id.broker, *request});
+        }
+    }
+}
+
+void ClusterCore::trim(Instant now) {
+    // Logs of removed brokers go once their sessions have new homes and they did not come back.
+    std::erase_if(logs_, [&](const auto& entry) {
+        const auto since = frozen_since_.find(entry.first);
+        if (since == frozen_since_.end() || now < since->second + removed_kept_for) return false;
+        watermark_.forget(entry.first);
+        frozen_since_.erase(since);
+        return true;
+    });
+    // A peer that went away before it ever came into a view.
+    std::erase_if(logs_, [&](const auto& entry) {
+        return !entry.second.is_frozen() && !view_change_.contains(entry.first) &&
+               !membership_.is_alive(entry.first);
+    });
+
+    constexpr Seq all = std::numeric_limits<Seq>::max();
+    Seq held_by_all = all;
+    Seq passed_by_all = all;
+    for (const auto& [id, log] : logs_) {
+        held_by_all = std::min(held_by_all, watermark_.held_by(id));
+        passed_by_all = std::min(passed_by_all, log.mirror().cursor(own_.id()));
+    }
+    own_.history().forget_events(held_by_all);
+    own_.history().forget_publishes(passed_by_all);
+
+    for (auto& [id, log] : logs_) {
+        if (log.is_frozen()) continue;
+        held_by_all = log.applied();
+        passed_by_all = log.applied();
+        for (const auto& [other, held] : logs_) {
+            if (other == id || (held.is_frozen() && !held.has_sessions_left())) continue;
+            passed_by_all = std::min(passed_by_all, held.mirror().cursor(id));
+            if (held.is_frozen()) continue;
+            held_by_all = std::min(held_by_all, applied_by(membership_.find(other.broker), id));
+        }
+        log.history().forget_events(held_by_all);
+        log.history().forget_publishes(passed_by_all);
+    }
+}
+
+// --- sessions and addresses that move
+
+void ClusterCore::on(Effects& effects, BrokerId from, const AddressOffer& offer) {
+    hand_back_.on_offer(effects, from, offer, addresses_);
+}
+
+void ClusterCore::on(Effects& effects, BrokerId from, const AddressBound& bound) {
+    hand_back_.on_bound(effects.now, from, bound);
+}
+
+void ClusterCore::on(Effects& effects, BrokerId from, const SessionHandoff& part) {
+    if (handoffs_.on_handoff(effects, logs(), from, part)) hand_back_.on_handed_over(part.address);
+}
+
+void ClusterCore::on(Effects& effects, BrokerId from, const HandoffAck& ack) {
+    if (ack.address.family == Endpoint::Family::none) {
+        settlement_.on_ack(effects, from, ack);
+    } else {
+        hand_back_.on_ack(effects, from, ack, addresses_);
+    }
+}
+
+void ClusterCore::on(Effects& effects, BrokerId from, const SessionClaim& claim) {
+    settlement_.on_claim(effects, from, claim);
+}
+
+void ClusterCore::on(Effects& effects, BrokerId from, const SessionRequest& request) {
+    settlement_.on_request(effects, from, request);
+}
+
+void ClusterCore::check_invariants(const broker::BrokerCore& broker) const {
+    assert(broker.last_seq() == own_.last() && "every event of the broker is in the log");
+    assert(watermark_.safe() <= own_.last());
+    assert(std::ranges::is_sorted(view().members));
+    assert(view().members.empty() || view_change_.contains(own_.id()));
+    assert(!logs_.contains(own_.id()));
+    for (const auto& [id, log] : logs_) {
+        assert(log.next() == nullptr && "nothing waits between inputs");
+        assert(log.mirror().applied() == log.applied());
+    }
+    (void)broker;
+}
+
+}  // namespace romano::cluster

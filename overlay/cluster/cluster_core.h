@@ -1,0 +1,157 @@
+// The cluster's side of one broker: composes membership, logs, view change, take-over, hand-back
+// and settlement. It acts on the broker core that its owner lends it with each input (Effects), and
+// carries that broker's log to the peers.
+//
+// The owner puts every Append of the broker core into append() after each input, and calls flush()
+// before it waits for the next one.
+#pragma once
+
+#include <set>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "overlay/cluster/adoption.h"
+#include "overlay/cluster/effects.h"
+#include "overlay/cluster/hand_back.h"
+#include "overlay/cluster/interest.h"
+#include "overlay/cluster/membership.h"
+#include "overlay/cluster/own_log.h"
+#include "overlay/cluster/peer_log.h"
+#include "overlay/cluster/service_addresses.h"
+#include "overlay/cluster/session_handoff.h"
+#include "overlay/cluster/settlement.h"
+#include "overlay/cluster/take_over.h"
+#include "overlay/cluster/view_change.h"
+#include "overlay/cluster/watermark.h"
+
+namespace romano::cluster {
+
+struct Identity {
+    std::string name;
+    LogId log;
+    std::vector<Endpoint> home_addresses;
+};
+
+class ClusterCore {
+public:
+    ClusterCore(const ClusterOptions& options, const Identity& identity, std::uint64_t seed);
+
+    // --- inputs
+    void on_message(Effects& effects, const Envelope& envelope);
+    /// `pending_output`: addresses that held-back answers wait to leave from.
+    void on_tick(Effects& effects, const std::set<Endpoint>& pending_output);
+    void on_address(Effects& effects, const Endpoint& address, bool served);
+    void on_transport_octets(std::uint64_t sent, std::uint64_t received);
+    [[nodiscard]] Instant next_wakeup() const { return next_tick_; }
+
+    // --- the own log
+    void append(Seq seq, LogEvent event) { own_.append(seq, std::move(event)); }
+    void flush(Outbox& out);
+    /// To peers with a matching subscriber.
+    void forward(const MessagePtr& message, Outbox& out) const;
+    /// The log is held by enough peers up to here.
+    Seq safe();
+
+    // --- what the owner must know
+    /// Clients may be spoken to: there is a view.
+    [[nodiscard]] bool is_in_view() const { return view_change_.has_view(); }
+    /// Datagrams to the address shall wait: its sessions are about to come.
+    [[nodiscard]] bool is_expecting(const Endpoint& address) const {
+        return hand_back_.is_expecting(address);
+    }
+    /// Its sessions are about to leave: neither hear nor speak.
+    [[nodiscard]] bool is_silent(const Endpoint& address) const {
+        return hand_back_.is_silent(address);
+    }
+    /// Members of our view made a newer one without us.
+    [[nodiscard]] bool was_replaced() const;
+    [[nodiscard]] const View& view() const { return view_change_.view(); }
+    [[nodiscard]] election::Leadership leadership() const { return membership_.leadership(); }
+    [[nodiscard]] Duration detection_time() const { return membership_.detection_time(); }
+    [[nodiscard]] const Membership& membership() const { return membership_; }
+    [[nodiscard]] const ServiceAddresses& addresses() const { return addresses_; }
+    [[nodiscard]] const PeerLogs& peer_logs() const { return logs_; }
+    [[nodiscard]] const OwnLog& own_log() const { return own_; }
+    /// Peers of the view that are alive.
+    [[nodiscard]] std::vector<LogId> live_peers() const;
+    /// The own beacon as it would be sent now.
+    [[nodiscard]] Beacon beacon(const broker::BrokerCore& broker) const;
+
+    // --- beginnings and ends
+    /// Begins a new log: all sessions and addresses are gone to others. The effects' broker core is
+    /// already the new, empty one.
+    void restart(Effects& effects, LogId log);
+    void leave(Effects& effects);
+    /// We were away for a while: listen to the peers, and say nothing before resume().
+    void listen_only() { listens_only_ = true; }
+    void resume(Instant now) {
+        listens_only_ = false;
+        next_tick_ = now;
+    }
+
+    void check_invariants(const broker::BrokerCore& broker) const;
+
+private:
+    void on(Effects& effects, BrokerId from, const Beacon& message);
+    void on(Effects& effects, BrokerId from, const LogBatch& message);
+    void on(Effects& effects, BrokerId from, const LogAck& message);
+    void on(Effects& effects, BrokerId from, const ForwardBatch& message);
+    void on(Effects& effects, BrokerId from, const ElectionMessage& message);
+    void on(Effects& effects, BrokerId from, const ViewProposal& message);
+    void on(Effects& effects, BrokerId from, const ViewHoldings& message);
+    void on(Effects& effects, BrokerId from, const TailRequest& message);
+    void on(Effects& effects, BrokerId from, const LogTail& message);
+    void on(Effects& effects, BrokerId from, const ViewAnnouncement& message);
+    void on(Effects& effects, BrokerId from, const SnapshotRequest& message);
+    void on(Effects& effects, BrokerId from, const SnapshotPart& message);
+    void on(Effects& effects, BrokerId from, const AddressOffer& message);
+    void on(Effects& effects, BrokerId from, const AddressBound& message);
+    void on(Effects& effects, BrokerId from, const SessionHandoff& message);
+    void on(Effects& effects, BrokerId from, const SessionRequest& message);
+    void on(Effects& effects, BrokerId from, const HandoffAck& message);
+    void on(Effects& effects, BrokerId from, const SessionClaim& message);
+
+    void heed(const Beacon& beacon);
+    /// The leader's claim counts from its messages too: they may come before its beacon.
+    void heed_leader(Instant now, const ViewNumber& number);
+    PeerLog& log_of(const LogId& id);
+    void apply(Effects& effects, const LogId& id, PeerLog& log);
+    void apply_event(Effects& effects, const LogId& id, PeerLog& log);
+    void learn(const MessagePtr& message);
+    void after_input(Effects& effects);
+    void on_view(Effects& effects, const ViewAnnouncement& announcement);
+    void send_beacon(Effects& effects);
+    void ask_for_gaps(Effects& effects);
+    void trim(Instant now);
+    [[nodiscard]] Surroundings surroundings(const Effects& effects);
+    [[nodiscard]] Logs logs() { return {logs_, own_}; }
+
+    ClusterOptions options_;
+    std::string name_;
+    OwnLog own_;
+    Membership membership_;
+    ServiceAddresses addresses_;
+    std::vector<Endpoint> claimed_;  // addresses_.claimed(), for the surroundings
+    PeerLogs logs_;
+    std::map<LogId, Instant> frozen_since_;
+    Interest interest_;
+    Watermark watermark_;
+    ViewChange view_change_;
+    TakeOver take_over_;
+    HandBack hand_back_;
+    HandoffReceiver handoffs_;
+    Settlement settlement_;
+
+    bool listens_only_ = false;
+    Instant next_tick_ = Instant::min();
+    Instant next_cursors_ = Instant::min();
+    Instant next_trim_ = Instant::min();
+    std::uint64_t beacons_sent_ = 0;
+    std::uint64_t octets_sent_ = 0;
+    std::uint64_t octets_received_ = 0;
+    election::Leadership last_leadership_;  // as the last beacon said
+    ViewNumber last_view_;
+};
+
+}  // namespace romano::cluster

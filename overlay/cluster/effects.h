@@ -1,0 +1,22 @@
+// Where the cluster's parts act: the broker core that they are brokers of, and the buffers that
+// take what is to be sent and done. Passed down with each input; nothing of it is kept.
+#pragma once
+
+#include <vector>
+
+#include "broker/core/broker_core.h"
+#include "overlay/cluster/envelope.h"
+#include "overlay/cluster/service_address.h"
+#include "romano/base/time.h"
+
+namespace romano::cluster {
+
+struct Effects {
+    Instant now;
+    broker::BrokerCore& broker;
+    broker::Actions& clients;
+    Outbox& peers;
+    std::vector<LocalAction>& local;
+};
+
+}  // namespace romano::cluster

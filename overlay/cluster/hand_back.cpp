@@ -1,0 +1,135 @@
+#include "overlay/cluster/hand_back.h"
+
+#include <utility>
+
+#include "overlay/cluster/session_handoff.h"
+
+namespace romano::cluster {
+namespace {
+
+// How long answers may still leave from an address whose owner has bound it.
+constexpr Duration drain_least = std::chrono::milliseconds{2};
+
+}  // namespace
+
+// --- the holder's side
+
+std::optional<BrokerId> HandBack::owner_of(const Endpoint& address, const Membership& membership,
+                                           const View& view) const {
+    for (const LogId& member : view.members) {
+        if (member.broker == self_ || !membership.is_alive(member)) continue;
+        if (membership.find(member.broker)->is_home_of(address)) return member.broker;
+    }
+    return std::nullopt;
+}
+
+void HandBack::carry_on(Effects& effects, const Membership& membership, const View& view,
+                        const ServiceAddresses& addresses,
+                        const std::set<Endpoint>& pending_output) {
+    std::erase_if(expected_, [&](const auto& entry) {
+        const Peer* from = membership.find(entry.second.from);
+        return effects.now > entry.second.since + 20 * patience_ || from == nullptr || !from->alive;
+    });
+    // A hand-over that gets no answer is called off: the sessions speak from here again.
+    std::erase_if(giving_, [&](const auto& entry) {
+        const Peer* owner = membership.find(entry.second.owner);
+        return effects.now > entry.second.since + 10 * patience_ || owner == nullptr ||
+               !owner->alive || !addresses.is_serving(entry.first);
+    });
+    for (const Endpoint& address : addresses.serving()) {
+        if (addresses.is_home(address)) continue;
+        const auto under_way = giving_.find(address);
+        if (under_way == giving_.end()) {
+            begin(effects, address, membership, view);
+            continue;
+        }
+        Giving& giving = under_way->second;
+        if (giving.stage != Stage::draining) continue;
+        const bool drained =
+            effects.now >= giving.since + drain_least && !pending_output.contains(address);
+        if (drained || effects.now >= giving.since + patience_) hand_over(effects, address, giving);
+    }
+}
+
+void HandBack::begin(Effects& effects, const Endpoint& address, const Membership& membership,
+                     const View& view) {
+    const auto owner = owner_of(address, membership, view);
+    if (!owner) return;
+    const bool contested = membership.find(*owner)->is_serving(address);
+    giving_.emplace(address, Giving{.owner = *owner,
+                                    .stage = contested ? Stage::draining : Stage::offered,
+                                    .since = effects.now,
+                                    .contested = contested});
+    if (!contested) effects.peers.push_back({*owner, AddressOffer{address}});
+}
+
+void HandBack::on_bound(Instant now, BrokerId from, const AddressBound& bound) {
+    const auto found = giving_.find(bound.address);
+    if (found == giving_.end() || found->second.owner != from) return;
+    if (found->second.stage != Stage::offered || !bound.bound) return;  // offered again later
+    found->second.stage = Stage::draining;
+    found->second.since = now;
+}
+
+void HandBack::hand_over(Effects& effects, const Endpoint& address, Giving& giving) {
+    giving.stage = Stage::handed;
+    giving.since = effects.now;
+    auto images = effects.broker.images_via(address);
+    for (auto& image : images) {
+        giving.handed.push_back(image.header.client_id);
+        if (!giving.contested) ++image.header.epoch;
+    }
+    send_handoff(giving.owner, address, std::move(images), effects.peers);
+}
+
+void HandBack::on_ack(Effects& effects, BrokerId from, const HandoffAck& ack,
+                      ServiceAddresses& addresses) {
+    const auto found = giving_.find(ack.address);
+    if (found == giving_.end() || found->second.owner != from ||
+        found->second.stage != Stage::handed) {
+        return;
+    }
+    for (const auto& client : found->second.handed) {
+        (void)effects.broker.release(client, effects.clients);
+    }
+    giving_.erase(found);
+    addresses.give_up(effects, ack.address);
+}
+
+bool HandBack::is_silent(const Endpoint& address) const {
+    const auto found = giving_.find(address);
+    return found != giving_.end() && found->second.stage == Stage::handed;
+}
+
+// --- the owner's side
+
+void HandBack::on_offer(Effects& effects, BrokerId from, const AddressOffer& offer,
+                        ServiceAddresses& addresses) {
+    if (!addresses.is_home(offer.address) || addresses.is_serving(offer.address)) return;
+    taking_.insert_or_assign(offer.address, Getting{from, effects.now});
+    addresses.take(effects, offer.address);
+}
+
+void HandBack::on_address(Effects& effects, const Endpoint& address, bool served) {
+    const auto taking = taking_.extract(address);
+    if (taking.empty()) return;
+    const BrokerId from = taking.mapped().from;
+    effects.peers.push_back({from, AddressBound{.address = address, .bound = served}});
+    if (served) expect(effects.now, address, from);
+}
+
+void HandBack::expect(Instant now, const Endpoint& address, BrokerId from) {
+    expected_.insert_or_assign(address, Getting{from, now});
+}
+
+void HandBack::on_handed_over(const Endpoint& address) {
+    expected_.erase(address);
+}
+
+void HandBack::restart() {
+    giving_.clear();
+    taking_.clear();
+    expected_.clear();
+}
+
+}  // namespace romano::cluster

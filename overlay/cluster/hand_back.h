@@ -1,0 +1,86 @@
+// An address goes back to its own broker, with its sessions, without its clients noticing (design
+// section 3, "Taking over the address").
+//
+//     holder                                owner (in the view, does not serve its home address)
+//       |------------ AddressOffer ----------->|  binds beside the holder: datagrams come here now,
+//       |<----------- AddressBound ------------|  and wait
+//       |  lets pending answers leave,         |
+//       |  takes images, falls silent          |
+//       |------- SessionHandoff, last -------->|  adopts, serves what waited
+//       |<----------- HandoffAck --------------|  once the adoption is safe with peers
+//       |  forgets the sessions, unbinds       |
+//
+// After a heal both serve the address: the holder begins at "takes images", and which copy of a
+// session stays is settled by their ranks (broker::outranks). A hand-over that both agreed on
+// counts like being heard: it raises the epoch, so that the holder's copy never wins again.
+#pragma once
+
+#include <map>
+#include <optional>
+#include <set>
+#include <vector>
+
+#include "overlay/cluster/effects.h"
+#include "overlay/cluster/membership.h"
+#include "overlay/cluster/service_addresses.h"
+
+namespace romano::cluster {
+
+class HandBack {
+public:
+    HandBack(BrokerId self, Duration patience) : self_(self), patience_(patience) {}
+
+    // --- the holder's side
+    /// Offers what belongs to others, and goes on with what is under way. `pending_output` are the
+    /// addresses that answers still wait to leave from.
+    void carry_on(Effects& effects, const Membership& membership, const View& view,
+                  const ServiceAddresses& addresses, const std::set<Endpoint>& pending_output);
+    void on_bound(Instant now, BrokerId from, const AddressBound& bound);
+    void on_ack(Effects& effects, BrokerId from, const HandoffAck& ack,
+                ServiceAddresses& addresses);
+    /// The address's sessions are on their way: nothing is said or heard for them here.
+    [[nodiscard]] bool is_silent(const Endpoint& address) const;
+
+    // --- the owner's side
+    void on_offer(Effects& effects, BrokerId from, const AddressOffer& offer,
+                  ServiceAddresses& addresses);
+    void on_address(Effects& effects, const Endpoint& address, bool served);
+    /// The sessions of an own address are somewhere else and will come from there.
+    void expect(Instant now, const Endpoint& address, BrokerId from);
+    void on_handed_over(const Endpoint& address);
+    /// Datagrams to the address shall wait.
+    [[nodiscard]] bool is_expecting(const Endpoint& address) const {
+        return expected_.contains(address);
+    }
+
+    void restart();
+
+private:
+    enum class Stage : std::uint8_t { offered, draining, handed };
+    struct Giving {
+        BrokerId owner;
+        Stage stage;
+        Instant since;
+        bool contested = false;  // the owner serves it as well
+        std::vector<broker::ClientId> handed = {};
+    };
+    struct Getting {
+        BrokerId from;
+        Instant since;
+    };
+
+    void begin(Effects& effects, const Endpoint& address, const Membership& membership,
+               const View& view);
+    void hand_over(Effects& effects, const Endpoint& address, Giving& giving);
+    [[nodiscard]] std::optional<BrokerId> owner_of(const Endpoint& address,
+                                                   const Membership& membership,
+                                                   const View& view) const;
+
+    BrokerId self_;
+    Duration patience_;
+    std::map<Endpoint, Giving> giving_;
+    std::map<Endpoint, Getting> taking_;    // offered to us, being bound
+    std::map<Endpoint, Getting> expected_;  // bound, the sessions not here yet
+};
+
+}  // namespace romano::cluster

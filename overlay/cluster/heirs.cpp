@@ -1,0 +1,110 @@
+#include "overlay/cluster/heirs.h"
+
+#include <algorithm>
+#include <optional>
+#include <set>
+
+namespace romano::cluster {
+namespace {
+
+std::optional<Seq> held_of(const ViewHoldings& holdings, const LogId& log) {
+    for (const LogPosition& position : holdings.holds) {
+        if (position.log == log) return position.seq;
+    }
+    return std::nullopt;
+}
+
+/// The member that answers on the address now, or was told to.
+std::optional<BrokerId> present_server(const Answers& answers, const Membership& membership,
+                                       const Endpoint& address) {
+    std::optional<BrokerId> found;
+    if (std::ranges::count(answers.serving, address) > 0) found = answers.leader.broker;
+    for (const LogId& member : answers.view.members) {
+        const Peer* peer = membership.find(member.broker);
+        if (peer == nullptr || peer->beacon.log != member || !peer->is_serving(address)) continue;
+        if (!found || peer->is_home_of(address)) found = member.broker;
+    }
+    return found;
+}
+
+std::map<BrokerId, std::uint64_t> loads(const Answers& answers, const Membership& membership) {
+    std::map<BrokerId, std::uint64_t> load;
+    for (const LogId& member : answers.view.members) {
+        const Peer* peer = membership.find(member.broker);
+        load[member.broker] =
+            peer != nullptr ? peer->beacon.sessions : std::uint64_t{answers.leader_sessions};
+    }
+    return load;
+}
+
+/// The least loaded member that knows the log.
+std::optional<BrokerId> least_loaded(const Answers& answers, const LogId& log,
+                                     const std::map<BrokerId, std::uint64_t>& load) {
+    std::optional<BrokerId> best;
+    for (const auto& [member, holdings] : answers.holdings) {
+        if (!held_of(holdings, log)) continue;
+        if (!best || load.at(member.broker) < load.at(*best)) best = member.broker;
+    }
+    return best;
+}
+
+}  // namespace
+
+std::map<LogId, Seq> agreed_ends(const Answers& answers) {
+    std::map<LogId, Seq> ends;
+    for (const auto& [member, holdings] : answers.holdings) {
+        for (const LogPosition& position : holdings.holds) {
+            Seq& end = ends[position.log];
+            end = std::max(end, position.seq);
+        }
+    }
+    return ends;
+}
+
+std::vector<Assignment> assign(const Answers& answers, const std::map<LogId, Seq>& ends,
+                               const Membership& membership) {
+    std::set<std::pair<LogId, Endpoint>> left;
+    for (const auto& [member, holdings] : answers.holdings) {
+        for (const auto& [log, address] : holdings.addresses) left.emplace(log, address);
+    }
+    auto load = loads(answers, membership);
+    std::map<Endpoint, BrokerId> chosen;  // one heir an address, however many logs named it
+    std::vector<Assignment> assignments;
+    for (const auto& [log, address] : left) {
+        const auto end = ends.find(log);
+        if (end == ends.end()) continue;
+        std::optional<BrokerId> heir = present_server(answers, membership, address);
+        if (!heir && chosen.contains(address)) heir = chosen.at(address);
+        // One that serves the address but does not know the log gets the sessions from an heir.
+        if (!heir || std::ranges::none_of(answers.holdings, [&](const auto& entry) {
+                return entry.first.broker == *heir && held_of(entry.second, log).has_value();
+            })) {
+            heir = least_loaded(answers, log, load);
+        }
+        if (!heir) continue;
+        chosen.try_emplace(address, *heir);
+        const Peer* dead = membership.find(log.broker);
+        load[*heir] += 1 + (dead != nullptr ? dead->beacon.sessions : 0);
+        assignments.push_back({.end = {log, end->second}, .address = address, .heir = *heir});
+    }
+    return assignments;
+}
+
+std::vector<std::pair<BrokerId, TailRequest>> missing_tails(const Answers& answers,
+                                                            const std::map<LogId, Seq>& ends) {
+    std::vector<std::pair<BrokerId, TailRequest>> requests;
+    for (const auto& [log, end] : ends) {
+        const auto best = std::ranges::find_if(
+            answers.holdings, [&](const auto& entry) { return held_of(entry.second, log) == end; });
+        for (const auto& [member, holdings] : answers.holdings) {
+            const auto held = held_of(holdings, log);
+            if (!held || *held == end) continue;
+            requests.emplace_back(best->first.broker, TailRequest{.number = answers.view.number,
+                                                                  .after = {log, *held},
+                                                                  .to = member.broker});
+        }
+    }
+    return requests;
+}
+
+}  // namespace romano::cluster

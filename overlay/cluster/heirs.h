@@ -1,0 +1,32 @@
+// Who inherits: the leader's choice for every service address that lost its broker.
+//
+// Deterministic, from the members' answers alone. An address that a member already serves stays
+// with it, for what is left of its sessions; the others go to the least loaded of those that hold
+// the dead broker's log.
+#pragma once
+
+#include <map>
+#include <vector>
+
+#include "overlay/cluster/membership.h"
+
+namespace romano::cluster {
+
+struct Answers {
+    const View& view;
+    const std::map<LogId, ViewHoldings>& holdings;  // of all members
+    const std::vector<Endpoint>& serving;           // by the leader itself
+    LogId leader;
+    std::uint32_t leader_sessions = 0;
+};
+
+/// The agreed last event of every log that somebody holds and that has no member.
+[[nodiscard]] std::map<LogId, Seq> agreed_ends(const Answers& answers);
+[[nodiscard]] std::vector<Assignment> assign(const Answers& answers,
+                                             const std::map<LogId, Seq>& ends,
+                                             const Membership& membership);
+/// Requests for the tails that members lack, to one that holds them.
+[[nodiscard]] std::vector<std::pair<BrokerId, TailRequest>> missing_tails(
+    const Answers& answers, const std::map<LogId, Seq>& ends);
+
+}  // namespace romano::cluster

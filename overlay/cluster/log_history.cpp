@@ -1,0 +1,63 @@
+#include "overlay/cluster/log_history.h"
+
+#include <algorithm>
+#include <cassert>
+#include <utility>
+
+namespace romano::cluster {
+namespace {
+
+bool stands_before(const MessagePtr& message, Seq seq) {
+    return message->position.seq < seq;
+}
+
+}  // namespace
+
+void LogHistory::append(LogEvent event) {
+    ++last_;
+    if (const auto* published = std::get_if<broker::Published>(&event)) {
+        publishes_.push_back(published->message);
+        if (publishes_.size() > most_) publishes_.pop_front();
+    }
+    events_.push_back(std::move(event));
+    if (events_.size() > most_) events_.pop_front();
+}
+
+void LogHistory::restart(Seq as_of, std::vector<MessagePtr> publishes) {
+    events_.clear();
+    publishes_.assign(std::make_move_iterator(publishes.begin()),
+                      std::make_move_iterator(publishes.end()));
+    while (publishes_.size() > most_) publishes_.pop_front();
+    last_ = as_of;
+}
+
+std::vector<LogEvent> LogHistory::events_after(Seq seq, std::size_t most) const {
+    assert(reaches_back_to(seq));
+    if (seq >= last_) return {};
+    const std::size_t skipped = events_.size() - static_cast<std::size_t>(last_ - seq);
+    const auto from = events_.begin() + static_cast<std::ptrdiff_t>(skipped);
+    const std::size_t count = std::min(most, events_.size() - skipped);
+    return {from, from + static_cast<std::ptrdiff_t>(count)};
+}
+
+std::vector<MessagePtr> LogHistory::publishes_after(Seq seq) const {
+    return {std::lower_bound(publishes_.begin(), publishes_.end(), seq + 1, stands_before),
+            publishes_.end()};
+}
+
+MessagePtr LogHistory::publish_at(Seq seq) const {
+    const auto at = std::lower_bound(publishes_.begin(), publishes_.end(), seq, stands_before);
+    return at != publishes_.end() && (*at)->position.seq == seq ? *at : MessagePtr{};
+}
+
+void LogHistory::forget_events(Seq through) {
+    while (!events_.empty() && last_ - events_.size() + 1 <= through) events_.pop_front();
+}
+
+void LogHistory::forget_publishes(Seq through) {
+    while (!publishes_.empty() && publishes_.front()->position.seq <= through) {
+        publishes_.pop_front();
+    }
+}
+
+}  // namespace romano::cluster

@@ -1,0 +1,57 @@
+// What is kept of one broker's log after it was applied: events for brokers that lag, and publishes
+// that a session may still have to get when its home dies.
+//
+// The two are kept for different times: an event until every member has applied it, a publish until
+// every member's *logged* cursor has passed it. Both are bounded: beyond `most` events the oldest
+// go, and a broker that lags by more needs a snapshot; beyond `most` publishes the oldest go, and
+// an adopted session whose home lagged by more does not get them.
+#pragma once
+
+#include <cstddef>
+#include <deque>
+#include <vector>
+
+#include "broker/core/log_event.h"
+#include "broker/core/log_position.h"
+
+namespace romano::cluster {
+
+using broker::LogEvent;
+using broker::LogId;
+using broker::LogPosition;
+using broker::MessagePtr;
+using broker::Seq;
+
+class LogHistory {
+public:
+    explicit LogHistory(std::size_t most) : most_(most) {}
+
+    /// The event at last() + 1.
+    void append(LogEvent event);
+    /// Goes on after a snapshot: nothing before as_of is here but these publishes, in log order.
+    void restart(Seq as_of, std::vector<MessagePtr> publishes);
+
+    [[nodiscard]] Seq last() const { return last_; }
+    /// True when all events after `seq` are still here.
+    [[nodiscard]] bool reaches_back_to(Seq seq) const { return seq + events_.size() >= last_; }
+    /// Up to `most` events after `seq`; call only when reaches_back_to(seq).
+    [[nodiscard]] std::vector<LogEvent> events_after(Seq seq, std::size_t most) const;
+    /// Publishes after `seq`, in order.
+    [[nodiscard]] std::vector<MessagePtr> publishes_after(Seq seq) const;
+    /// Null when it is not kept.
+    [[nodiscard]] MessagePtr publish_at(Seq seq) const;
+
+    void forget_events(Seq through);
+    void forget_publishes(Seq through);
+
+    [[nodiscard]] std::size_t events_kept() const { return events_.size(); }
+    [[nodiscard]] std::size_t publishes_kept() const { return publishes_.size(); }
+
+private:
+    std::size_t most_;
+    Seq last_ = 0;
+    std::deque<LogEvent> events_;       // the last events_.size() ones, ending at last_
+    std::deque<MessagePtr> publishes_;  // by position, ascending
+};
+
+}  // namespace romano::cluster

@@ -1,0 +1,121 @@
+#include "overlay/cluster/membership.h"
+
+#include <algorithm>
+#include <cassert>
+
+namespace romano::cluster {
+namespace {
+
+// Peers that are gone are remembered for their addresses; beyond this many the dead are forgotten.
+constexpr std::size_t peers_known = 1'000;
+
+}  // namespace
+
+bool Peer::is_home_of(const Endpoint& address) const {
+    return std::ranges::count(beacon.home_addresses, address) > 0;
+}
+
+bool Peer::is_serving(const Endpoint& address) const {
+    return std::ranges::count(beacon.serving, address) > 0;
+}
+
+Membership::Membership(const ClusterOptions& options, BrokerId self, std::uint64_t seed)
+    : self_(self) {
+    const election::DetectorOptions times{.beacon_every = options.beacon_every,
+                                          .timeout = options.detection_timeout};
+    heard_ = election::make_detector(options.detector, times);
+    linked_ = election::make_detector(options.detector, times);
+    assert(linked_ != nullptr && "the shell checks the detector's name");
+    elector_ = election::make_elector(options.elector,
+                                      {.self = {.capability = options.rank, .id = node_of(self)},
+                                       .detection_time = linked_->detection_time(),
+                                       .seed = seed});
+    assert(elector_ != nullptr && "the shell checks the elector's name");
+}
+
+bool Membership::on_beacon(Instant now, const Beacon& beacon) {
+    const BrokerId id = beacon.log.broker;
+    if (id == self_) return false;
+    if (!peers_.contains(id) && peers_.size() >= peers_known) {
+        std::erase_if(peers_, [](const auto& entry) { return !entry.second.alive; });
+        if (peers_.size() >= peers_known) return false;
+    }
+    Peer& peer = peers_[id];
+    if (beacon.log.incarnation < peer.beacon.log.incarnation) return false;
+    if (beacon.log == peer.beacon.log && beacon.tick <= peer.beacon.tick) return false;
+    peer.beacon = beacon;
+
+    const election::NodeId node = node_of(id);
+    if (beacon.leaving) {
+        heard_->on_gone(now, node);
+        linked_->on_gone(now, node);
+        bury_suspects(now);
+        return true;
+    }
+    heard_->on_beacon(now, node);
+    if (std::ranges::count(beacon.hears, self_) > 0) {
+        linked_->on_beacon(now, node);
+        peer.alive = true;
+        elector_->on_claim(now, beacon.claim);
+    }
+    return true;
+}
+
+void Membership::on_leader(Instant now, BrokerId leader, election::Term term) {
+    const auto peer = peers_.find(leader);
+    if (peer == peers_.end() || !peer->second.alive) return;
+    election::Claim& claim = peer->second.beacon.claim;
+    if (claim.term >= term) return;
+    claim.term = term;
+    claim.leader = node_of(leader);
+    elector_->on_claim(now, claim);
+}
+
+void Membership::on_ballot(Instant now, BrokerId from, const election::Ballot& ballot) {
+    elector_->on_ballot(now, node_of(from), ballot);
+}
+
+void Membership::on_tick(Instant now, Outbox& out) {
+    heard_->on_tick(now);
+    linked_->on_tick(now);
+    bury_suspects(now);
+    elector_->on_tick(now);
+    for (const auto& [to, ballot] : elector_->take_ballots()) {
+        out.push_back({broker_of(to), ElectionMessage{ballot}});
+    }
+}
+
+void Membership::bury_suspects(Instant now) {
+    (void)heard_->take_suspects();
+    for (const auto node : linked_->take_suspects()) {
+        peers_[broker_of(node)].alive = false;
+        elector_->on_suspect(now, node);
+    }
+}
+
+Instant Membership::next_wakeup() const {
+    return std::min({heard_->next_wakeup(), linked_->next_wakeup(), elector_->next_wakeup()});
+}
+
+void Membership::describe(Beacon& beacon) const {
+    beacon.claim = elector_->claim();
+    for (const auto& [id, peer] : peers_) {
+        if (heard_->is_alive(node_of(id))) beacon.hears.push_back(id);
+    }
+}
+
+const Peer* Membership::find(BrokerId id) const {
+    const auto found = peers_.find(id);
+    return found == peers_.end() ? nullptr : &found->second;
+}
+
+bool Membership::is_alive(const LogId& log) const {
+    const Peer* peer = find(log.broker);
+    return peer != nullptr && peer->alive && peer->beacon.log == log;
+}
+
+bool Membership::leads() const {
+    return leadership().leader == node_of(self_);
+}
+
+}  // namespace romano::cluster

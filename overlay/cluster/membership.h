@@ -1,0 +1,69 @@
+// Who is there: what the peers' beacons say, whom the detector believes alive, whom the elector
+// makes leader; and what the own beacon says about that.
+//
+// A link counts when it works both ways: a peer is alive to us when its beacons come here and say
+// that ours reach it. One way only, it could neither acknowledge our log nor follow our view.
+#pragma once
+
+#include <map>
+#include <memory>
+#include <vector>
+
+#include "election/elector.h"
+#include "election/failure_detector.h"
+#include "overlay/cluster/envelope.h"
+#include "overlay/cluster/options.h"
+#include "romano/base/time.h"
+
+namespace romano::cluster {
+
+[[nodiscard]] inline election::NodeId node_of(BrokerId id) {
+    return election::NodeId{static_cast<std::uint64_t>(id)};
+}
+[[nodiscard]] inline BrokerId broker_of(election::NodeId id) {
+    return BrokerId{static_cast<std::uint64_t>(id)};
+}
+
+/// What is known of a peer: its newest beacon.
+struct Peer {
+    Beacon beacon;
+    bool alive = false;
+    [[nodiscard]] bool is_home_of(const Endpoint& address) const;
+    [[nodiscard]] bool is_serving(const Endpoint& address) const;
+};
+
+class Membership {
+public:
+    Membership(const ClusterOptions& options, BrokerId self, std::uint64_t seed);
+
+    /// False when the beacon is not to be heeded: of an earlier life of the peer, or our own.
+    bool on_beacon(Instant now, const Beacon& beacon);
+    /// The leader's claim comes with its proposals too, and may come there before its beacon.
+    void on_leader(Instant now, BrokerId leader, election::Term term);
+    void on_ballot(Instant now, BrokerId from, const election::Ballot& ballot);
+    void on_tick(Instant now, Outbox& out);
+    [[nodiscard]] Instant next_wakeup() const;
+
+    /// Fills in what the own beacon says about the others.
+    void describe(Beacon& beacon) const;
+
+    [[nodiscard]] const std::map<BrokerId, Peer>& peers() const { return peers_; }
+    /// Null when unknown.
+    [[nodiscard]] const Peer* find(BrokerId id) const;
+    /// Alive, and in this life.
+    [[nodiscard]] bool is_alive(const LogId& log) const;
+    [[nodiscard]] election::Leadership leadership() const { return elector_->leadership(); }
+    [[nodiscard]] bool leads() const;
+    [[nodiscard]] Duration detection_time() const { return linked_->detection_time(); }
+
+private:
+    void bury_suspects(Instant now);
+
+    BrokerId self_;
+    std::unique_ptr<election::FailureDetector> heard_;   // beacons come here
+    std::unique_ptr<election::FailureDetector> linked_;  // and ours go there
+    std::unique_ptr<election::Elector> elector_;
+    std::map<BrokerId, Peer> peers_;
+};
+
+}  // namespace romano::cluster

@@ -1,0 +1,145 @@
+#include "overlay/cluster/peer_log.h"
+
+#include <algorithm>
+#include <cassert>
+#include <utility>
+
+namespace romano::cluster {
+namespace {
+
+constexpr std::size_t early_events_most = 20'000;
+
+}  // namespace
+
+PeerLog::PeerLog(LogId id, std::size_t events_kept) : id_(id), mirror_(id), history_(events_kept) {}
+
+void PeerLog::offer(Seq first_seq, std::vector<LogEvent> events) {
+    if (events.empty() || first_seq == 0) return;
+    heard_end(first_seq + events.size() - 1);
+    const Seq expected = applied() + ready_.size() + 1;
+    if (first_seq > expected) {
+        if (early_events_ + events.size() > early_events_most || early_.contains(first_seq)) return;
+        early_events_ += events.size();
+        early_.emplace(first_seq, std::move(events));
+        return;
+    }
+    const Seq known = expected - first_seq;  // the first ones are here already
+    if (known >= events.size()) return;
+    ready_.insert(ready_.end(),
+                  std::make_move_iterator(events.begin() + static_cast<std::ptrdiff_t>(known)),
+                  std::make_move_iterator(events.end()));
+    if (const auto next = early_.begin();
+        next != early_.end() && next->first <= applied() + ready_.size() + 1) {
+        auto follows = early_.extract(next);
+        early_events_ -= follows.mapped().size();
+        offer(follows.key(), std::move(follows.mapped()));
+    }
+}
+
+const LogEvent* PeerLog::next() const {
+    return ready_.empty() ? nullptr : &ready_.front();
+}
+
+void PeerLog::apply() {
+    mirror_.apply(applied() + 1, ready_.front());
+    if (frozen_) follow_in_tail(ready_.front());
+    history_.append(std::move(ready_.front()));
+    ready_.pop_front();
+}
+
+/// What the dead broker still did with its sessions before it died.
+void PeerLog::follow_in_tail(const LogEvent& event) {
+    if (const auto* put = std::get_if<broker::SessionPut>(&event)) {
+        left_[put->image.header.client_id] = put->image.header.via;
+    } else if (const auto* changed = std::get_if<broker::SessionChanged>(&event)) {
+        const auto session = left_.find(changed->header.client_id);
+        if (session != left_.end()) session->second = changed->header.via;
+    } else if (const auto* erased = std::get_if<broker::SessionErased>(&event)) {
+        left_.erase(erased->client_id);
+    }
+}
+
+std::optional<SnapshotRequest> PeerLog::ask(Instant now, Duration patience) {
+    if (frozen_ || known_end_ <= applied()) {
+        asked_at_ = now;
+        asked_after_ = applied();
+        return std::nullopt;
+    }
+    if (asked_after_ != applied()) {  // it moves: no need to ask yet
+        asked_at_ = now;
+        asked_after_ = applied();
+        if (applied() != 0) return std::nullopt;
+    }
+    if (now < asked_at_ + patience) return std::nullopt;
+    asked_at_ = now;
+    return SnapshotRequest{.log = id_, .after = applied()};
+}
+
+std::optional<SnapshotPart> PeerLog::offer(SnapshotPart part) {
+    if (part.part == 0) {
+        snapshot_ = std::move(part);
+    } else {
+        if (!snapshot_ || snapshot_->as_of != part.as_of || snapshot_->part + 1 != part.part) {
+            snapshot_.reset();  // parts are lost: the gap remains and is asked for again
+            return std::nullopt;
+        }
+        const auto append = [](auto& all, auto& more) {
+            all.insert(all.end(), std::make_move_iterator(more.begin()),
+                       std::make_move_iterator(more.end()));
+        };
+        append(snapshot_->sessions, part.sessions);
+        append(snapshot_->retained, part.retained);
+        append(snapshot_->publishes, part.publishes);
+        append(snapshot_->cursors, part.cursors);
+        snapshot_->part = part.part;
+        snapshot_->last = part.last;
+    }
+    asked_after_ = applied();
+    if (!snapshot_->last) return std::nullopt;
+    return std::exchange(snapshot_, std::nullopt);
+}
+
+void PeerLog::restart(const SnapshotPart& snapshot) {
+    assert(snapshot.as_of.log == id_);
+    mirror_ = broker::Mirror(snapshot.as_of, snapshot.sessions, snapshot.cursors);
+    history_.restart(snapshot.as_of.seq, snapshot.publishes);
+    ready_.clear();
+    heard_end(snapshot.as_of.seq);
+    while (!early_.empty()) {
+        auto next = early_.extract(early_.begin());
+        early_events_ -= next.mapped().size();
+        const bool follows = next.key() <= applied() + ready_.size() + 1;
+        offer(next.key(), std::move(next.mapped()));
+        if (!follows) break;
+    }
+}
+
+void PeerLog::freeze() {
+    if (frozen_) return;
+    frozen_ = true;
+    for (const auto& image : mirror_.images()) {
+        left_.emplace(image.header.client_id, image.header.via);
+    }
+}
+
+void PeerLog::thaw() {
+    frozen_ = false;
+    left_.clear();
+}
+
+std::vector<broker::SessionImage> PeerLog::sessions_left(const Endpoint& address) const {
+    std::vector<broker::SessionImage> images;
+    for (const auto& [client, via] : left_) {
+        if (via != address) continue;
+        if (auto image = mirror_.image(client)) images.push_back(*std::move(image));
+    }
+    return images;
+}
+
+std::vector<Endpoint> PeerLog::addresses_left() const {
+    std::set<Endpoint> addresses = serving_;
+    for (const auto& [client, via] : left_) addresses.insert(via);
+    return {addresses.begin(), addresses.end()};
+}
+
+}  // namespace romano::cluster

@@ -1,0 +1,90 @@
+// What is held of one peer's log: the mirror made by applying it in order, and its history.
+//
+// Batches may come twice, early or not at all. Early ones wait (bounded; the oldest gap is asked
+// for anyway, so that overflow drops the newest); a gap is asked for after a moment and again while
+// it lasts. A frozen log takes nothing from its writer any more: its broker is being removed, and
+// the members must agree on its last event; only tails that peers send continue it.
+#pragma once
+
+#include <deque>
+#include <map>
+#include <optional>
+#include <set>
+#include <vector>
+
+#include "broker/core/mirror.h"
+#include "overlay/cluster/log_history.h"
+#include "overlay/cluster/messages.h"
+#include "romano/base/time.h"
+
+namespace romano::cluster {
+
+class PeerLog {
+public:
+    PeerLog(LogId id, std::size_t events_kept);
+
+    [[nodiscard]] Seq applied() const { return history_.last(); }
+    [[nodiscard]] const broker::Mirror& mirror() const { return mirror_; }
+    [[nodiscard]] broker::Mirror& mirror() { return mirror_; }
+    [[nodiscard]] const LogHistory& history() const { return history_; }
+    [[nodiscard]] LogHistory& history() { return history_; }
+
+    // --- events
+    void offer(Seq first_seq, std::vector<LogEvent> events);
+    /// The next event in order, or null. It stays there until apply().
+    [[nodiscard]] const LogEvent* next() const;
+    void apply();
+    /// The writer says that its log ends there.
+    void heard_end(Seq last) { known_end_ = std::max(known_end_, last); }
+    /// A request for what is missing, at most one in `patience` and not before it was missing for
+    /// as long.
+    [[nodiscard]] std::optional<SnapshotRequest> ask(Instant now, Duration patience);
+
+    // --- snapshots
+    /// A snapshot when this was its last part.
+    [[nodiscard]] std::optional<SnapshotPart> offer(SnapshotPart part);
+    /// Replaces mirror and history by the snapshot.
+    void restart(const SnapshotPart& snapshot);
+
+    // --- removal
+    void freeze();
+    void thaw();
+    [[nodiscard]] bool is_frozen() const { return frozen_; }
+    /// The addresses that the writer's beacon names: robots may come there at any time.
+    void heard_serving(const std::vector<Endpoint>& addresses) {
+        if (!frozen_) serving_ = {addresses.begin(), addresses.end()};
+    }
+    /// Of a frozen log: the session has a new home, in another log.
+    void mark_taken(const broker::ClientId& client) { left_.erase(client); }
+    /// Of a frozen log: the address has a new broker.
+    void mark_served(const Endpoint& address) { serving_.erase(address); }
+    /// Sessions of that address that have no new home yet.
+    [[nodiscard]] std::vector<broker::SessionImage> sessions_left(const Endpoint& address) const;
+    [[nodiscard]] bool has_sessions_left() const { return !left_.empty(); }
+    /// Addresses without a new broker or with sessions left.
+    [[nodiscard]] std::vector<Endpoint> addresses_left() const;
+
+private:
+    void follow_in_tail(const LogEvent& event);
+
+    LogId id_;
+    broker::Mirror mirror_;
+    LogHistory history_;
+    std::deque<LogEvent> ready_;                  // follow applied(); empty between inputs
+    std::map<Seq, std::vector<LogEvent>> early_;  // by first seq; beyond a gap
+    std::size_t early_events_ = 0;
+    Seq known_end_ = 0;
+    Instant asked_at_ = Instant::min();
+    Seq asked_after_ = 0;
+    std::optional<SnapshotPart> snapshot_;  // what has come of it
+
+    bool frozen_ = false;
+    std::map<broker::ClientId, Endpoint> left_;  // of a frozen log: not taken; with their via
+    std::set<Endpoint> serving_;
+};
+
+/// All peers' logs that are held: of members, of peers that are about to join, and for some time of
+/// removed ones.
+using PeerLogs = std::map<LogId, PeerLog>;
+
+}  // namespace romano::cluster

@@ -1,0 +1,28 @@
+// What a cluster asks of the machine it runs on: service addresses to serve or to give up, and
+// lines for its trace.
+#pragma once
+
+#include <string>
+#include <variant>
+
+#include "romano/base/endpoint.h"
+
+namespace romano::cluster {
+
+/// Serve this address from now on, and say whether that worked. Another process on this host may
+/// still hold it and let it go only when told: bind it beside that one all the same.
+struct TakeAddress {
+    Endpoint address;
+};
+/// Stop serving this address.
+struct GiveUpAddress {
+    Endpoint address;
+};
+/// A line for the trace: something that people want to know.
+struct Notice {
+    std::string text;
+};
+
+using LocalAction = std::variant<TakeAddress, GiveUpAddress, Notice>;
+
+}  // namespace romano::cluster

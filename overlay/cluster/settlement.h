@@ -1,0 +1,48 @@
+// One client, two homes: after a heal, or when two brokers adopted it. The copy that outranks the
+// other stays (broker::outranks; the higher broker id at a full tie), the other home hands its copy
+// over and forgets it (design section 3, "Joining and healing").
+//
+// Mirrors know when a client was last heard only as of the last event, so the homes tell each other
+// directly: each claims its copy to the other, and who sees itself outranked gives way. Ranks of a
+// copy only grow, so never do both.
+#pragma once
+
+#include <map>
+#include <set>
+#include <utility>
+
+#include "overlay/cluster/effects.h"
+#include "overlay/cluster/membership.h"
+#include "overlay/cluster/peer_log.h"
+
+namespace romano::cluster {
+
+class Settlement {
+public:
+    Settlement(BrokerId self, Duration patience) : self_(self), patience_(patience) {}
+
+    /// A peer's log says that it is home to this client.
+    void on_peer_session(const Effects& effects, BrokerId peer, const broker::ClientId& client);
+    /// Looks for all clients that are homed here and there.
+    void compare(const Effects& effects, const PeerLogs& logs, const View& view);
+
+    /// Claims what both hold, from time to time.
+    void carry_on(Effects& effects, const PeerLogs& logs);
+    void on_claim(Effects& effects, BrokerId from, const SessionClaim& claim);
+    /// The client came to another broker: hand its session over.
+    void on_request(Effects& effects, BrokerId from, const SessionRequest& request);
+    void on_ack(Effects& effects, BrokerId from, const HandoffAck& ack);
+    [[nodiscard]] bool is_settled() const { return conflicts_.empty(); }
+    void restart();
+
+private:
+    void give_way(Effects& effects, BrokerId to, broker::SessionImage image);
+
+    BrokerId self_;
+    Duration patience_;
+    std::set<std::pair<broker::ClientId, BrokerId>> conflicts_;
+    std::map<broker::ClientId, std::pair<BrokerId, Instant>> giving_way_;
+    Instant next_claims_ = Instant::min();
+};
+
+}  // namespace romano::cluster

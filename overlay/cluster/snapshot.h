@@ -1,0 +1,16 @@
+// All that is a broker's own, for a peer that cannot continue its log: sessions, retained messages,
+// publishes that somebody's cursor has not passed, cursors. In parts; the last one says so.
+#pragma once
+
+#include "broker/core/broker_core.h"
+#include "overlay/cluster/adoption.h"
+#include "overlay/cluster/envelope.h"
+#include "overlay/cluster/own_log.h"
+
+namespace romano::cluster {
+
+/// `logs` name those writers that speak for themselves: retained messages that they wrote are left
+/// to them.
+void send_snapshot(const broker::BrokerCore& broker, const Logs& logs, BrokerId to, Outbox& out);
+
+}  // namespace romano::cluster

@@ -1,0 +1,88 @@
+#include "overlay/cluster/take_over.h"
+
+#include <algorithm>
+#include <optional>
+#include <utility>
+
+#include "overlay/cluster/session_handoff.h"
+
+namespace romano::cluster {
+namespace {
+
+/// The address's own broker, when it is in the view and answers on the address already.
+std::optional<BrokerId> returned_owner(const Endpoint& address, BrokerId self,
+                                       const Membership& membership, const View& view) {
+    for (const LogId& member : view.members) {
+        if (member.broker == self || !membership.is_alive(member)) continue;
+        const Peer& peer = *membership.find(member.broker);
+        if (peer.is_home_of(address) && peer.is_serving(address)) return member.broker;
+    }
+    return std::nullopt;
+}
+
+}  // namespace
+
+void TakeOver::on_view(Instant now, const ViewAnnouncement& announcement) {
+    // What was assigned by an earlier view and is not done is assigned anew by this one.
+    pending_.clear();
+    for (const Assignment& assignment : announcement.assignments) {
+        if (assignment.heir == self_) pending_.push_back({assignment, now, now});
+    }
+}
+
+void TakeOver::carry_on(Effects& effects, const Logs& logs, const Membership& membership,
+                        const View& view, ServiceAddresses& addresses) {
+    std::erase_if(pending_, [&](Pending& pending) {
+        const auto log = logs.peers.find(pending.assignment.end.log);
+        if (log == logs.peers.end()) return true;
+        if (!log->second.is_frozen()) return true;  // it is back
+        if (!is_ready(effects, pending, log->second, membership, view)) return false;
+        carry_out(effects, pending.assignment, log->second, logs, membership, view, addresses);
+        return true;
+    });
+}
+
+bool TakeOver::is_ready(Effects& effects, Pending& pending, const PeerLog& log,
+                        const Membership& membership, const View& view) const {
+    const LogPosition& end = pending.assignment.end;
+    if (log.applied() >= end.seq) return true;
+    if (effects.now > pending.since + 4 * patience_) {
+        effects.local.push_back(Notice{"takes over without the last events of a removed broker"});
+        return true;
+    }
+    if (effects.now < pending.asked_at + patience_ / 4) return false;
+    pending.asked_at = effects.now;
+    for (const LogId& member : view.members) {
+        const Peer* peer = membership.find(member.broker);
+        if (peer == nullptr) continue;
+        const auto applied = std::ranges::find(peer->beacon.applied, end.log, &LogPosition::log);
+        if (applied == peer->beacon.applied.end() || applied->seq <= log.applied()) continue;
+        effects.peers.push_back(
+            {member.broker, TailRequest{view.number, {end.log, log.applied()}, self_}});
+        break;
+    }
+    return false;
+}
+
+void TakeOver::carry_out(Effects& effects, const Assignment& assignment, PeerLog& log,
+                         const Logs& logs, const Membership& membership, const View& view,
+                         ServiceAddresses& addresses) {
+    auto sessions = log.sessions_left(assignment.address);
+    const auto owner = returned_owner(assignment.address, self_, membership, view);
+    if (owner) {
+        send_handoff(*owner, assignment.address, std::move(sessions), effects.peers);
+        log.mark_served(assignment.address);
+        return;
+    }
+    if (assignment.address.family != Endpoint::Family::none) {
+        addresses.take(effects, assignment.address);
+        log.mark_served(assignment.address);
+    }
+    for (auto& image : sessions) {
+        const broker::ClientId client = image.header.client_id;
+        adopt(effects, logs, std::move(image));
+        log.mark_taken(client);
+    }
+}
+
+}  // namespace romano::cluster

@@ -1,0 +1,47 @@
+// An heir's work after a view change: adopt the sessions of the addresses that were assigned to it
+// and answer on these addresses (design section 3, "View change" and "Taking over the address").
+//
+// It waits until it holds the dead broker's log up to the agreed end, and asks the members for the
+// tail while it lacks it; after some time it goes on with what it has. When the address's own
+// broker is back and serving by then, the sessions go to it instead.
+#pragma once
+
+#include <vector>
+
+#include "overlay/cluster/adoption.h"
+#include "overlay/cluster/effects.h"
+#include "overlay/cluster/membership.h"
+#include "overlay/cluster/service_addresses.h"
+#include "overlay/cluster/view_change.h"
+
+namespace romano::cluster {
+
+class TakeOver {
+public:
+    TakeOver(BrokerId self, Duration patience) : self_(self), patience_(patience) {}
+
+    void on_view(Instant now, const ViewAnnouncement& announcement);
+    /// Does what has become possible.
+    void carry_on(Effects& effects, const Logs& logs, const Membership& membership,
+                  const View& view, ServiceAddresses& addresses);
+    [[nodiscard]] bool is_busy() const { return !pending_.empty(); }
+    void restart() { pending_.clear(); }
+
+private:
+    struct Pending {
+        Assignment assignment;
+        Instant since;
+        Instant asked_at;
+    };
+
+    [[nodiscard]] bool is_ready(Effects& effects, Pending& pending, const PeerLog& log,
+                                const Membership& membership, const View& view) const;
+    void carry_out(Effects& effects, const Assignment& assignment, PeerLog& log, const Logs& logs,
+                   const Membership& membership, const View& view, ServiceAddresses& addresses);
+
+    BrokerId self_;
+    Duration patience_;
+    std::vector<Pending> pending_;
+};
+
+}  // namespace romano::cluster

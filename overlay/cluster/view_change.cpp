@@ -1,0 +1,232 @@
+#include "overlay/cluster/view_change.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "overlay/cluster/heirs.h"
+#include "overlay/cluster/own_log.h"
+
+namespace romano::cluster {
+namespace {
+
+bool has(const View& view, const LogId& log) {
+    return std::ranges::binary_search(view.members, log);
+}
+
+}  // namespace
+
+bool ViewChange::contains(const LogId& log) const {
+    return has(view_, log);
+}
+
+std::optional<ViewAnnouncement> ViewChange::take_installed() {
+    return std::exchange(installed_, std::nullopt);
+}
+
+void ViewChange::restart(LogId self) {
+    self_ = self;
+    view_.members.clear();
+    proposal_.reset();
+    installed_.reset();
+}
+
+// --- the leader's side
+
+void ViewChange::on_tick(Instant now, Surroundings around, Outbox& out) {
+    if (!around.membership.leads()) {
+        proposal_.reset();
+        refusing_.clear();
+        // A proposal whose leader went away before it announced: let the members speak on.
+        if (promised_ > view_.number && now > promised_at_ + 4 * patience_) {
+            promised_ = view_.number;
+            for (auto& [id, log] : around.logs) {
+                if (contains(id)) log.thaw();
+            }
+        }
+        return;
+    }
+    if (proposal_) {
+        give_up_on_silent(now, around.membership);
+        auto desired = desired_members(around.membership);
+        if (desired != proposal_->message.view.members) {
+            propose(now, std::move(desired), around, out);
+        } else if (now >= proposal_->asked_at + beacon_every_) {
+            ask(now, out);
+        }
+        return;
+    }
+    auto desired = desired_members(around.membership);
+    if (needs_change(now, desired, around.membership)) {
+        propose(now, std::move(desired), around, out);
+    }
+}
+
+std::vector<LogId> ViewChange::desired_members(const Membership& membership) {
+    std::vector<LogId> members{self_};
+    for (const auto& [id, peer] : membership.peers()) {
+        if (!peer.alive) continue;
+        const bool follows = peer.beacon.claim.leader == membership.leadership().leader;
+        if (follows) refusing_.erase(id);
+        if (follows || (contains(peer.beacon.log) && !refusing_.contains(id))) {
+            members.push_back(peer.beacon.log);
+        }
+    }
+    std::ranges::sort(members);
+    return members;
+}
+
+bool ViewChange::needs_change(Instant now, const std::vector<LogId>& desired,
+                              const Membership& membership) const {
+    if (desired != view_.members || view_.number.leader != self_.broker) return true;
+    if (now < installed_at_ + 2 * patience_) return false;
+    // A member that did not hear the announcement is asked into the view again.
+    return std::ranges::any_of(membership.peers(), [this](const auto& entry) {
+        const Beacon& beacon = entry.second.beacon;
+        return contains(beacon.log) && beacon.view.number != view_.number;
+    });
+}
+
+void ViewChange::propose(Instant now, std::vector<LogId> members, Surroundings around,
+                         Outbox& out) {
+    const auto& leadership = around.membership.leadership();
+    ViewNumber number{.term = leadership.term, .leader = self_.broker, .count = 1};
+    const ViewNumber& newest = std::max(promised_, view_.number);
+    if (newest.term == number.term && newest.leader == number.leader) {
+        number.count = newest.count + 1;
+    }
+    promised_ = number;
+    promised_at_ = now;
+
+    proposal_.emplace(Proposal{.message = {.view = {number, std::move(members)}, .removed = {}},
+                               .answers = {},
+                               .since = now,
+                               .asked_at = now});
+    const View& view = proposal_->message.view;
+    freeze(view, around.logs);
+    for (const auto& [id, log] : around.logs) {
+        if (!has(view, id)) proposal_->message.removed.push_back(id);
+    }
+    proposal_->answers.emplace(self_, holdings(view, around));
+    ask(now, out);
+    conclude(now, around, out);
+}
+
+void ViewChange::ask(Instant now, Outbox& out) {
+    proposal_->asked_at = now;
+    for (const LogId& member : proposal_->message.view.members) {
+        if (!proposal_->answers.contains(member)) {
+            out.push_back({member.broker, proposal_->message});
+        }
+    }
+}
+
+void ViewChange::give_up_on_silent(Instant now, const Membership& membership) {
+    if (now < proposal_->since + 2 * patience_) return;
+    for (const LogId& member : proposal_->message.view.members) {
+        if (proposal_->answers.contains(member)) continue;
+        const Peer* peer = membership.find(member.broker);
+        if (peer == nullptr || peer->beacon.claim.leader != node_of(self_.broker)) {
+            refusing_.insert(member.broker);
+        }
+    }
+}
+
+void ViewChange::on_holdings(Instant now, const LogId& from, const ViewHoldings& holdings,
+                             Surroundings around, Outbox& out) {
+    if (!proposal_ || holdings.number != proposal_->message.view.number) return;
+    if (!has(proposal_->message.view, from)) return;
+    proposal_->answers.emplace(from, holdings);
+    conclude(now, around, out);
+}
+
+void ViewChange::conclude(Instant now, Surroundings around, Outbox& out) {
+    if (proposal_->answers.size() < proposal_->message.view.members.size()) return;
+    const Proposal done = *std::exchange(proposal_, std::nullopt);
+    const Answers answers{.view = done.message.view,
+                          .holdings = done.answers,
+                          .serving = around.serving,
+                          .leader = self_,
+                          .leader_sessions = around.sessions};
+    const auto ends = agreed_ends(answers);
+    for (const auto& [holder, request] : missing_tails(answers, ends)) {
+        if (holder != self_.broker) {
+            out.push_back({holder, request});
+        } else if (const auto log = around.logs.find(request.after.log);
+                   log != around.logs.end() &&
+                   log->second.history().reaches_back_to(request.after.seq)) {
+            send_tail(log->second.history(), log->first, request.after.seq, request.to, out);
+        }
+    }
+    ViewAnnouncement announcement{.view = done.message.view,
+                                  .assignments = assign(answers, ends, around.membership),
+                                  .ends = {}};
+    for (const auto& [log, end] : ends) announcement.ends.push_back({log, end});
+    for (const LogId& member : announcement.view.members) {
+        if (member != self_) out.push_back({member.broker, announcement});
+    }
+    install(now, std::move(announcement), around.logs);
+}
+
+// --- a member's side
+
+void ViewChange::on_proposal(Instant now, const ViewProposal& proposal, Surroundings around,
+                             Outbox& out) {
+    const View& view = proposal.view;
+    if (!has(view, self_) || view.number < promised_ || view.number <= view_.number) return;
+    if (around.membership.leadership().leader != node_of(view.number.leader)) return;
+    promised_ = view.number;
+    promised_at_ = now;
+    freeze(view, around.logs);
+    out.push_back({view.number.leader, holdings(view, around)});
+}
+
+void ViewChange::on_announcement(Instant now, const ViewAnnouncement& announcement,
+                                 Surroundings around) {
+    const View& view = announcement.view;
+    if (!has(view, self_) || view.number < promised_ || view.number <= view_.number) return;
+    if (view.number != promised_ &&
+        around.membership.leadership().leader != node_of(view.number.leader)) {
+        return;
+    }
+    install(now, announcement, around.logs);
+}
+
+ViewHoldings ViewChange::holdings(const View& view, Surroundings around) const {
+    ViewHoldings answer{.number = view.number, .holds = {}, .addresses = {}};
+    for (const auto& [id, log] : around.logs) {
+        if (has(view, id)) continue;
+        answer.holds.push_back({id, log.applied()});
+        for (const Endpoint& address : log.addresses_left()) {
+            answer.addresses.push_back({id, address});
+        }
+    }
+    return answer;
+}
+
+void ViewChange::freeze(const View& view, PeerLogs& logs) {
+    for (auto& [id, log] : logs) {
+        if (!has(view, id)) log.freeze();
+    }
+}
+
+void ViewChange::install(Instant now, ViewAnnouncement announcement, PeerLogs& logs) {
+    view_ = announcement.view;
+    promised_ = view_.number;
+    installed_at_ = now;
+    for (auto& [id, log] : logs) {
+        if (has(view_, id)) {
+            log.thaw();
+        } else {
+            log.freeze();
+        }
+    }
+    // A view that nobody has looked at yet leaves its assignments to the next one.
+    if (installed_) {
+        auto& assignments = announcement.assignments;
+        assignments.insert(assignments.end(), installed_->assignments.begin(),
+                           installed_->assignments.end());
+    }
+    installed_ = std::move(announcement);
+}
+
+}  // namespace romano::cluster

@@ -1,0 +1,82 @@
+// From suspicion to an agreed view (design section 3, "View change").
+//
+// The leader proposes; a member freezes the logs of brokers that the new view leaves out and
+// answers how far it holds them; the leader has missing tails sent to those that lack them and
+// announces the view, with the heirs of every address that is left without a broker. A member
+// answers only the leader that its own elector follows, so a leader must wait until the others see
+// the same world; one that stays silent and follows somebody else is left out. Whatever a broker
+// asks for with the number of an old view is ignored.
+#pragma once
+
+#include <map>
+#include <optional>
+#include <set>
+#include <vector>
+
+#include "overlay/cluster/membership.h"
+#include "overlay/cluster/peer_log.h"
+
+namespace romano::cluster {
+
+/// What view change looks at; the cluster core owns it all.
+struct Surroundings {
+    const Membership& membership;
+    PeerLogs& logs;
+    const std::vector<Endpoint>& serving;  // the own service addresses
+    std::uint32_t sessions = 0;            // the own ones
+};
+
+class ViewChange {
+public:
+    ViewChange(LogId self, Duration patience, Duration beacon_every)
+        : self_(self), patience_(patience), beacon_every_(beacon_every) {}
+
+    void on_tick(Instant now, Surroundings around, Outbox& out);
+    void on_proposal(Instant now, const ViewProposal& proposal, Surroundings around, Outbox& out);
+    void on_holdings(Instant now, const LogId& from, const ViewHoldings& holdings,
+                     Surroundings around, Outbox& out);
+    void on_announcement(Instant now, const ViewAnnouncement& announcement, Surroundings around);
+
+    /// The view that was installed since the last call, with its assignments.
+    [[nodiscard]] std::optional<ViewAnnouncement> take_installed();
+
+    [[nodiscard]] const View& view() const { return view_; }
+    [[nodiscard]] bool has_view() const { return !view_.members.empty(); }
+    [[nodiscard]] bool contains(const LogId& log) const;
+    /// Goes on as another member: in no view until the leader takes it into one.
+    void restart(LogId self);
+
+private:
+    struct Proposal {
+        ViewProposal message;
+        std::map<LogId, ViewHoldings> answers;
+        Instant since;
+        Instant asked_at;
+    };
+
+    [[nodiscard]] std::vector<LogId> desired_members(const Membership& membership);
+    [[nodiscard]] bool needs_change(Instant now, const std::vector<LogId>& desired,
+                                    const Membership& membership) const;
+    void propose(Instant now, std::vector<LogId> members, Surroundings around, Outbox& out);
+    void ask(Instant now, Outbox& out);
+    void give_up_on_silent(Instant now, const Membership& membership);
+    void conclude(Instant now, Surroundings around, Outbox& out);
+    [[nodiscard]] ViewHoldings holdings(const View& view, Surroundings around) const;
+    void freeze(const View& view, PeerLogs& logs);
+    void install(Instant now, ViewAnnouncement announcement, PeerLogs& logs);
+
+    LogId self_;
+    Duration patience_;
+    Duration beacon_every_;
+    View view_;
+    Instant installed_at_{};
+    std::optional<ViewAnnouncement> installed_;
+
+    ViewNumber promised_;  // the highest proposal that was answered; never below view_.number
+    Instant promised_at_{};
+
+    std::optional<Proposal> proposal_;  // while leading
+    std::set<BrokerId> refusing_;       // alive, but followers of somebody else
+};
+
+}  // namespace romano::cluster

@@ -1,0 +1,337 @@
+#include "overlay/member/member.h"
+
+#include <algorithm>
+#include <cassert>
+#include <chrono>
+#include <map>
+#include <optional>
+#include <utility>
+
+#include "overlay/cluster/cluster_core.h"
+#include "overlay/member/held_output.h"
+#include "overlay/member/status_topic.h"
+#include "overlay/member/waiting_input.h"
+
+namespace romano::overlay {
+
+using namespace std::chrono_literals;
+using broker::BrokerCore;
+using broker::LogId;
+using cluster::ClusterCore;
+using cluster::Effects;
+
+namespace {
+
+constexpr Duration status_every = 1s;
+
+}  // namespace
+
+class Member::State {
+public:
+    State(const MemberOptions& options, std::uint64_t seed)
+        : options_(options),
+          seed_(seed),
+          log_{broker::broker_id_of(options.name), options.incarnation},
+          broker_(broker_options(), seed),
+          cluster_(options.cluster, {options.name, log_, options.home_addresses}, seed + 1) {}
+
+    void on_datagram(Instant now, const Endpoint& via, const Endpoint& from, Bytes datagram,
+                     MemberActions& out);
+    void on_peer_message(Instant now, const Envelope& envelope, MemberActions& out);
+    void on_address(Instant now, const Endpoint& address, bool served, MemberActions& out);
+    void on_tick(Instant now, MemberActions& out);
+    [[nodiscard]] Instant next_wakeup() const;
+    void leave(Instant now, MemberActions& out);
+
+    [[nodiscard]] const BrokerCore& broker() const { return broker_; }
+    [[nodiscard]] const ClusterCore& cluster() const { return cluster_; }
+    void on_transport_octets(std::uint64_t sent, std::uint64_t received) {
+        cluster_.on_transport_octets(sent, received);
+    }
+    void check_invariants() const;
+
+private:
+    [[nodiscard]] broker::BrokerOptions broker_options() const;
+    [[nodiscard]] Effects effects(Instant now, MemberActions& out) {
+        return {now, broker_, work_, out.peers, out.local};
+    }
+
+    // --- after a stall (design section 3)
+    void notice_stall(Instant now);
+    void end_stall(Instant now, MemberActions& out);
+    void restart(Instant now, MemberActions& out);
+
+    // --- the broker core's actions
+    void carry_out(Instant now, MemberActions& out);
+    void absorb(MemberActions& out);
+    void send(const broker::Send& send, broker::Seq safe, MemberActions& out);
+    [[nodiscard]] bool must_wait(const Endpoint& via) const;
+    void serve_waiting(Instant now, MemberActions& out);
+
+    void tell_status(Instant now);
+
+    MemberOptions options_;
+    std::uint64_t seed_;
+    LogId log_;
+    BrokerCore broker_;
+    ClusterCore cluster_;
+    broker::Actions work_;
+    HeldOutput held_;
+    WaitingInput waiting_;
+
+    std::optional<Instant> stalled_until_;  // peers are listened to until then
+
+    Instant next_status_ = Instant::min();
+    cluster::ViewNumber told_view_;
+    election::Leadership told_leadership_;
+    std::map<std::string, std::string> told_;  // by topic: only changes are published
+};
+
+broker::BrokerOptions Member::State::broker_options() const {
+    broker::BrokerOptions options = options_.broker;
+    options.log = log_;
+    options.writes_log = true;
+    return options;
+}
+
+// --- inputs
+
+void Member::State::on_datagram(Instant now, const Endpoint& via, const Endpoint& from,
+                                Bytes datagram, MemberActions& out) {
+    notice_stall(now);
+    if (cluster_.is_silent(via)) return;  // its sessions are with another broker by now
+    if (must_wait(via)) {
+        waiting_.hold(via, from, datagram);
+        return;
+    }
+    broker_.on_datagram(now, via, from, datagram, work_);
+    carry_out(now, out);
+}
+
+void Member::State::on_peer_message(Instant now, const Envelope& envelope, MemberActions& out) {
+    notice_stall(now);
+    Effects acting = effects(now, out);
+    cluster_.on_message(acting, envelope);
+    if (stalled_until_ && cluster_.was_replaced()) restart(now, out);
+    carry_out(now, out);
+}
+
+void Member::State::on_address(Instant now, const Endpoint& address, bool served,
+                               MemberActions& out) {
+    Effects acting = effects(now, out);
+    cluster_.on_address(acting, address, served);
+    carry_out(now, out);
+}
+
+void Member::State::on_tick(Instant now, MemberActions& out) {
+    notice_stall(now);
+    if (stalled_until_) {
+        if (now < *stalled_until_) return;
+        end_stall(now, out);
+    }
+    broker_.on_tick(now, work_);
+    absorb(out);  // what it appended stands in the log before the cluster looks at it
+    Effects acting = effects(now, out);
+    cluster_.on_tick(acting, held_.addresses());
+    tell_status(now);
+    carry_out(now, out);
+}
+
+Instant Member::State::next_wakeup() const {
+    if (stalled_until_) return *stalled_until_;
+    return std::min(broker_.next_wakeup(), cluster_.next_wakeup());
+}
+
+void Member::State::leave(Instant now, MemberActions& out) {
+    Effects acting = effects(now, out);
+    cluster_.leave(acting);
+    carry_out(now, out);
+}
+
+// --- after a stall
+
+void Member::State::notice_stall(Instant now) {
+    const Duration beacon = options_.cluster.beacon_every;
+    const Instant due = cluster_.next_wakeup();
+    if (stalled_until_ || due == Instant::min()) return;
+    if (now < due + std::max(cluster_.detection_time() - 2 * beacon, 2 * beacon)) return;
+    stalled_until_ = now + 3 * beacon;
+    cluster_.listen_only();
+}
+
+void Member::State::end_stall(Instant now, MemberActions& out) {
+    if (cluster_.was_replaced()) {
+        restart(now, out);
+    } else {
+        stalled_until_.reset();
+        cluster_.resume(now);
+    }
+}
+
+/// Others have our sessions and addresses: begin anew, empty, under a new log, and get them back.
+void Member::State::restart(Instant now, MemberActions& out) {
+    out.local.push_back(Notice{"was replaced while it stood still: joins again"});
+    stalled_until_.reset();
+    held_.clear();
+    work_.clear();
+    ++log_.incarnation;
+    const auto retained = broker_.retained();
+    broker_ = BrokerCore(broker_options(), seed_ + log_.incarnation);
+    for (const auto& message : retained) broker_.put_retained(message);
+    told_.clear();
+    Effects acting = effects(now, out);
+    cluster_.restart(acting, log_);
+    cluster_.resume(now);
+}
+
+// --- the broker core's actions
+
+void Member::State::carry_out(Instant now, MemberActions& out) {
+    absorb(out);
+    serve_waiting(now, out);
+    if (!stalled_until_) held_.release(cluster_.safe(), out.clients);
+}
+
+void Member::State::absorb(MemberActions& out) {
+    for (broker::Action& action : work_.list()) {
+        if (auto* append = std::get_if<broker::Append>(&action)) {
+            cluster_.append(append->seq, std::move(*append->event));
+        } else if (const auto* forward = std::get_if<broker::Forward>(&action)) {
+            cluster_.forward(forward->message, out.peers);
+        }
+    }
+    cluster_.flush(out.peers);
+    const broker::Seq safe = cluster_.safe();
+    for (const broker::Action& action : work_.list()) {
+        if (const auto* datagram = std::get_if<broker::Send>(&action)) {
+            send(*datagram, safe, out);
+        } else if (const auto* multicast = std::get_if<broker::Multicast>(&action)) {
+            if (stalled_until_) continue;
+            const Bytes octets = work_.octets(*multicast);
+            std::ranges::copy(octets, out.clients.reserve(octets.size()).begin());
+            out.clients.push(broker::Multicast{.radius = multicast->radius,
+                                               .offset = out.clients.commit(octets.size()),
+                                               .size = multicast->size});
+        }
+    }
+    work_.clear();
+}
+
+void Member::State::send(const broker::Send& send, broker::Seq safe, MemberActions& out) {
+    if (cluster_.is_silent(send.via)) return;
+    const Bytes octets = work_.octets(send);
+    if (stalled_until_ || send.after > safe) {
+        held_.hold(send, octets);
+        return;
+    }
+    std::ranges::copy(octets, out.clients.reserve(octets.size()).begin());
+    out.clients.push(broker::Send{.via = send.via,
+                                  .to = send.to,
+                                  .offset = out.clients.commit(octets.size()),
+                                  .size = send.size});
+}
+
+bool Member::State::must_wait(const Endpoint& via) const {
+    return stalled_until_ || !cluster_.is_in_view() || cluster_.is_expecting(via);
+}
+
+void Member::State::serve_waiting(Instant now, MemberActions& out) {
+    if (waiting_.empty()) return;
+    const auto ready =
+        waiting_.take_unless([this](const auto& datagram) { return must_wait(datagram.via); });
+    for (const auto& [via, from, octets] : ready) {
+        broker_.on_datagram(now, via, from, octets, work_);
+        absorb(out);
+    }
+}
+
+// --- for people
+
+void Member::State::tell_status(Instant now) {
+    const bool news =
+        cluster_.view().number != told_view_ || cluster_.leadership() != told_leadership_;
+    if (now < next_status_ && !news) return;
+    next_status_ = now + status_every;
+    told_view_ = cluster_.view().number;
+    told_leadership_ = cluster_.leadership();
+
+    std::vector<cluster::Beacon> beacons{cluster_.beacon(broker_)};
+    for (const auto& [id, peer] : cluster_.membership().peers()) {
+        beacons.push_back(peer.beacon);
+        if (!peer.alive) beacons.back().serving.clear();
+    }
+    const auto name_of = [&](broker::BrokerId id) {
+        for (const auto& beacon : beacons) {
+            if (beacon.log.broker == id) return beacon.name;
+        }
+        return std::string{};
+    };
+    std::vector<std::string> members;
+    for (const LogId& member : cluster_.view().members) {
+        members.push_back(name_of(member.broker));
+    }
+    const auto leader = cluster_.leadership().leader;
+    for (const auto& beacon : beacons) {
+        const bool self = beacon.log.broker == log_.broker;
+        const std::string topic = status_topic(beacon.name);
+        std::string text = to_json({.beacon = beacon,
+                                    .alive = self || cluster_.membership().is_alive(beacon.log),
+                                    .leads = leader == cluster::node_of(beacon.log.broker),
+                                    .view = cluster_.view(),
+                                    .member_names = members,
+                                    .leader_name = name_of(told_view_.leader)});
+        std::string& told = told_[topic];
+        if (told == text) continue;
+        told = std::move(text);
+        broker_.set_system_topic(now, topic, as_octets(told), work_);
+    }
+}
+
+void Member::State::check_invariants() const {
+    broker_.check_invariants();
+    cluster_.check_invariants(broker_);
+    assert(work_.empty());
+}
+
+// --- the facade
+
+Member::Member(const MemberOptions& options, std::uint64_t seed)
+    : state_(std::make_unique<State>(options, seed)) {}
+Member::~Member() = default;
+
+void Member::on_datagram(Instant now, const Endpoint& via, const Endpoint& from, Bytes datagram,
+                         MemberActions& out) {
+    state_->on_datagram(now, via, from, datagram, out);
+}
+void Member::on_peer_message(Instant now, const Envelope& envelope, MemberActions& out) {
+    state_->on_peer_message(now, envelope, out);
+}
+void Member::on_address(Instant now, const Endpoint& address, bool served, MemberActions& out) {
+    state_->on_address(now, address, served, out);
+}
+void Member::on_tick(Instant now, MemberActions& out) {
+    state_->on_tick(now, out);
+}
+Instant Member::next_wakeup() const {
+    return state_->next_wakeup();
+}
+void Member::on_transport_octets(std::uint64_t sent, std::uint64_t received) {
+    state_->on_transport_octets(sent, received);
+}
+void Member::leave(Instant now, MemberActions& out) {
+    state_->leave(now, out);
+}
+const broker::BrokerCore& Member::broker() const {
+    return state_->broker();
+}
+const cluster::View& Member::view() const {
+    return state_->cluster().view();
+}
+election::Leadership Member::leadership() const {
+    return state_->cluster().leadership();
+}
+void Member::check_invariants() const {
+    state_->check_invariants();
+}
+
+}  // namespace romano::overlay

@@ -1,0 +1,55 @@
+// Clients' datagrams that cannot be answered yet: before the first view, while sessions of their
+// service address are on their way here, and after a stall until the peers were heard.
+//
+// Bounded by octets; beyond that new ones are dropped, as a network may do: clients ask again.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <utility>
+#include <vector>
+
+#include "romano/base/bytes.h"
+#include "romano/base/endpoint.h"
+
+namespace romano::overlay {
+
+class WaitingInput {
+public:
+    struct Datagram {
+        Endpoint via;
+        Endpoint from;
+        std::vector<std::uint8_t> octets;
+    };
+
+    void hold(const Endpoint& via, const Endpoint& from, Bytes octets) {
+        if (octets_ + octets.size() + overhead > octets_most) return;
+        octets_ += octets.size() + overhead;
+        waiting_.push_back({via, from, {octets.begin(), octets.end()}});
+    }
+
+    /// Those that need not wait any more, in the order in which they came.
+    template <typename MustWait>
+    [[nodiscard]] std::vector<Datagram> take_unless(MustWait&& must_wait) {
+        std::vector<Datagram> taken;
+        std::erase_if(waiting_, [&](Datagram& datagram) {
+            if (must_wait(datagram)) return false;
+            octets_ -= datagram.octets.size() + overhead;
+            taken.push_back(std::move(datagram));
+            return true;
+        });
+        return taken;
+    }
+
+    [[nodiscard]] bool empty() const { return waiting_.empty(); }
+
+private:
+    static constexpr std::size_t octets_most = 8U << 20U;
+    static constexpr std::size_t overhead = 128;  // of one datagram in the queue
+
+    std::deque<Datagram> waiting_;
+    std::size_t octets_ = 0;
+};
+
+}  // namespace romano::overlay
