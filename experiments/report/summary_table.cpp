@@ -96,7 +96,9 @@ SummaryTable summary_of(std::span<const Configuration> configurations) {
 
 std::string to_text(const SummaryTable& table) {
     std::vector<std::size_t> widths(table.head.size(), 0);
-    std::vector<std::vector<std::string>> lines = {table.head, table.units};
+    std::vector<std::vector<std::string>> lines = {table.head};
+    if (!table.units.empty()) lines.push_back(table.units);
+    const std::size_t head_lines = lines.size();
     lines.insert(lines.end(), table.rows.begin(), table.rows.end());
     for (const auto& line : lines) {
         for (std::size_t i = 0; i < line.size(); ++i) {
@@ -110,7 +112,7 @@ std::string to_text(const SummaryTable& table) {
             text += std::string(widths[i] - width_of(field) + (i == 0 ? 0 : 2), ' ') + field;
         }
         text += '\n';
-        if (number == 1) {
+        if (number + 1 == head_lines) {
             std::size_t whole = 2 * (widths.size() - 1);
             for (const std::size_t width : widths) whole += width;
             text += std::string(whole, '-') + '\n';
@@ -123,7 +125,8 @@ std::string to_html(const SummaryTable& table) {
     std::string html = "<table>\n<thead><tr>";
     for (std::size_t i = 0; i < table.head.size(); ++i) {
         html += "<th>" + html_text(table.head[i]);
-        if (!table.units[i].empty()) html += "<br><small>" + html_text(table.units[i]) + "</small>";
+        if (!table.units.empty() && !table.units[i].empty())
+            html += "<br><small>" + html_text(table.units[i]) + "</small>";
         html += "</th>";
     }
     html += "</tr></thead>\n<tbody>\n";

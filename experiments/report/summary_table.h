@@ -11,7 +11,7 @@ namespace romano::experiments {
 
 struct SummaryTable {
     std::vector<std::string> head;
-    std::vector<std::string> units;  // below the head
+    std::vector<std::string> units;  // below the head; may be left out
     std::vector<std::vector<std::string>> rows;
 };
 
