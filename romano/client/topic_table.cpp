@@ -33,7 +33,10 @@ bool TopicTable::put(mqttsn::TopicId id, std::string_view name) {
         if (name.size() > names_.size() - names_size_ + known.size()) return false;
         forget(id);
     } else if (!has_room_for(name)) {
-        return false;
+        // A broker that gives one name several ids must not fill the table with it.
+        const auto older = id_of(name);
+        if (!older) return false;
+        forget(*older);
     }
     std::copy(name.begin(), name.end(), names_.begin() + static_cast<std::ptrdiff_t>(names_size_));
     names_size_ += name.size();

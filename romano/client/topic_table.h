@@ -34,7 +34,8 @@ public:
     /// True when put() of `name` under an id that is not in the table will succeed.
     [[nodiscard]] bool has_room_for(std::string_view name) const;
 
-    /// A new name for a known id replaces the old one. False, and nothing changed, when full.
+    /// A new name for a known id replaces the old one. A name may have several ids while there is
+    /// room. False, and nothing changed, when full.
     [[nodiscard]] bool put(mqttsn::TopicId id, std::string_view name);
 
     void forget(mqttsn::TopicId id);

@@ -45,6 +45,17 @@ TEST_F(TopicTableTest, RefusesAndChangesNothingWhenFull) {  // P8
     EXPECT_TRUE(table.put(TopicId{3}, "1234"));
 }
 
+TEST_F(TopicTableTest, KeepsSeveralIdsOfANameWhileThereIsRoom) {  // G15
+    EXPECT_TRUE(table.put(TopicId{1}, "abc"));
+    EXPECT_TRUE(table.put(TopicId{2}, "abc"));
+    EXPECT_TRUE(table.put(TopicId{3}, "abc"));
+    EXPECT_EQ(table.name_of(TopicId{1}), "abc");
+    EXPECT_TRUE(table.put(TopicId{4}, "abc"));
+    EXPECT_EQ(table.name_of(TopicId{1}), "");
+    EXPECT_EQ(table.name_of(TopicId{2}), "abc");
+    EXPECT_EQ(table.name_of(TopicId{4}), "abc");
+}
+
 TEST_F(TopicTableTest, ForgetsFromTheMiddle) {
     EXPECT_TRUE(table.put(TopicId{1}, "abc"));
     EXPECT_TRUE(table.put(TopicId{2}, "de"));
