@@ -111,7 +111,10 @@ struct Writer {
     void operator()(const cluster::LogBatch& m) const {
         events_to_proto(m, *out.mutable_log_batch());
     }
-    void operator()(const cluster::LogAck& m) const { to_proto(m.through, *out.mutable_log_ack()); }
+    void operator()(const cluster::LogAck& m) const {
+        to_proto(m.through, *out.mutable_log_ack()->mutable_through());
+        to_proto(m.by, *out.mutable_log_ack()->mutable_by());
+    }
     void operator()(const cluster::ForwardBatch& m) const {
         all_to_proto(m.messages, *out.mutable_forward_batch()->mutable_messages());
     }
@@ -210,6 +213,13 @@ Maybe read_beacon(const Beacon& in) {
     return out;
 }
 
+Maybe read_log_ack(const LogAck& in) {
+    const auto through = from_proto(in.through());
+    const auto by = from_proto(in.by());
+    if (!through || !by) return std::nullopt;
+    return cluster::LogAck{*through, *by};
+}
+
 Maybe read_forward_batch(const ForwardBatch& in) {
     cluster::ForwardBatch out;
     if (!all_from_proto(in.messages(), out.messages)) return std::nullopt;
@@ -286,8 +296,7 @@ Maybe from_proto(const ClusterMessage& in) {
         case ClusterMessage::kLogBatch:
             return read_events<cluster::LogBatch>(in.log_batch());
         case ClusterMessage::kLogAck:
-            if (const auto through = from_proto(in.log_ack())) return cluster::LogAck{*through};
-            break;
+            return read_log_ack(in.log_ack());
         case ClusterMessage::kForwardBatch:
             return read_forward_batch(in.forward_batch());
         case ClusterMessage::kBallot:

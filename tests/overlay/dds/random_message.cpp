@@ -207,7 +207,7 @@ cluster::ClusterMessage random_message(std::size_t kind, Random& r) {
         case 1:
             return cluster::LogBatch{log_id(r), wide(r), one_event_of_each_kind(r)};
         case 2:
-            return cluster::LogAck{position(r)};
+            return cluster::LogAck{position(r), log_id(r)};
         case 3:
             return cluster::ForwardBatch{some(r, message)};
         case 4:

@@ -1,0 +1,220 @@
+#include "broker/daemon/cluster_broker.h"
+
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+
+#include "broker/daemon/broker_options.h"
+#include "broker/daemon/refusal.h"
+#include "broker/daemon/service_addresses.h"
+#include "broker/net/clock.h"
+#include "broker/net/endpoint_text.h"
+#include "broker/net/socket_address.h"
+
+namespace romano::daemon {
+namespace {
+
+using namespace std::chrono_literals;
+
+// How long a newcomer listens for the peer that holds its address: discovery takes a fraction of a
+// second, on a busy machine a few.
+constexpr auto patience = 5s;
+
+// A batch of publishes that each fan out to thousands must not pile up in memory.
+constexpr std::size_t most_actions_held = 4096;
+
+bool contains(const std::vector<Endpoint>& list, const Endpoint& address) {
+    return std::ranges::find(list, address) != list.end();
+}
+
+overlay::MemberOptions member_options(const Settings& settings) {
+    overlay::MemberOptions out;
+    out.broker = broker_options(settings);
+    out.cluster = settings.cluster->options;
+    out.name = settings.name;
+    out.incarnation = out.broker.log.incarnation;
+    return out;
+}
+
+}  // namespace
+
+ClusterBroker::ClusterBroker(boost::asio::io_context& io, const Settings& settings,
+                             OnServing on_serving)
+    : io_(io),
+      settings_(settings),
+      on_serving_(std::move(on_serving)),
+      options_(member_options(settings)),
+      udp_(io, *this),
+      timer_(io, [this] { on_core_wakeup(); }) {
+    open_addresses();
+    open_transport();
+    if (!held_.empty()) wait_for_the_holders();
+    start_member();
+}
+
+void ClusterBroker::open_addresses() {
+    for (const Endpoint& address : settings_.listen) {
+        Endpoint bound = address;
+        if (const auto error = udp_.open(address, net::Bind::alone, &bound)) {
+            if (error != boost::system::errc::address_in_use || net::is_wildcard(address)) {
+                throw Refusal(why_not_served(address, error));
+            }
+            held_.push_back(address);
+        }
+        listen_.push_back(bound);
+        // Peers can take over an address, not "all addresses of a machine".
+        if (!net::is_wildcard(bound)) options_.home_addresses.push_back(bound);
+    }
+    if (held_.empty()) join_discovery_groups(udp_, settings_);
+}
+
+void ClusterBroker::open_transport() {
+    const ClusterSettings& cluster = *settings_.cluster;
+    try {
+        domain_ =
+            std::make_unique<dds::Domain>(dds::DomainOptions{cluster.domain, cluster.interface});
+        const broker::LogId log{broker::broker_id_of(options_.name), options_.incarnation};
+        transport_ =
+            std::make_unique<dds::DdsTransport>(io_, *domain_, log, [this] { on_peers_drained(); });
+        transport_->start([this](const overlay::Envelope& envelope) { on_peer_message(envelope); });
+    } catch (const dds::DdsError& error) {
+        throw Refusal("--domain '" + std::to_string(cluster.domain) + "': cannot be joined" +
+                      (cluster.interface.empty() ? "" : " on " + cluster.interface) + " (" +
+                      error.what() + "); choose another --interface");
+    }
+}
+
+// Somebody has an address that we shall serve: fine if a peer's beacon says that it is the peer's
+// for now, or if the holder goes away.
+void ClusterBroker::wait_for_the_holders() {
+    const auto deadline = std::chrono::steady_clock::now() + patience;
+    for (;;) {
+        std::erase_if(held_, [&](const Endpoint& address) {
+            return !contains(held_by_peers_, address) && !udp_.open(address, net::Bind::alone);
+        });
+        const auto stranger = std::ranges::find_if(
+            held_, [&](const Endpoint& address) { return !contains(held_by_peers_, address); });
+        if (stranger == held_.end()) return;
+        if (std::chrono::steady_clock::now() >= deadline) {
+            throw Refusal("--listen '" + net::to_text(*stranger) +
+                          "': is in use by another program, which is no broker of DDS domain " +
+                          std::to_string(settings_.cluster->domain) +
+                          "; choose a free port or stop that program");
+        }
+        io_.run_for(20ms);
+        io_.restart();
+    }
+}
+
+void ClusterBroker::start_member() {
+    member_ = std::make_unique<overlay::Member>(options_, random_seed());
+    for (const Endpoint& address : options_.home_addresses) {
+        const bool served = !contains(held_, address);
+        member_->on_address(net::now(), address, served, actions_);
+        if (!served) {
+            spdlog::info("{} is served by a peer, which will hand it back", net::to_text(address));
+        }
+    }
+    on_core_wakeup();
+    say_when_serving();
+}
+
+void ClusterBroker::on_datagram(const Endpoint& via, const Endpoint& from, Bytes octets) {
+    if (!member_) return;  // clients ask again
+    member_->on_datagram(net::now(), via, from, octets, actions_);
+    if (actions_.clients.list().size() >= most_actions_held) carry_out();
+}
+
+void ClusterBroker::on_batch_end() {
+    if (member_) carry_out();
+}
+
+void ClusterBroker::on_peer_message(const overlay::Envelope& envelope) {
+    if (member_) {
+        member_->on_peer_message(net::now(), envelope, actions_);
+    } else if (const auto* beacon = std::get_if<cluster::Beacon>(&envelope.message)) {
+        for (const Endpoint& address : beacon->serving) {
+            if (contains(held_, address) && !contains(held_by_peers_, address)) {
+                held_by_peers_.push_back(address);
+            }
+        }
+    }
+}
+
+void ClusterBroker::on_peers_drained() {
+    if (!member_) return;
+    const auto& counters = transport_->counters();
+    member_->on_transport_octets(counters.sent_octets, counters.received_octets);
+    carry_out();
+}
+
+void ClusterBroker::on_core_wakeup() {
+    member_->on_tick(net::now(), actions_);
+    carry_out();
+}
+
+void ClusterBroker::carry_out() {
+    // An address that was taken or not is news for the member, which may want more done.
+    for (;;) {
+        carry_out_locally();
+        for (const auto& outgoing : actions_.peers) transport_->send(outgoing);
+        udp_.carry_out(actions_.clients);
+        actions_.clear();
+        if (answers_.empty()) break;
+        for (const Answer& answer : answers_) {
+            member_->on_address(net::now(), answer.address, answer.served, actions_);
+        }
+        answers_.clear();
+    }
+    timer_.arm(member_->next_wakeup());
+}
+
+void ClusterBroker::carry_out_locally() {
+    for (const auto& action : actions_.local) {
+        if (const auto* take = std::get_if<overlay::TakeAddress>(&action)) {
+            const auto error = udp_.open(take->address, net::Bind::beside);
+            if (error) {
+                spdlog::warn("cannot serve {}: {}", net::to_text(take->address), error.message());
+            } else {
+                spdlog::info("serving {}", net::to_text(take->address));
+            }
+            answers_.push_back({take->address, !error});
+            if (!error && std::erase(held_, take->address) > 0) on_home_address_returned();
+        } else if (const auto* give_up = std::get_if<overlay::GiveUpAddress>(&action)) {
+            udp_.close(give_up->address);
+            spdlog::info("no longer serving {}", net::to_text(give_up->address));
+        } else {
+            spdlog::info("{}", std::get<overlay::Notice>(action).text);
+        }
+    }
+}
+
+void ClusterBroker::on_home_address_returned() {
+    if (!held_.empty()) return;
+    try {
+        join_discovery_groups(udp_, settings_);
+    } catch (const Refusal& refused) {
+        spdlog::warn("{}", refused.what());  // too late to refuse to start
+    }
+    say_when_serving();
+}
+
+void ClusterBroker::say_when_serving() {
+    if (!held_.empty() || !on_serving_) return;
+    std::string where;
+    for (const Endpoint& address : listen_) {
+        where += (where.empty() ? "" : ", ") + net::to_text(address);
+    }
+    const ClusterSettings& cluster = *settings_.cluster;
+    where += " (domain " + std::to_string(cluster.domain) +
+             (cluster.interface.empty() ? "" : " on " + cluster.interface) + ")";
+    std::exchange(on_serving_, {})(where);
+}
+
+void ClusterBroker::leave() {
+    member_->leave(net::now(), actions_);
+    carry_out();
+    io_.stop();
+}
+
+}  // namespace romano::daemon

@@ -1,0 +1,66 @@
+// A broker in a cluster: the member core on UDP sockets, the transport between brokers and one
+// timer. Service addresses come and go as the member says.
+//
+// A home address that a peer serves is no error: the broker joins without it and gets it handed
+// back. One that a stranger has is refused.
+#pragma once
+
+#include <boost/asio/io_context.hpp>
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "broker/daemon/running_broker.h"
+#include "broker/net/core_timer.h"
+#include "broker/net/udp_service.h"
+#include "overlay/dds/dds_transport.h"
+#include "overlay/dds/domain.h"
+#include "overlay/member/member.h"
+
+namespace romano::daemon {
+
+class ClusterBroker : public RunningBroker, private net::DatagramHandler {
+public:
+    /// Throws Refusal. Runs `io` for a moment when an address is held by somebody else.
+    ClusterBroker(boost::asio::io_context& io, const Settings& settings, OnServing on_serving);
+    void leave() override;
+
+private:
+    void open_addresses();
+    void open_transport();
+    void wait_for_the_holders();
+    void start_member();
+
+    void on_datagram(const Endpoint& via, const Endpoint& from, Bytes octets) override;
+    void on_batch_end() override;
+    void on_peer_message(const overlay::Envelope& envelope);
+    void on_peers_drained();
+    void on_core_wakeup();
+
+    void carry_out();
+    void carry_out_locally();
+    void on_home_address_returned();
+    void say_when_serving();
+
+    boost::asio::io_context& io_;
+    Settings settings_;
+    OnServing on_serving_;
+    overlay::MemberOptions options_;
+    net::UdpService udp_;
+    std::unique_ptr<dds::Domain> domain_;
+    std::unique_ptr<dds::DdsTransport> transport_;
+    std::unique_ptr<overlay::Member> member_;  // null until every address is accounted for
+    overlay::MemberActions actions_;
+    net::CoreTimer timer_;
+
+    struct Answer {
+        Endpoint address;
+        bool served;
+    };
+    std::vector<Answer> answers_;          // to TakeAddress, for the member
+    std::vector<Endpoint> listen_;         // the settings', with the ports that were chosen
+    std::vector<Endpoint> held_;           // those of listen_ that somebody else has
+    std::vector<Endpoint> held_by_peers_;  // those of held_ that a beacon claims
+};
+
+}  // namespace romano::daemon
