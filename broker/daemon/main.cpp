@@ -5,6 +5,7 @@
 #include <csignal>
 #include <exception>
 #include <iostream>
+#include <memory>
 #include <utility>
 
 #include "broker/daemon/command_line.h"
@@ -17,15 +18,22 @@ namespace {
 
 using namespace romano::daemon;
 
+/// A signal came while the broker was still starting.
+struct Interrupted {};
+
 void run(const Settings& settings) {
     boost::asio::io_context io{1};  // one thread: no locks within Asio
     start_trace(settings.log_level);
-    const auto broker = start_broker(io, settings, [&](const std::string& where) {
-        std::cout << "romano-broker " << settings.name << ": serving " << where << std::endl;
-    });
+    std::unique_ptr<RunningBroker> broker;
+    // Before the broker says that it serves, so that whoever waits for that may stop it.
     boost::asio::signal_set signals(io, SIGTERM, SIGINT);
     signals.async_wait([&](const auto& error, int) {
-        if (!error) broker->leave();
+        if (error) return;
+        if (!broker) throw Interrupted{};
+        broker->leave();
+    });
+    broker = start_broker(io, settings, [&](const std::string& where) {
+        std::cout << "romano-broker " << settings.name << ": serving " << where << std::endl;
     });
     io.run();
 }
@@ -40,6 +48,8 @@ int main(int argc, char** argv) {
             return 0;
         }
         run(check(std::get<SettingTexts>(read)));
+        return 0;
+    } catch (const Interrupted&) {
         return 0;
     } catch (const Refusal& refusal) {
         std::cerr << "romano-broker: " << refusal.what() << '\n';
