@@ -1,0 +1,185 @@
+// Several romano-broker processes that are one broker, and unmodified clients.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+
+#include <algorithm>
+#include <memory>
+#include <set>
+
+#include "tests/system/broker_process.h"
+#include "tests/system/test_addresses.h"
+#include "tests/system/test_client.h"
+
+namespace romano::system {
+namespace {
+
+using namespace std::chrono_literals;
+using mqttsn::Qos;
+
+struct Cluster : testing::Test {
+    [[nodiscard]] std::unique_ptr<BrokerProcess> start(int n) const {
+        return std::make_unique<BrokerProcess>(std::vector<std::string>{
+            "--listen", addresses.service(n), "--name", "r" + std::to_string(n), "--domain",
+            std::to_string(addresses.domain()), "--interface", "lo", "--rank", std::to_string(n),
+            "--detection-timeout-ms", "300", "--log-level", "debug"});
+    }
+    /// Brokers r1 to rN, each of which knows all others.
+    void start_all(int count) {
+        for (int n = 1; n <= count; ++n) brokers.push_back(start(n));
+        for (int n = 1; n <= count; ++n) broker(n).wait_until_serving();
+        for (int n = 1; n <= count; ++n) ASSERT_TRUE(wait_for_view_of(count, n));
+    }
+    [[nodiscard]] BrokerProcess& broker(int n) { return *brokers[static_cast<std::size_t>(n - 1)]; }
+    [[nodiscard]] std::unique_ptr<TestClient> client_of(int n, const std::string& id) const {
+        return std::make_unique<TestClient>(addresses.client(), addresses.service_endpoint(n), id);
+    }
+    /// Asks broker n, as people do, until its view has `count` members.
+    bool wait_for_view_of(int count, int n) const {
+        const auto client = client_of(n, "observer-" + std::to_string(n));
+        if (!client->connect() || !client->subscribe("$SYS/brokers/+", Qos::at_most_once)) {
+            return false;
+        }
+        return client->run_until([&] {
+            if (client->received.empty()) return false;
+            const std::string& last = client->received.back().data;
+            const auto from = last.find("\"members\":[");
+            if (from == std::string::npos) return false;
+            const auto list = last.substr(from, last.find(']', from) - from);
+            return std::ranges::count(list, 'r') == count + 1;  // and the one of "members"
+        });
+    }
+
+    TestAddresses addresses;
+    std::vector<std::unique_ptr<BrokerProcess>> brokers;
+};
+
+TEST_F(Cluster, SaysWhereItServes) {
+    const auto broker = start(1);
+    EXPECT_EQ(broker->next_line(), "romano-broker r1: serving " + addresses.service(1) +
+                                       " (domain " + std::to_string(addresses.domain()) +
+                                       " on lo)");
+    broker->signal(SIGTERM);
+    EXPECT_EQ(broker->wait_for_exit(), 0);
+}
+
+struct ClusterAtEachQos : Cluster, testing::WithParamInterface<Qos> {};
+
+TEST_P(ClusterAtEachQos, PublishesCrossBrokers) {
+    start_all(2);
+    const auto subscriber = client_of(1, "subscriber");
+    const auto publisher = client_of(2, "publisher");
+    ASSERT_TRUE(subscriber->connect());
+    ASSERT_TRUE(subscriber->subscribe("robots/+/pose", GetParam()));
+    ASSERT_TRUE(publisher->connect());
+    const auto topic = publisher->register_topic("robots/7/pose");
+    ASSERT_TRUE(topic);
+    if (GetParam() == Qos::at_most_once) {
+        // The other broker learns of the subscription, and the path is best-effort: until one came.
+        for (int i = 0; i < 200 && subscriber->received.empty(); ++i) {
+            publisher->publish(*topic, "x", GetParam());
+            subscriber->run_until([&] { return !subscriber->received.empty(); }, 50ms);
+        }
+        EXPECT_FALSE(subscriber->received.empty());
+        return;
+    }
+    for (int i = 0; i < 20; ++i) {
+        ASSERT_TRUE(publisher->publish(*topic, std::to_string(i), GetParam()));
+    }
+    ASSERT_TRUE(subscriber->run_until([&] { return subscriber->received.size() >= 20; }));
+    for (std::size_t i = 0; i < 20; ++i) {
+        EXPECT_EQ(subscriber->received[i].topic, "robots/7/pose");
+        EXPECT_EQ(subscriber->received[i].data, std::to_string(i));
+    }
+}
+
+INSTANTIATE_TEST_SUITE_P(All, ClusterAtEachQos,
+                         testing::Values(Qos::at_most_once, Qos::at_least_once, Qos::exactly_once),
+                         [](const auto& test) { return "Qos" + std::to_string(test.index); });
+
+struct ClusterLosing : Cluster, testing::WithParamInterface<int> {
+    /// The distinct contents that the client got.
+    static std::set<std::string> contents(const TestClient& client) {
+        std::set<std::string> out;
+        for (const auto& delivery : client.received) out.insert(delivery.data);
+        return out;
+    }
+};
+
+TEST_P(ClusterLosing, AKilledBrokersClientsReceiveAgainAtTheSameAddress) {
+    const int victim = GetParam();
+    start_all(3);
+    // The subscriber lives with the victim, the publisher with another one.
+    const auto subscriber = client_of(victim, "subscriber");
+    const auto publisher = client_of(victim % 3 + 1, "publisher");
+    ASSERT_TRUE(subscriber->connect());
+    ASSERT_TRUE(subscriber->subscribe("robots/pose", Qos::at_least_once));
+    ASSERT_TRUE(publisher->connect());
+    const auto topic = publisher->register_topic("robots/pose");
+    ASSERT_TRUE(topic);
+    const int begun = subscriber->sessions_begun;
+    std::set<std::string> acknowledged;
+    for (int i = 0; i < 60; ++i) {
+        if (i == 20) broker(victim).kill_9();
+        ASSERT_TRUE(publisher->publish(*topic, std::to_string(i), Qos::at_least_once)) << i;
+        acknowledged.insert(std::to_string(i));
+        subscriber->run_until([] { return false; }, 2ms);  // answers what has arrived
+    }
+    EXPECT_TRUE(subscriber->run_until([&] { return contents(*subscriber) == acknowledged; }))
+        << contents(*subscriber).size() << " of " << acknowledged.size();
+    EXPECT_EQ(subscriber->sessions_begun, begun) << "the client noticed";
+    for (const auto& delivery : subscriber->received) EXPECT_EQ(delivery.topic, "robots/pose");
+
+    // It can also speak: same address, nothing begun anew.
+    EXPECT_TRUE(subscriber->ping());
+}
+
+INSTANTIATE_TEST_SUITE_P(Each, ClusterLosing, testing::Values(1, 2, 3),
+                         [](const auto& test) { return "R" + std::to_string(test.param); });
+
+TEST_F(Cluster, ARestartedBrokerGetsItsAddressAndClientsBackUnnoticed) {
+    start_all(2);
+    const auto subscriber = client_of(1, "subscriber");
+    const auto publisher = client_of(2, "publisher");
+    ASSERT_TRUE(subscriber->connect());
+    ASSERT_TRUE(subscriber->subscribe("robots/pose", Qos::at_least_once));
+    ASSERT_TRUE(publisher->connect());
+    const auto topic = publisher->register_topic("robots/pose");
+    ASSERT_TRUE(topic);
+    const int begun = subscriber->sessions_begun;
+    const auto send_and_receive = [&](const std::string& data) {
+        ASSERT_TRUE(publisher->publish(*topic, data, Qos::at_least_once));
+        ASSERT_TRUE(subscriber->run_until([&] {
+            return !subscriber->received.empty() && subscriber->received.back().data == data;
+        })) << data;
+    };
+    send_and_receive("before");
+    broker(1).kill_9();
+    send_and_receive("while it is dead");
+    brokers[0] = start(1);
+    broker(1).wait_until_serving();
+    ASSERT_TRUE(wait_for_view_of(2, 1));
+    send_and_receive("after it came back");
+    EXPECT_TRUE(subscriber->ping());
+    EXPECT_EQ(subscriber->sessions_begun, begun) << "the client noticed";
+
+    // It really is back: without the other one it serves on.
+    broker(2).kill_9();
+    EXPECT_TRUE(subscriber->ping());
+    EXPECT_EQ(subscriber->sessions_begun, begun) << "the client noticed";
+}
+
+TEST_F(Cluster, AnOrderlyLeaveHandsTheClientsOver) {
+    start_all(2);
+    const auto client = client_of(1, "client");
+    ASSERT_TRUE(client->connect());
+    const int begun = client->sessions_begun;
+    broker(1).signal(SIGTERM);
+    EXPECT_EQ(broker(1).wait_for_exit(), 0);
+    EXPECT_TRUE(client->ping());
+    EXPECT_EQ(client->sessions_begun, begun) << "the client noticed";
+}
+
+}  // namespace
+}  // namespace romano::system
