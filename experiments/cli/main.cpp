@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <exception>
 
+#include "experiments/cli/broker_options.h"
 #include "experiments/cli/brokers.h"
 #include "experiments/cli/pub.h"
 #include "experiments/cli/sub.h"
@@ -19,7 +20,7 @@ int main(int argc, char** argv) {
     const BuildInfo build = build_info();
     program.set_version_flag("--version", "romano " + std::string{build.version} + " (" +
                                               std::string{build.commit} + ")");
-    program.require_subcommand(1);
+    program.require_subcommand(0, 1);
     program.footer("Each has its own --help with examples: romano pub --help\n");
     add_pub(program, exit_code);
     add_sub(program, exit_code);
@@ -27,6 +28,9 @@ int main(int argc, char** argv) {
     add_sweep(program, exit_code);
     try {
         program.parse(argc, argv);
+        if (program.get_subcommands().empty()) {
+            throw CommandError("a subcommand is needed: pub, sub, brokers or sweep (see --help)");
+        }
     } catch (const CLI::Success& asked) {  // --help, --version
         return program.exit(asked);
     } catch (const CLI::Error& error) {

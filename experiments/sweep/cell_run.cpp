@@ -152,6 +152,7 @@ void CellRun::await_one_view() {
         const auto leader = brokers_.front()->watch->leader();
         return leader && std::ranges::all_of(brokers_, [&](const auto& broker) {
                    return broker->watch->alive() == brokers_.size() &&
+                          broker->watch->members_in_view_of(broker->name) == brokers_.size() &&
                           broker->watch->leader() == leader;
                });
     };
@@ -159,7 +160,9 @@ void CellRun::await_one_view() {
     std::string sentence = "the brokers were not in one view within start_within; seen alive:";
     for (const auto& broker : brokers_) {
         sentence += " " + broker->name + " sees " + std::to_string(broker->watch->alive()) +
-                    " led by " + broker->watch->leader().value_or("nobody") + ";";
+                    " in a view of " +
+                    std::to_string(broker->watch->members_in_view_of(broker->name)) + " led by " +
+                    broker->watch->leader().value_or("nobody") + ";";
     }
     sentence.pop_back();
     throw RunFailed(sentence);

@@ -39,6 +39,11 @@ std::size_t BrokerWatch::alive() const {
         brokers_, [](const auto& entry) { return entry.second.status.alive; }));
 }
 
+std::size_t BrokerWatch::members_in_view_of(const std::string& broker) const {
+    const auto seen = brokers_.find(broker);
+    return seen == brokers_.end() ? 0 : seen->second.status.view_members.size();
+}
+
 std::optional<std::string> BrokerWatch::leader() const {
     for (const auto& [name, seen] : brokers_) {
         if (seen.status.alive && seen.status.leader) return name;

@@ -32,6 +32,9 @@ public:
     /// The living broker that is said to lead; empty when there is none.
     [[nodiscard]] std::optional<std::string> leader() const;
 
+    /// The members of the view that `broker` says it is in; 0 while it has said nothing.
+    [[nodiscard]] std::size_t members_in_view_of(const std::string& broker) const;
+
     [[nodiscard]] bool is_subscribed() const { return subscribed_; }
     /// No answer after all repetitions, or a refusal: it watches no more.
     [[nodiscard]] bool has_failed() const { return failed_; }

@@ -1,0 +1,94 @@
+// The operator's program as people call it, against a real broker.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "tests/experiments/system/processes.h"
+
+namespace romano::experiments {
+namespace {
+
+using ::testing::HasSubstr;
+
+class Cli : public ::testing::Test {
+protected:
+    const std::string address_ = "127.50.250.1";
+    const std::string at_ = "-h " + address_ + " -p " + own_port() + " ";
+    ServingBroker broker_{address_};
+};
+
+TEST_F(Cli, PublishesWhatItRetainsAndSubscribesToIt) {
+    for (const char* qos : {"0", "1", "2"}) {
+        const std::string topic = std::string{"kept/"} + qos;
+        EXPECT_EQ(
+            run_romano("pub " + at_ + "-r -q " + qos + " -t " + topic + " -m 'two words'").output,
+            "");
+        const Ran sub = run_romano("sub " + at_ + "-v -C 1 -W 20 -q 2 -t " + topic);
+        EXPECT_EQ(sub.output, topic + " two words\n");
+        EXPECT_EQ(sub.exit_code, 0);
+    }
+}
+
+TEST_F(Cli, DeliversLinesOfStandardInputInOrder) {
+    // A kept session collects them while its subscriber is away: nobody needs to wait for him.
+    const std::string keeper = at_ + "-i keeper -c -q 1 -t lines ";
+    EXPECT_EQ(run_romano("sub " + keeper + "-W 0.5").exit_code, 27);
+    const auto file = std::filesystem::temp_directory_path() / ("lines-" + own_port());
+    std::ofstream(file) << "one\ntwo\nthree";
+    EXPECT_EQ(run_romano("pub " + at_ + "-q 1 -t lines -l < " + file.string()).output, "");
+    std::filesystem::remove(file);
+    EXPECT_EQ(run_romano("sub " + keeper + "-C 3 -W 20").output, "one\ntwo\nthree\n");
+}
+
+TEST_F(Cli, ShowsTheBrokerAsTableAndAsJson) {
+    const Ran table = run_romano("brokers " + at_);
+    EXPECT_EQ(table.exit_code, 0);
+    EXPECT_THAT(table.output, HasSubstr("b1  alive  leader"));
+    EXPECT_THAT(table.output, HasSubstr(address_ + ":" + own_port()));
+    EXPECT_THAT(table.output, HasSubstr("led by b1: b1"));
+    const auto json = nlohmann::json::parse(run_romano("brokers --json " + at_).output);
+    EXPECT_EQ(json.at(0).at("name"), "b1");
+}
+
+TEST_F(Cli, EndsWithItsOwnCodeWhenTimeRunsOut) {
+    EXPECT_EQ(run_romano("sub " + at_ + "-t nothing -W 0.3").exit_code, 27);
+}
+
+struct Refused {
+    const char* arguments;
+    const char* sentence;
+};
+class RefusedCalls : public ::testing::TestWithParam<Refused> {};
+
+TEST_P(RefusedCalls, SayOneSentenceAndExitWith2) {
+    const Ran ran = run_romano(GetParam().arguments);
+    EXPECT_EQ(ran.exit_code, 2);
+    EXPECT_THAT(ran.output, HasSubstr(GetParam().sentence));
+    EXPECT_EQ(std::count(ran.output.begin(), ran.output.end(), '\n'), 1) << ran.output;
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Cli, RefusedCalls,
+    ::testing::Values(
+        Refused{"pub -t a", "one message is needed: -m TEXT, -f FILE, -n (empty) or -l (lines)"},
+        Refused{"pub -m a", "a topic is needed: either -t NAME or --predefined ID"},
+        Refused{"pub -t a -m b -q 3", "--qos: Value 3 not in range -1 to 2"},
+        Refused{"pub -t a -m b -p 0", "--port: Value 0 not in range 1 to 65535"},
+        Refused{"pub -t abc -m b -q -1", "-q -1 needs a topic without registration"},
+        Refused{"pub -t abc --short -m b", "`abc`: a short topic name has two octets"},
+        Refused{"pub -t a -f /nowhere -h 127.50.250.9 -p 9 --broker-timeout 0.2",
+                "no broker serves at 127.50.250.9 port 9: nobody listens there"},
+        Refused{"sub", "a topic is needed: -t FILTER or --predefined ID"},
+        Refused{"sub -t a -c", "-c needs -i ID"},
+        Refused{"brokers -h 127.50.250.9 -p 9 --broker-timeout 0.2", "no broker serves at"},
+        Refused{"sub -t a -h 'no such host'", "cannot find the host `no such host`"},
+        Refused{"sweep /nowhere.toml", "cannot read the sweep file `/nowhere.toml`: no such file"},
+        Refused{"swep", "The following argument was not expected: swep"},
+        Refused{"", "a subcommand is needed: pub, sub, brokers or sweep"}));
+
+}  // namespace
+}  // namespace romano::experiments

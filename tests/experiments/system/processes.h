@@ -1,0 +1,71 @@
+// Runs the real programs for a test: romano, and brokers on loopback addresses of the test's own.
+#pragma once
+
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <array>
+#include <chrono>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "experiments/process/broker_process.h"
+
+namespace romano::experiments {
+
+struct Ran {
+    int exit_code = -1;
+    std::string output;  // both streams
+};
+
+/// `romano <arguments>`, through the shell.
+inline Ran run_romano(const std::string& arguments) {
+    const std::string command = std::string{ROMANO_PROGRAM} + " 2>&1 " + arguments;
+    Ran ran;
+    std::FILE* output = ::popen(command.c_str(), "r");
+    if (output == nullptr) return ran;
+    std::array<char, 4096> part{};
+    while (const std::size_t size = std::fread(part.data(), 1, part.size(), output)) {
+        ran.output.append(part.data(), size);
+    }
+    const int status = ::pclose(output);
+    if (WIFEXITED(status)) ran.exit_code = WEXITSTATUS(status);
+    return ran;
+}
+
+/// Tests that run at the same time have other ports.
+inline std::string own_port() {
+    return std::to_string(20'000 + ::getpid() % 10'000);
+}
+
+/// A lone broker that serves when the constructor returns.
+class ServingBroker {
+public:
+    explicit ServingBroker(const std::string& address) {
+        process_ = std::make_unique<BrokerProcess>(
+            "b1", BROKER_PROGRAM,
+            std::vector<std::string>{"--name", "b1", "--listen", address + ":" + own_port()},
+            trace_);
+        // It prints one line when it serves.
+        for (int i = 0; i < 2000 && std::filesystem::file_size(trace_) == 0; ++i) {
+            std::this_thread::sleep_for(std::chrono::milliseconds{5});
+        }
+    }
+    ~ServingBroker() {
+        process_.reset();
+        std::filesystem::remove(trace_);
+    }
+    ServingBroker(const ServingBroker&) = delete;
+    ServingBroker& operator=(const ServingBroker&) = delete;
+
+private:
+    std::filesystem::path trace_ =
+        std::filesystem::temp_directory_path() / ("romano-broker-" + std::to_string(::getpid()));
+    std::unique_ptr<BrokerProcess> process_;
+};
+
+}  // namespace romano::experiments

@@ -1,0 +1,100 @@
+// A small sweep for real: broker processes, robots, a report; and it goes on where it stopped.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <fstream>
+#include <iterator>
+
+#include "experiments/sweep/csv.h"
+#include "experiments/sweep/run_row.h"
+#include "tests/experiments/system/processes.h"
+
+namespace romano::experiments {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::HasSubstr;
+using ::testing::SizeIs;
+
+class SmallSweep : public ::testing::Test {
+protected:
+    void SetUp() override { fs::create_directories(folder_); }
+    void TearDown() override { fs::remove_all(folder_); }
+
+    void write_sweep(const std::string& axes) const {
+        std::ofstream(folder_ / "small.toml")
+            << "duration = 1.5\nfault_after = 0.5\nretry = 0.3\nport = " << own_port()
+            << "\nstart_within = 60\ndrain = 20\ndomain_base = " << 40 + ::getpid() % 40
+            << "\noutput = \"" << (folder_ / "out").string() << "\"\n"
+            << axes;
+    }
+    Ran sweep(const std::string& more = "") const {
+        return run_romano("sweep " + (folder_ / "small.toml").string() + " " + more);
+    }
+    std::string read(const char* file) const {
+        std::ifstream stream(folder_ / "out" / file);
+        return {std::istreambuf_iterator<char>(stream), {}};
+    }
+    std::vector<RunRow> rows() const {
+        std::vector<RunRow> rows;
+        for (const CsvRow& fields : parse_csv(read("runs.csv"))) {
+            if (auto row = run_from_csv(fields)) rows.push_back(std::move(*row));
+        }
+        return rows;
+    }
+
+    fs::path folder_ = fs::temp_directory_path() / ("romano-sweep-" + std::to_string(::getpid()));
+};
+
+TEST_F(SmallSweep, OfOneBrokerDeliversEverything) {
+    write_sweep("[axes]\nbrokers = 1\nrobots = [2, 4]\nrate = 10\nqos = \"0+1+2\"\n");
+    const Ran ran = sweep();
+    EXPECT_EQ(ran.exit_code, 0) << ran.output;
+    EXPECT_THAT(ran.output, HasSubstr("Report: "));
+    ASSERT_THAT(rows(), SizeIs(2));
+    for (const RunRow& row : rows()) {
+        EXPECT_EQ(row.status, "ok");
+        EXPECT_EQ(row.delivery_ratio, 1) << ran.output;
+        EXPECT_EQ(row.duplicates_qos2, 0);
+        EXPECT_GT(row.published, 20);
+        EXPECT_GT(row.delay_p50_ms, 0);
+        EXPECT_GT(row.broker_rss_peak_mib_max, 1);
+    }
+    EXPECT_THAT(read("report.html"), HasSubstr("<svg"));
+    EXPECT_THAT(read("manifest.json"), HasSubstr("--cell 2"));
+    EXPECT_FALSE(read("samples/cell-0001.csv").empty());
+}
+
+TEST_F(SmallSweep, GoesOnBehindTheCellsThatAreDone) {
+    write_sweep("[axes]\nbrokers = 1\nrobots = [2, 3]\nrate = 10\n");
+    EXPECT_EQ(sweep().exit_code, 0);
+    const std::string all = read("runs.csv");
+    const std::size_t second = all.rfind('\n', all.size() - 2) + 1;
+    std::ofstream(folder_ / "out" / "runs.csv") << all.substr(0, second + 10);  // cut off
+    const Ran again = sweep();
+    EXPECT_THAT(again.output, HasSubstr("1 of 2 cells were done before"));
+    EXPECT_THAT(again.output, ::testing::Not(HasSubstr("[1/2]")));
+    EXPECT_EQ(parse_csv(read("runs.csv")).at(1), parse_csv(all).at(1));
+    EXPECT_THAT(rows(), SizeIs(2));
+}
+
+TEST_F(SmallSweep, RunsOneCellAgainBesideTheOthers) {
+    write_sweep("[axes]\nbrokers = 1\nrobots = [2, 3]\nrate = 10\n");
+    EXPECT_EQ(sweep("--cell 2").exit_code, 0);
+    EXPECT_FALSE(fs::exists(folder_ / "out" / "runs.csv"));
+    EXPECT_THAT(read("cell-2-again/runs.csv"), HasSubstr("\n2,1,3,"));
+}
+
+TEST_F(SmallSweep, RecordsARunThatFails) {
+    write_sweep("[axes]\nbrokers = 1\nrobots = 2\n");
+    const Ran ran = sweep("--broker /bin/false");
+    EXPECT_EQ(ran.exit_code, 1);
+    ASSERT_THAT(rows(), SizeIs(1));
+    EXPECT_EQ(rows()[0].status, "broker b1 ended unexpectedly, exit code 1");
+    EXPECT_THAT(read("report.html"), HasSubstr("Runs that failed"));
+}
+
+}  // namespace
+}  // namespace romano::experiments
