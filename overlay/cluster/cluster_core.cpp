@@ -221,6 +221,7 @@ void ClusterCore::leave(Effects& effects) {
 
 void ClusterCore::restart(Effects& effects, LogId log) {
     own_ = OwnLog(log, options_.log_events_kept);
+    membership_.restart();
     watermark_.restart();
     view_change_.restart(log);
     take_over_.restart();

@@ -20,16 +20,20 @@ bool Peer::is_serving(const Endpoint& address) const {
 }
 
 Membership::Membership(const ClusterOptions& options, BrokerId self, std::uint64_t seed)
-    : self_(self) {
+    : options_(options), self_(self), seed_(seed) {
     const election::DetectorOptions times{.beacon_every = options.beacon_every,
                                           .timeout = options.detection_timeout};
     heard_ = election::make_detector(options.detector, times);
     linked_ = election::make_detector(options.detector, times);
     assert(linked_ != nullptr && "the shell checks the detector's name");
-    elector_ = election::make_elector(options.elector,
-                                      {.self = {.capability = options.rank, .id = node_of(self)},
+    restart();
+}
+
+void Membership::restart() {
+    elector_ = election::make_elector(options_.elector,
+                                      {.self = {.capability = options_.rank, .id = node_of(self_)},
                                        .detection_time = linked_->detection_time(),
-                                       .seed = seed});
+                                       .seed = ++seed_});
     assert(elector_ != nullptr && "the shell checks the elector's name");
 }
 

@@ -36,6 +36,9 @@ class Membership {
 public:
     Membership(const ClusterOptions& options, BrokerId self, std::uint64_t seed);
 
+    /// A new life of this broker: it listens before it leads, as after its start.
+    void restart();
+
     /// False when the beacon is not to be heeded: of an earlier life of the peer, or our own.
     bool on_beacon(Instant now, const Beacon& beacon);
     /// The leader's claim comes with its proposals too, and may come there before its beacon.
@@ -59,7 +62,9 @@ public:
 private:
     void bury_suspects(Instant now);
 
+    ClusterOptions options_;
     BrokerId self_;
+    std::uint64_t seed_;
     std::unique_ptr<election::FailureDetector> heard_;   // beacons come here
     std::unique_ptr<election::FailureDetector> linked_;  // and ours go there
     std::unique_ptr<election::Elector> elector_;

@@ -61,15 +61,17 @@ void ViewChange::on_tick(Instant now, Surroundings around, Outbox& out) {
     }
 }
 
+/// All that are alive, also followers of another leader: to leave one out means to take over its
+/// clients, so it is asked first.
 std::vector<LogId> ViewChange::desired_members(const Membership& membership) {
     std::vector<LogId> members{self_};
     for (const auto& [id, peer] : membership.peers()) {
         if (!peer.alive) continue;
-        const bool follows = peer.beacon.claim.leader == membership.leadership().leader;
-        if (follows) refusing_.erase(id);
-        if (follows || (contains(peer.beacon.log) && !refusing_.contains(id))) {
-            members.push_back(peer.beacon.log);
-        }
+        const auto& leader = peer.beacon.claim.leader;
+        if (leader == node_of(self_.broker)) refusing_.erase(id);
+        // One that has just started follows nobody yet: it is not ready, and not refusing.
+        const bool ready = leader.has_value() || contains(peer.beacon.log);
+        if (ready && !refusing_.contains(id)) members.push_back(peer.beacon.log);
     }
     std::ranges::sort(members);
     return members;

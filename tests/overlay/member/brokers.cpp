@@ -1,0 +1,168 @@
+#include "tests/overlay/member/brokers.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+
+namespace romano::test {
+namespace {
+
+using namespace std::chrono_literals;
+
+Endpoint endpoint(std::uint8_t net, int host, std::uint16_t port) {
+    Endpoint endpoint{};
+    endpoint.address = {10, 0, net, static_cast<std::uint8_t>(host)};
+    endpoint.port = port;
+    endpoint.family = Endpoint::Family::ipv4;
+    return endpoint;
+}
+
+std::string name_of(int rank) {
+    return "b" + std::to_string(rank);
+}
+broker::BrokerId id_of(int rank) {
+    return broker::broker_id_of(name_of(rank));
+}
+
+}  // namespace
+
+Endpoint broker_address(int host) {
+    return endpoint(0, host, 1883);
+}
+
+void Brokers::start(int rank) {
+    const Endpoint home = broker_address(rank);
+    overlay::MemberOptions options;
+    options.cluster = options_;
+    options.cluster.rank = static_cast<std::uint32_t>(rank);
+    options.name = name_of(rank);
+    options.incarnation = ++starts_ * 1000;
+    options.home_addresses = {home};
+    options.broker.t_retry = 500ms;
+    options.broker.advertise_every = Duration::zero();
+    Running running{.member = std::make_unique<overlay::Member>(options, starts_),
+                    .log = {id_of(rank), options.incarnation},
+                    .messages = {},
+                    .datagrams = {}};
+    running_.insert_or_assign(rank, std::move(running));
+    const bool free = sockets_[home].empty();
+    if (free) bind(rank, home);
+    overlay::MemberActions actions;
+    running_.at(rank).member->on_address(now_, home, free, actions);
+    carry_out(rank, actions);
+}
+
+void Brokers::kill(int rank) {
+    running_.erase(rank);
+    stalled_.erase(rank);
+    for (auto& [address, holders] : sockets_) std::erase(holders, rank);
+}
+
+void Brokers::leave(int rank) {
+    overlay::MemberActions actions;
+    running_.at(rank).member->leave(now_, actions);
+    carry_out(rank, actions);
+    kill(rank);
+}
+
+Robot& Brokers::robot(const std::string& name, int broker) {
+    const Endpoint self = endpoint(1, static_cast<int>(robots_.size()) + 1, 5000);
+    const auto send = [this](const Endpoint& from, const Endpoint& to, Bytes octets) {
+        const auto& holders = sockets_[to];
+        if (holders.empty()) return;
+        running_.at(holders.back()).datagrams.push_back({to, from, {octets.begin(), octets.end()}});
+    };
+    auto& slot = robots_[self];
+    slot = std::make_unique<Robot>(name, self, broker_address(broker), send);
+    slot->on_tick(now_);
+    return *slot;
+}
+
+void Brokers::run_for(Duration time) {
+    for (const Instant end = now_ + time; now_ < end;) step();
+}
+
+void Brokers::step() {
+    now_ += 1ms;
+    for (auto& [address, robot] : robots_) robot->on_tick(now_);
+    std::map<int, std::pair<std::deque<overlay::Envelope>, std::deque<Datagram>>> inputs;
+    for (auto& [rank, running] : running_) {
+        if (stalled_.contains(rank)) continue;
+        inputs[rank] = {std::exchange(running.messages, {}), std::exchange(running.datagrams, {})};
+    }
+    for (auto& [rank, input] : inputs) {
+        overlay::Member& member = *running_.at(rank).member;
+        overlay::MemberActions actions;
+        for (const auto& [via, from, octets] : input.second) {
+            member.on_datagram(now_, via, from, octets, actions);
+        }
+        for (const auto& envelope : input.first) member.on_peer_message(now_, envelope, actions);
+        if (now_ >= member.next_wakeup()) member.on_tick(now_, actions);
+        carry_out(rank, actions);
+        member.check_invariants();
+    }
+}
+
+void Brokers::carry_out(int rank, overlay::MemberActions& actions) {
+    carry_out_locally(rank, actions);
+    Running& self = running_.at(rank);
+    for (const auto& outgoing : actions.peers) {
+        for (auto& [other, receiver] : running_) {
+            if (other == rank || cut_.contains(std::minmax(rank, other))) continue;
+            if (outgoing.to && *outgoing.to != id_of(other)) continue;
+            receiver.messages.push_back({self.log, outgoing.message});
+        }
+    }
+    for (const auto& action : actions.clients.list()) {
+        const auto* send = std::get_if<broker::Send>(&action);
+        if (send == nullptr || std::ranges::count(sockets_[send->via], rank) == 0) continue;
+        const auto robot = robots_.find(send->to.endpoint);
+        if (robot != robots_.end()) robot->second->on_datagram(actions.clients.octets(*send));
+    }
+    actions.clear();
+}
+
+void Brokers::carry_out_locally(int rank, const overlay::MemberActions& actions) {
+    for (const auto& action : actions.local) {
+        if (const auto* taken = std::get_if<overlay::TakeAddress>(&action)) {
+            bind(rank, taken->address);
+            overlay::MemberActions answer;
+            running_.at(rank).member->on_address(now_, taken->address, true, answer);
+            carry_out(rank, answer);
+        } else if (const auto* given = std::get_if<overlay::GiveUpAddress>(&action)) {
+            std::erase(sockets_[given->address], rank);
+        } else if (std::getenv("ROMANO_TRACE") != nullptr) {
+            std::printf("%lld ms  b%d: %s\n", static_cast<long long>(now_.time_since_epoch() / 1ms),
+                        rank, std::get<overlay::Notice>(action).text.c_str());
+        }
+    }
+}
+
+void Brokers::bind(int rank, const Endpoint& address) {
+    auto& holders = sockets_[address];
+    std::erase(holders, rank);
+    holders.push_back(rank);
+}
+
+int Brokers::leader_of(int rank) const {
+    const auto leader = member(rank).leadership().leader;
+    for (const auto& [other, running] : running_) {
+        if (leader == election::NodeId{static_cast<std::uint64_t>(id_of(other))}) return other;
+    }
+    return 0;
+}
+
+int Brokers::server_of(int address) const {
+    const auto holders = sockets_.find(broker_address(address));
+    return holders == sockets_.end() || holders->second.empty() ? 0 : holders->second.back();
+}
+
+std::vector<std::string> Brokers::sessions_at(int rank) const {
+    std::vector<std::string> clients;
+    for (const auto& image : member(rank).broker().images()) {
+        clients.push_back(image.header.client_id);
+    }
+    return clients;
+}
+
+}  // namespace romano::test

@@ -1,0 +1,79 @@
+// Members wired together in virtual time, a millisecond a step: every message takes one step, and
+// arrives unless a test cut the link. Service addresses are those of one host: the newest socket of
+// an address gets its datagrams.
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <memory>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "overlay/member/member.h"
+#include "tests/overlay/member/robot.h"
+
+namespace romano::test {
+
+/// 10.0.0.<host>:1883
+[[nodiscard]] Endpoint broker_address(int host);
+
+class Brokers {
+public:
+    explicit Brokers(cluster::ClusterOptions options = {}) : options_(std::move(options)) {}
+
+    /// Broker `rank` is named "b<rank>" and serves broker_address(rank).
+    void start(int rank);
+    void kill(int rank);
+    void leave(int rank);
+    void stall(int rank) { stalled_.insert(rank); }
+    void wake(int rank) { stalled_.erase(rank); }
+    void cut(int a, int b) { cut_.insert(std::minmax(a, b)); }
+    void heal() { cut_.clear(); }
+
+    Robot& robot(const std::string& name, int broker);
+
+    void run_for(Duration time);
+
+    [[nodiscard]] const overlay::Member& member(int rank) const {
+        return *running_.at(rank).member;
+    }
+    [[nodiscard]] int leader_of(int rank) const;
+    [[nodiscard]] std::size_t view_size(int rank) const {
+        return member(rank).view().members.size();
+    }
+    /// Who gets the datagrams for that address; 0: nobody.
+    [[nodiscard]] int server_of(int address) const;
+    [[nodiscard]] std::vector<std::string> sessions_at(int rank) const;
+
+private:
+    struct Datagram {
+        Endpoint via;
+        Endpoint from;
+        std::vector<std::uint8_t> octets;
+    };
+    struct Running {
+        std::unique_ptr<overlay::Member> member;
+        broker::LogId log;
+        std::deque<overlay::Envelope> messages;
+        std::deque<Datagram> datagrams;
+    };
+
+    void step();
+    void carry_out(int rank, overlay::MemberActions& actions);
+    void carry_out_locally(int rank, const overlay::MemberActions& actions);
+    void bind(int rank, const Endpoint& address);
+
+    cluster::ClusterOptions options_;
+    Instant now_ = Instant{} + std::chrono::seconds{1};
+    std::uint64_t starts_ = 0;
+    std::map<int, Running> running_;
+    std::set<int> stalled_;
+    std::set<std::pair<int, int>> cut_;
+    std::map<Endpoint, std::vector<int>> sockets_;  // the last one is the newest
+    std::map<Endpoint, std::unique_ptr<Robot>> robots_;
+};
+
+}  // namespace romano::test

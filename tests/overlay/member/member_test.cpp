@@ -1,0 +1,330 @@
+// A cluster of members as its robots see it. P1..P8 are the promises of the design, section 4.
+
+#include "overlay/member/member.h"
+
+#include <gmock/gmock.h>
+
+#include "tests/overlay/member/brokers.h"
+
+namespace romano::test {
+namespace {
+
+using namespace std::chrono_literals;
+using mqttsn::MsgType;
+using mqttsn::Qos;
+using testing::ElementsAre;
+using testing::IsEmpty;
+using testing::SizeIs;
+using testing::UnorderedElementsAre;
+
+constexpr auto settling = 1s;
+
+void start(Brokers& brokers, std::initializer_list<int> ranks) {
+    for (const int rank : ranks) brokers.start(rank);
+    brokers.run_for(settling);
+}
+
+std::vector<std::string> numbers(int first, int last) {
+    std::vector<std::string> texts;
+    for (int i = first; i <= last; ++i) texts.push_back(std::to_string(i));
+    return texts;
+}
+
+/// A robot that is connected and subscribed.
+Robot& subscriber(Brokers& brokers, const std::string& name, int broker, Qos qos,
+                  const std::string& topic = "pose") {
+    Robot& robot = brokers.robot(name, broker);
+    robot.connect();
+    robot.subscribe(topic, qos);
+    brokers.run_for(200ms);
+    return robot;
+}
+
+Robot& publisher(Brokers& brokers, const std::string& name, int broker) {
+    Robot& robot = brokers.robot(name, broker);
+    robot.connect();
+    brokers.run_for(100ms);
+    return robot;
+}
+
+/// The robot did nothing to get its session back: it never noticed anything.
+void expect_unnoticed(const Robot& robot) {
+    EXPECT_EQ(robot.count_sent(MsgType::connect), 1);
+    EXPECT_LE(robot.count_sent(MsgType::subscribe), 1);
+    EXPECT_LE(robot.count_sent(MsgType::register_), 1);
+    EXPECT_EQ(robot.rejections(), 0);
+}
+
+TEST(Member, AloneItLeadsItselfAndServes) {
+    Brokers brokers;
+    start(brokers, {1});
+    EXPECT_EQ(brokers.leader_of(1), 1);
+    EXPECT_EQ(brokers.view_size(1), 1U);
+    Robot& robot = subscriber(brokers, "robot", 1, Qos::exactly_once);
+    robot.publish("pose", "1", Qos::exactly_once);
+    brokers.run_for(100ms);
+    EXPECT_THAT(robot.received(), ElementsAre("1"));
+}
+
+TEST(Member, P1_StartedTogetherTheyFormOneViewUnderTheHighest) {
+    Brokers brokers;
+    start(brokers, {1, 2, 3});
+    for (const int rank : {1, 2, 3}) {
+        EXPECT_EQ(brokers.leader_of(rank), 3);
+        EXPECT_EQ(brokers.view_size(rank), 3U);
+        EXPECT_EQ(brokers.member(rank).view(), brokers.member(3).view());
+    }
+}
+
+class EveryQos : public testing::TestWithParam<Qos> {};
+INSTANTIATE_TEST_SUITE_P(Qos, EveryQos,
+                         testing::Values(Qos::at_most_once, Qos::at_least_once, Qos::exactly_once));
+
+TEST_P(EveryQos, P5_APublishCrossesBrokersInOrder) {
+    Brokers brokers;
+    start(brokers, {1, 2, 3});
+    Robot& there = subscriber(brokers, "there", 1, GetParam());
+    Robot& here = publisher(brokers, "here", 2);
+    for (const auto& text : numbers(1, 20)) here.publish("pose", text, GetParam());
+    brokers.run_for(1s);
+    EXPECT_EQ(there.received(), numbers(1, 20));
+}
+
+TEST(Member, AJoinerGetsSessionsAndRetainedMessagesBySnapshot) {
+    Brokers brokers;
+    start(brokers, {2});
+    Robot& robot = subscriber(brokers, "robot", 2, Qos::at_least_once);
+    robot.publish("lamp", "on", Qos::at_least_once, true);
+    brokers.run_for(200ms);
+    start(brokers, {1});
+    EXPECT_EQ(brokers.view_size(1), 2U);
+    Robot& late = subscriber(brokers, "late", 1, Qos::at_least_once, "lamp");
+    EXPECT_THAT(late.received(), ElementsAre("on"));
+    brokers.kill(2);  // what the joiner knows is enough to take over
+    brokers.run_for(settling);
+    late.publish("pose", "1", Qos::at_least_once);
+    brokers.run_for(500ms);
+    EXPECT_THAT(robot.received(), ElementsAre("1"));
+    expect_unnoticed(robot);
+}
+
+TEST_P(EveryQos, TheClientsOfADeadBrokerGoOnAtTheirAddress) {
+    Brokers brokers;
+    start(brokers, {1, 2, 3});
+    Robot& orphan = subscriber(brokers, "orphan", 1, GetParam());
+    Robot& other = publisher(brokers, "other", 2);
+    other.publish("pose", "1", GetParam());
+    brokers.run_for(200ms);
+    brokers.kill(1);
+    brokers.run_for(settling);
+    EXPECT_NE(brokers.server_of(1), 0);
+    other.publish("pose", "2", GetParam());
+    orphan.publish("pose", "3", GetParam());
+    brokers.run_for(1s);
+    EXPECT_THAT(orphan.received(), UnorderedElementsAre("1", "2", "3"));
+    EXPECT_THAT(orphan.topic_ids_seen(), SizeIs(1));
+    expect_unnoticed(orphan);
+}
+
+TEST(Member, P2_P3_NothingAcknowledgedIsLostOrDoubledWhenAHomeDiesUnderLoad) {
+    for (const int victim : {1, 2, 3}) {
+        SCOPED_TRACE(victim);
+        Brokers brokers;
+        start(brokers, {1, 2, 3});
+        std::vector<Robot*> robots;
+        for (const int home : {1, 2, 3}) {
+            const std::string name = "s" + std::to_string(home);
+            robots.push_back(&subscriber(brokers, name, home, Qos::exactly_once));
+        }
+        for (const auto& text : numbers(1, 100)) {
+            robots[0]->publish("pose", text, Qos::exactly_once);
+        }
+        brokers.run_for(60ms);
+        brokers.kill(victim);
+        brokers.run_for(6s);
+        EXPECT_EQ(robots[0]->acknowledged(), 100U);
+        for (const Robot* robot : robots) {
+            EXPECT_EQ(robot->received(), numbers(1, 100));
+            expect_unnoticed(*robot);
+        }
+    }
+}
+
+TEST(Member, P4_AfterATakeOverEachClientHasOneHome) {
+    Brokers brokers;
+    start(brokers, {1, 2, 3});
+    for (const int home : {1, 2, 3}) {
+        subscriber(brokers, "s" + std::to_string(home), home, Qos::at_least_once);
+    }
+    brokers.kill(3);
+    brokers.run_for(settling);
+    auto all = brokers.sessions_at(1);
+    for (const auto& client : brokers.sessions_at(2)) all.push_back(client);
+    EXPECT_THAT(all, UnorderedElementsAre("s1", "s2", "s3"));
+}
+
+TEST(Member, TwoBrokersDieOneAfterTheOther) {
+    Brokers brokers;
+    start(brokers, {1, 2, 3});
+    Robot& robot = subscriber(brokers, "robot", 3, Qos::exactly_once);
+    Robot& other = subscriber(brokers, "other", 1, Qos::exactly_once);
+    brokers.kill(3);
+    brokers.run_for(settling);
+    other.publish("pose", "1", Qos::exactly_once);
+    brokers.run_for(300ms);
+    brokers.kill(2);
+    brokers.run_for(settling);
+    other.publish("pose", "2", Qos::exactly_once);
+    brokers.run_for(1s);
+    EXPECT_THAT(robot.received(), ElementsAre("1", "2"));
+    EXPECT_THAT(brokers.sessions_at(1), UnorderedElementsAre("robot", "other"));
+    expect_unnoticed(robot);
+}
+
+TEST(Member, AReturningBrokerIsHandedItsAddressAndItsSessions) {
+    Brokers brokers;
+    start(brokers, {1, 2});
+    Robot& robot = subscriber(brokers, "robot", 1, Qos::exactly_once);
+    brokers.kill(1);
+    brokers.run_for(settling);
+    ASSERT_EQ(brokers.server_of(1), 2);
+    brokers.start(1);
+    for (const auto& text : numbers(1, 40)) {
+        robot.publish("pose", text, Qos::exactly_once);
+        brokers.run_for(50ms);
+    }
+    brokers.run_for(settling);
+    EXPECT_EQ(brokers.server_of(1), 1);
+    EXPECT_THAT(brokers.sessions_at(1), ElementsAre("robot"));
+    EXPECT_THAT(brokers.sessions_at(2), IsEmpty());
+    EXPECT_EQ(robot.received(), numbers(1, 40));
+    expect_unnoticed(robot);
+}
+
+TEST(Member, ABrokerThatRestartsFasterThanItIsMissedGetsItsSessionsBack) {
+    Brokers brokers;
+    start(brokers, {1, 2, 3});
+    Robot& robot = subscriber(brokers, "robot", 1, Qos::exactly_once);
+    brokers.kill(1);
+    brokers.run_for(20ms);
+    brokers.start(1);
+    brokers.run_for(30ms);
+    robot.publish("pose", "1", Qos::exactly_once);
+    brokers.run_for(2s);
+    EXPECT_EQ(brokers.server_of(1), 1);
+    EXPECT_THAT(brokers.sessions_at(1), ElementsAre("robot"));
+    EXPECT_THAT(robot.received(), ElementsAre("1"));
+    expect_unnoticed(robot);
+}
+
+TEST(Member, AnOrderlyStopHandsOverAtOnce) {
+    Brokers brokers;
+    start(brokers, {1, 2, 3});
+    Robot& robot = subscriber(brokers, "robot", 3, Qos::at_least_once);
+    brokers.leave(3);
+    brokers.run_for(20ms);  // far below the detection time
+    EXPECT_NE(brokers.server_of(3), 0);
+    robot.publish("pose", "1", Qos::at_least_once);
+    brokers.run_for(1s);
+    EXPECT_THAT(robot.received(), ElementsAre("1"));
+    expect_unnoticed(robot);
+}
+
+TEST(Member, AStalledBrokerThatWasReplacedDropsWhatItHadAndGetsItBack) {
+    Brokers brokers;
+    start(brokers, {1, 2, 3});
+    Robot& robot = subscriber(brokers, "robot", 3, Qos::exactly_once);
+    Robot& other = publisher(brokers, "other", 1);
+    brokers.stall(3);
+    for (const auto& text : numbers(1, 20)) {
+        other.publish("pose", text, Qos::exactly_once);
+        brokers.run_for(100ms);
+    }
+    EXPECT_NE(brokers.server_of(3), 3);
+    brokers.wake(3);
+    for (const auto& text : numbers(21, 40)) {
+        other.publish("pose", text, Qos::exactly_once);
+        brokers.run_for(100ms);
+    }
+    brokers.run_for(2s);
+    EXPECT_EQ(robot.received(), numbers(1, 40));
+    EXPECT_EQ(brokers.server_of(3), 3);
+    EXPECT_THAT(brokers.sessions_at(3), ElementsAre("robot"));
+    EXPECT_EQ(brokers.leader_of(1), 3);
+    expect_unnoticed(robot);
+}
+
+TEST(Member, APauseShorterThanTheDetectionTimeChangesNothing) {
+    Brokers brokers;
+    start(brokers, {1, 2, 3});
+    Robot& robot = subscriber(brokers, "robot", 3, Qos::at_least_once);
+    const auto before = brokers.member(1).view();
+    brokers.stall(3);
+    brokers.run_for(50ms);
+    brokers.wake(3);
+    robot.publish("pose", "1", Qos::at_least_once);
+    brokers.run_for(settling);
+    EXPECT_EQ(brokers.member(1).view(), before);
+    EXPECT_THAT(robot.received(), ElementsAre("1"));
+}
+
+TEST(Member, P6_BothSidesOfAPartitionServeAndMergeWhenItHeals) {
+    Brokers brokers;
+    start(brokers, {1, 2, 3});
+    Robot& left = subscriber(brokers, "left", 1, Qos::exactly_once);
+    Robot& right = subscriber(brokers, "right", 3, Qos::exactly_once);
+    brokers.cut(1, 2);
+    brokers.cut(1, 3);
+    brokers.run_for(settling);
+    EXPECT_EQ(brokers.view_size(1), 1U);
+    EXPECT_EQ(brokers.view_size(3), 2U);
+    brokers.heal();
+    brokers.run_for(2s);
+    for (const int rank : {1, 2, 3}) {
+        EXPECT_EQ(brokers.view_size(rank), 3U);
+        EXPECT_EQ(brokers.leader_of(rank), 3);
+        EXPECT_EQ(brokers.server_of(rank), rank) << "every broker has its own address again";
+    }
+    EXPECT_THAT(brokers.sessions_at(1), ElementsAre("left"));
+    EXPECT_THAT(brokers.sessions_at(2), IsEmpty());
+    EXPECT_THAT(brokers.sessions_at(3), ElementsAre("right"));
+    left.publish("pose", "1", Qos::exactly_once);
+    brokers.run_for(1s);
+    EXPECT_THAT(left.received(), ElementsAre("1"));
+    EXPECT_THAT(right.received(), ElementsAre("1"));
+    expect_unnoticed(left);
+    expect_unnoticed(right);
+}
+
+TEST(Member, ADeadPeerBlocksNobodyLongerThanOneDetectionTime) {
+    Brokers brokers;
+    start(brokers, {1, 2});
+    Robot& robot = subscriber(brokers, "robot", 2, Qos::at_least_once);
+    brokers.kill(1);
+    robot.publish("pose", "1", Qos::at_least_once);
+    brokers.run_for(150ms);
+    EXPECT_EQ(robot.acknowledged(), 1U);
+}
+
+TEST(Member, AllButOneDieAndTheLastServesEverybody) {
+    Brokers brokers;
+    start(brokers, {1, 2, 3, 4, 5});
+    std::vector<Robot*> robots;
+    for (const int home : {1, 2, 3, 4, 5}) {
+        const std::string name = "s" + std::to_string(home);
+        robots.push_back(&subscriber(brokers, name, home, Qos::exactly_once));
+    }
+    for (const int victim : {5, 4, 3, 2}) {
+        brokers.kill(victim);
+        robots[0]->publish("pose", std::to_string(victim), Qos::exactly_once);
+        brokers.run_for(settling);
+    }
+    for (const Robot* robot : robots) {
+        EXPECT_THAT(robot->received(), ElementsAre("5", "4", "3", "2"));
+        expect_unnoticed(*robot);
+    }
+    EXPECT_EQ(brokers.member(1).broker().session_count(), 5U);
+}
+
+}  // namespace
+}  // namespace romano::test
