@@ -105,8 +105,9 @@ bool DeliveryFlow::open_front(Session& session, Turn& turn) {
         session.exchange = {};
         return false;
     }
-    const bool again = delivery.stage == DeliveryStage::published;
-    if (!again) start(session, delivery, turn);
+    const bool started = delivery.stage == DeliveryStage::published;
+    const bool again = started && !session.exchange.refused;  // a fall-back has a new msg id
+    if (!started) start(session, delivery, turn);
     open(session, Kind::publishing, delivery.msg_id, topic);
     return send_open(session, again, turn);
 }

@@ -99,6 +99,22 @@ TEST_F(Broker, RetainedMessageStaysOneWhenItOvertookItsSuback) {  // G21
     EXPECT_TRUE(listener.hears_publish("x=1", Qos::at_least_once).retain);
 }
 
+TEST_F(Broker, PublishAfterAnUnknownIdHasANewMessageIdAndNoDup) {  // 6.10e, G21
+    a.connects();
+    b.connects();
+    b.subscribes("pose");
+    a.publishes(a.registers("pose"), "x=1", Qos::at_least_once);
+    const auto unknown = b.hears<Publish>();
+    b.says(Puback{unknown.topic, unknown.msg_id, ReturnCode::invalid_topic_id});
+    const auto told = b.hears<Register>();
+    b.says(Regack{told.topic_id, told.msg_id, ReturnCode::accepted});
+    const auto second = b.hears<Publish>();
+    EXPECT_FALSE(second.dup);
+    EXPECT_NE(second.msg_id, unknown.msg_id);
+    broker.waits(mqttsn::default_t_retry);
+    EXPECT_TRUE(b.hears<Publish>().dup);
+}
+
 TEST_F(Broker, PublisherHearsItsAnswerBeforeItsOwnCopy) {  // G12
     a.connects();
     const TopicId id = a.subscribes("echo", Qos::at_least_once);
