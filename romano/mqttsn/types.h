@@ -18,7 +18,7 @@ enum class MsgType : std::uint8_t {
     willtopic = 0x07,
     willmsgreq = 0x08,
     willmsg = 0x09,
-    register_ = 0x0A,
+    register_ = 0x0A,  // NOLINT(readability-identifier-naming): "register" is a keyword
     regack = 0x0B,
     publish = 0x0C,
     puback = 0x0D,
@@ -47,7 +47,9 @@ inline constexpr TopicId reserved_topic_id{0xFFFF};  // reserved, section 5.3.11
 inline constexpr MsgId no_msg_id{0};
 
 /// False for the two reserved ids: never assigned, never accepted in a PUBLISH.
-constexpr bool is_assignable(TopicId id) { return id != no_topic_id && id != reserved_topic_id; }
+constexpr bool is_assignable(TopicId id) {
+    return id != no_topic_id && id != reserved_topic_id;
+}
 
 /// How a topic is named in a message; section 5.3.4. The reserved value 0b11 decodes, so that a
 /// broker can refuse it with a return code.

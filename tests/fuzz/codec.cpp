@@ -27,6 +27,7 @@ Octets encoded(const Message& message) {
 
 }  // namespace
 
+// NOLINTNEXTLINE(readability-identifier-naming): the name that libFuzzer calls
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     const Bytes datagram{data, size};
     const auto message = decode(datagram);

@@ -51,6 +51,7 @@ bool is_filter_by_levels(std::string_view filter) {
 }  // namespace
 
 /// The first octet says how much of the rest is the filter; what follows is the name.
+// NOLINTNEXTLINE(readability-identifier-naming): the name that libFuzzer calls
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     if (size == 0) return 0;
     const std::string_view text = as_text({data + 1, size - 1});

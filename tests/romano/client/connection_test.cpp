@@ -39,7 +39,7 @@ TEST(Connecting, RepeatsConnectWhenItOrConnackIsLost) {
     SequenceChart chart;
     connects(chart);
     chart.sends(connect);
-    chart.after(Tretry);
+    chart.after(t_retry);
     chart.sends(connect);
     chart.gets(Connack{accepted});
     chart.tells("connected");
@@ -48,9 +48,9 @@ TEST(Connecting, RepeatsConnectWhenItOrConnackIsLost) {
 TEST(Connecting, GivesUpAfterNretryRepetitions) {
     SequenceChart chart;
     connects(chart);
-    for (int sent = 0; sent < 1 + Nretry; ++sent) {
+    for (int sent = 0; sent < 1 + n_retry; ++sent) {
         chart.sends(connect);
-        chart.after(Tretry);
+        chart.after(t_retry);
     }
     chart.tells("lost");
     EXPECT_EQ(chart.client().state(), State::disconnected);
@@ -73,15 +73,15 @@ TEST(Connecting, RepeatsTheStepOfTheWillThatIsNotAnswered) {
     SequenceChart chart;
     connects_with_will(chart);
     chart.sends(connect_with_will);
-    chart.after(Tretry);
+    chart.after(t_retry);
     chart.sends(connect_with_will);
     chart.gets(Willtopicreq{});
     chart.sends(will_topic);
-    chart.after(Tretry);
+    chart.after(t_retry);
     chart.sends(will_topic);
     chart.gets(Willmsgreq{});
     chart.sends(will_message);
-    chart.after(Tretry);
+    chart.after(t_retry);
     chart.sends(will_message);
     chart.gets(Connack{accepted});
     chart.tells("connected");
@@ -119,7 +119,7 @@ TEST(Connecting, TellsARefusal) {  // 6.2c
     chart.gets(Connack{congestion});
     chart.tells("refused 1");
     EXPECT_EQ(chart.client().state(), State::disconnected);
-    chart.after(10 * Tretry);
+    chart.after(10 * t_retry);
 }
 
 TEST(Connecting, IgnoresASecondConnack) {
@@ -173,9 +173,9 @@ TEST(Disconnecting, EndsAlsoWhenNobodyAnswers) {
     SequenceChart chart;
     chart.connect();
     chart.call([](auto& client, auto now, auto& out) { client.disconnect(now, out); });
-    for (int sent = 0; sent < 1 + Nretry; ++sent) {
+    for (int sent = 0; sent < 1 + n_retry; ++sent) {
         chart.sends(Disconnect{false, 0});
-        chart.after(Tretry);
+        chart.after(t_retry);
     }
     chart.tells("disconnected");
 }
@@ -195,11 +195,11 @@ TEST(Reconnecting, SendsTheOpenPublishAgainInAKeptSession) {
     const auto message = publish_of(qos2, TopicId{5}, MsgId{2}, "x");
     chart.publish(topic_name("pose"), "x", qos2);
     chart.sends(message);
-    for (int repetition = 0; repetition < Nretry; ++repetition) {
-        chart.after(Tretry);
+    for (int repetition = 0; repetition < n_retry; ++repetition) {
+        chart.after(t_retry);
         chart.sends(again(message));
     }
-    chart.after(Tretry);
+    chart.after(t_retry);
     chart.tells("lost");
     chart.connect({.client_id = "c", .clean_session = false, .keep_alive = 0s});
     chart.sends(again(message));

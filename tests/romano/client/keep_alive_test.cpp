@@ -31,7 +31,7 @@ TEST(KeepAlive, RepeatsAPingThatIsNotAnswered) {
     chart.connect(every_60_s);
     chart.after(45s);
     chart.sends(Pingreq{});
-    chart.after(Tretry);
+    chart.after(t_retry);
     chart.sends(Pingreq{});
     chart.gets(Pingresp{});
     chart.after(44s);
@@ -41,9 +41,9 @@ TEST(KeepAlive, LosesTheBrokerAfterNretryPings) {  // 6.13a
     SequenceChart chart;
     chart.connect(every_60_s);
     chart.after(45s);
-    for (int sent = 0; sent < 1 + Nretry; ++sent) {
+    for (int sent = 0; sent < 1 + n_retry; ++sent) {
         chart.sends(Pingreq{});
-        chart.after(Tretry);
+        chart.after(t_retry);
     }
     chart.tells("lost");
     EXPECT_EQ(chart.client().next_wakeup(), never);

@@ -28,7 +28,7 @@ TEST_F(Publishing, AtQos0HasNoMsgIdAndNoAnswer) {
     chart.publish(topic_name("pose"), "x", qos0);
     chart.sends(publish_of(qos0, pose, no_msg_id, "x"));
     chart.tells("published 2");
-    chart.after(5 * Tretry);
+    chart.after(5 * t_retry);
 }
 
 TEST_F(Publishing, AtQos1EndsWithPuback) {
@@ -36,13 +36,13 @@ TEST_F(Publishing, AtQos1EndsWithPuback) {
     chart.sends(publish_of(qos1, pose, MsgId{2}, "x"));
     chart.gets(Puback{pose, MsgId{2}, accepted});
     chart.tells("published 2");
-    chart.after(5 * Tretry);
+    chart.after(5 * t_retry);
 }
 
 TEST_F(Publishing, AtQos1IsSentAgainWithDupWhenPublishOrPubackIsLost) {
     chart.publish(topic_name("pose"), "x", qos1);
     chart.sends(publish_of(qos1, pose, MsgId{2}, "x"));
-    chart.after(Tretry);
+    chart.after(t_retry);
     chart.sends(again(publish_of(qos1, pose, MsgId{2}, "x")));
     chart.gets(Puback{pose, MsgId{2}, accepted});
     chart.tells("published 2");
@@ -55,13 +55,13 @@ TEST_F(Publishing, AtQos2IsPubrecPubrelPubcomp) {
     chart.sends(Pubrel{MsgId{2}});
     chart.gets(Pubcomp{MsgId{2}});
     chart.tells("published 2");
-    chart.after(5 * Tretry);
+    chart.after(5 * t_retry);
 }
 
 TEST_F(Publishing, AtQos2SendsPublishAgainWhenItOrPubrecIsLost) {
     chart.publish(topic_name("pose"), "x", qos2);
     chart.sends(publish_of(qos2, pose, MsgId{2}, "x"));
-    chart.after(Tretry);
+    chart.after(t_retry);
     chart.sends(again(publish_of(qos2, pose, MsgId{2}, "x")));
     chart.gets(Pubrec{MsgId{2}});
     chart.sends(Pubrel{MsgId{2}});
@@ -74,7 +74,7 @@ TEST_F(Publishing, AtQos2SendsPubrelAgainWhenItOrPubcompIsLost) {
     chart.sends(publish_of(qos2, pose, MsgId{2}, "x"));
     chart.gets(Pubrec{MsgId{2}});
     chart.sends(Pubrel{MsgId{2}});
-    chart.after(Tretry);
+    chart.after(t_retry);
     chart.sends(Pubrel{MsgId{2}});
     chart.gets(Pubcomp{MsgId{2}});
     chart.tells("published 2");
@@ -83,11 +83,11 @@ TEST_F(Publishing, AtQos2SendsPubrelAgainWhenItOrPubcompIsLost) {
 TEST_F(Publishing, GivesUpTheBrokerAfterNretryRepetitions) {  // 6.13
     chart.publish(topic_name("pose"), "x", qos1);
     chart.sends(publish_of(qos1, pose, MsgId{2}, "x"));
-    for (int repetition = 0; repetition < Nretry; ++repetition) {
-        chart.after(Tretry);
+    for (int repetition = 0; repetition < n_retry; ++repetition) {
+        chart.after(t_retry);
         chart.sends(again(publish_of(qos1, pose, MsgId{2}, "x")));
     }
-    chart.after(Tretry);
+    chart.after(t_retry);
     chart.tells("lost");
 }
 
@@ -184,9 +184,9 @@ TEST_F(Publishing, PausesForTwaitAfterCongestionThenSendsTheMessageAnew) {  // 6
     chart.gets(Puback{pose, MsgId{2}, congestion});
     chart.tells("congested");
     chart.publish(topic_name("pose"), "y", qos0);
-    chart.after(Twait - Tretry);
+    chart.after(t_wait - t_retry);
     chart.is_silent();
-    chart.after(Tretry);
+    chart.after(t_retry);
     chart.sends(publish_of(qos1, pose, MsgId{3}, "x"));
     chart.gets(Puback{pose, MsgId{3}, accepted});
     chart.tells("published 2");

@@ -34,7 +34,7 @@ TEST_F(Registering, IsRegisterAndRegack) {
 TEST_F(Registering, IsRepeatedWhenItOrRegackIsLost) {
     registers("pose");
     chart.sends(register_of("pose", MsgId{1}));
-    chart.after(Tretry);
+    chart.after(t_retry);
     chart.sends(register_of("pose", MsgId{1}));
     chart.gets(Regack{TopicId{5}, MsgId{1}, accepted});
     chart.tells("registered 1 id 5");
@@ -42,9 +42,9 @@ TEST_F(Registering, IsRepeatedWhenItOrRegackIsLost) {
 
 TEST_F(Registering, GivesUpTheBrokerAfterNretryRepetitions) {  // 6.13
     registers("pose");
-    for (int sent = 0; sent < 1 + Nretry; ++sent) {
+    for (int sent = 0; sent < 1 + n_retry; ++sent) {
         chart.sends(register_of("pose", MsgId{1}));
-        chart.after(Tretry);
+        chart.after(t_retry);
     }
     chart.tells("lost");
 }
@@ -95,9 +95,9 @@ TEST_F(Registering, IsAskedAgainAfterTwaitWhenTheBrokerIsCongested) {
     chart.sends(register_of("pose", MsgId{1}));
     chart.gets(Regack{no_topic_id, MsgId{1}, congestion});
     chart.tells("congested");
-    chart.after(Twait - Tretry);
+    chart.after(t_wait - t_retry);
     chart.is_silent();
-    chart.after(Tretry);
+    chart.after(t_retry);
     chart.sends(register_of("pose", MsgId{2}));
     chart.gets(Regack{TopicId{5}, MsgId{2}, accepted});
     chart.tells("registered 1 id 5");

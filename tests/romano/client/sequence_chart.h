@@ -4,7 +4,7 @@
 //   chart.sends(Register{...});         the client's next datagram is this one
 //   chart.gets(Regack{...});            the broker's answer arrives
 //   chart.sends(Publish{...});
-//   chart.after(Tretry);                time passes; the client ticks when it wants to
+//   chart.after(t_retry);                time passes; the client ticks when it wants to
 //   chart.tells("published 1");         the client's next event
 //
 // What is sent or told and not named by the test fails it when the chart ends.
@@ -26,9 +26,9 @@ namespace romano::client {
 
 using Octets = std::vector<std::uint8_t>;
 
-inline constexpr std::chrono::seconds Tretry{10};
-inline constexpr std::chrono::seconds Twait{300};
-inline constexpr int Nretry = 3;
+inline constexpr std::chrono::seconds t_retry{10};
+inline constexpr std::chrono::seconds t_wait{300};
+inline constexpr int n_retry = 3;
 
 inline Octets octets_of(const mqttsn::Message& message) {
     Octets octets(mqttsn::encoded_size(message));
@@ -44,7 +44,7 @@ std::string shown(const Event& event);
 class SequenceChart {
 public:
     /// The client's message ids count from 1.
-    explicit SequenceChart(const Timing& timing = {Tretry, Twait, Nretry});
+    explicit SequenceChart(const Timing& timing = {t_retry, t_wait, n_retry});
     ~SequenceChart();
     SequenceChart(const SequenceChart&) = delete;
     SequenceChart& operator=(const SequenceChart&) = delete;

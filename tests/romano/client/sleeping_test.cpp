@@ -38,7 +38,7 @@ TEST_F(Sleeping, BeginsWithDisconnectAndItsDuration) {  // 6.14a
 TEST_F(Sleeping, RepeatsTheDisconnectThatIsNotAnswered) {
     chart.call([](auto& client, auto now, auto& out) { client.sleep(now, 400s, out); });
     chart.sends(Disconnect{true, 400});
-    chart.after(Tretry);
+    chart.after(t_retry);
     chart.sends(Disconnect{true, 400});
     chart.gets(Disconnect{false, 0});
     chart.tells("asleep");
@@ -91,9 +91,9 @@ TEST_F(Sleeping, AsksAgainTretryAfterTheLastMessageWithoutPingresp) {  // 6.14d
 TEST_F(Sleeping, SleepsOnAfterNretryUnansweredRequests) {  // 6.14d
     falls_asleep();
     chart.after(300s);
-    for (int sent = 0; sent < 1 + Nretry; ++sent) {
+    for (int sent = 0; sent < 1 + n_retry; ++sent) {
         chart.sends(Pingreq{"c"});
-        chart.after(Tretry);
+        chart.after(t_retry);
     }
     chart.tells("asleep");
     chart.after(300s);

@@ -42,7 +42,7 @@ TEST_F(Subscribing, ToANameLearnsItsTopicId) {  // 6.9a
 TEST_F(Subscribing, IsRepeatedWithDupWhenItOrSubackIsLost) {
     subscribes(topic_name("pose"), qos1);
     chart.sends(subscribe_of("pose", qos1, MsgId{1}));
-    chart.after(Tretry);
+    chart.after(t_retry);
     auto message = subscribe_of("pose", qos1, MsgId{1});
     message.dup = true;
     chart.sends(message);
@@ -93,7 +93,7 @@ TEST_F(Subscribing, IsAskedAgainAfterTwaitWhenTheBrokerIsCongested) {
     chart.sends(subscribe_of("pose", qos0, MsgId{1}));
     chart.gets(Suback{qos0, no_topic_id, MsgId{1}, congestion});
     chart.tells("congested");
-    chart.after(Twait);
+    chart.after(t_wait);
     chart.sends(subscribe_of("pose", qos0, MsgId{2}));
 }
 
@@ -114,7 +114,7 @@ TEST_F(Subscribing, HasOneRequestOutstanding) {  // 6.9g
 TEST_F(Subscribing, EndsByUnsubscribeAndUnsuback) {  // 6.9h
     unsubscribes(topic_name("pose"));
     chart.sends(Unsubscribe{MsgId{1}, topic_name("pose")});
-    chart.after(Tretry);
+    chart.after(t_retry);
     chart.sends(Unsubscribe{MsgId{1}, topic_name("pose")});
     chart.gets(Unsuback{MsgId{1}});
     chart.tells("unsubscribed 1");

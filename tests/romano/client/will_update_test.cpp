@@ -25,7 +25,7 @@ protected:
 TEST_F(WillUpdate, OfTheTopicIsAnswered) {
     updates_topic("wills/c");
     chart.sends(Willtopicupd{qos1, true, "wills/c"});
-    chart.after(Tretry);
+    chart.after(t_retry);
     chart.sends(Willtopicupd{qos1, true, "wills/c"});
     chart.gets(Willtopicresp{accepted});
     chart.tells("will updated 1");
