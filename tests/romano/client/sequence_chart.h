@@ -4,7 +4,7 @@
 //   chart.sends(Register{...});         the client's next datagram is this one
 //   chart.gets(Regack{...});            the broker's answer arrives
 //   chart.sends(Publish{...});
-//   chart.after(t_retry);                time passes; the client ticks when it wants to
+//   chart.after(t_retry);               time passes; the client ticks when it wants to
 //   chart.tells("published 1");         the client's next event
 //
 // What is sent or told and not named by the test fails it when the chart ends.
