@@ -15,7 +15,7 @@ bool Adoption::adopt(SessionImage image, std::span<const MessagePtr> missed, Tur
     tables_.clock.observe(image.header.last_heard);
     Session* session = tables_.sessions.find(image.header.client_id);
     if (session != nullptr) {
-        if (outranks(session->header, image.header)) return false;
+        if (!outranks(image.header, session->header)) return false;
         tables_.sessions.come_back(*session);
         tables_.sessions.unmap(*session);
         lifecycle_.wipe(*session);

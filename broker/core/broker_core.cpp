@@ -197,7 +197,7 @@ void BrokerCore::State::on_session_message(const Origin& origin, const mqttsn::M
     } else {
         handle(*session, message, turn);
     }
-    if (session != nullptr) deliveries.on_heard(*session, turn);
+    if (session != nullptr) deliveries.resume(*session, turn);
 }
 
 void BrokerCore::State::handle(Session& session, const mqttsn::Message& message, Turn& turn) {

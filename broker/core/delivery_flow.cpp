@@ -299,10 +299,8 @@ void DeliveryFlow::drop_front(Session& session, Drop reason, Turn& turn) {
     end_front(session, turn);
 }
 
-void DeliveryFlow::on_heard(Session& session, Turn& turn) {
+void DeliveryFlow::resume(Session& session, Turn& turn) {
     Exchange& exchange = session.exchange;
-    if (!exchange.is_open()) return;
-    exchange.heard = true;
     if (!exchange.stalled || !session.is_listening()) return;
     exchange.stalled = false;
     exchange.sendings = 0;

@@ -41,8 +41,8 @@ public:
     /// nothing is left (6.14b).
     void go_on(Session& session, Turn& turn);
 
-    /// The client was heard: what its silence had stopped goes on (G5).
-    void on_heard(Session& session, Turn& turn);
+    /// The client was heard, and its message handled: what its silence had stopped goes on (G5).
+    void resume(Session& session, Turn& turn);
 
     /// Retransmission is due.
     void on_retry(Session& session, Turn& turn);

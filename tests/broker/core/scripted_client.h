@@ -52,6 +52,21 @@ inline BrokerOptions logging_options() {
     return options;
 }
 
+/// True for what names a client: after it, an address may have another order of datagrams.
+inline bool may_bring_another_session(const Octets& datagram) {
+    const std::size_t wrapping = datagram.size() > 1 && datagram[1] == 0xFE ? datagram[0] : 0U;
+    if (datagram.size() < wrapping + 2) return false;
+    switch (MsgType{datagram[wrapping + 1]}) {
+        case MsgType::connect:
+        case MsgType::willtopic:
+        case MsgType::willmsg:
+        case MsgType::pingreq:
+            return true;
+        default:
+            return false;
+    }
+}
+
 /// A broker core, its time, and where its actions went.
 class ScriptedBroker {
 public:
@@ -60,17 +75,7 @@ public:
 
     void receives(const ClientAddress& from, const Octets& datagram) {
         core.on_datagram(now, via, from.endpoint, datagram, actions);
-        // What names a client may bring another session here, with an order of its own.
-        switch (MsgType{datagram[datagram[1] == 0xFE ? datagram[0] + 1U : 1U]}) {
-            case MsgType::connect:
-            case MsgType::willtopic:
-            case MsgType::willmsg:
-            case MsgType::pingreq:
-                floors.erase(from);
-                break;
-            default:
-                break;
-        }
+        if (may_bring_another_session(datagram)) floors.erase(from);
         drain();
     }
 

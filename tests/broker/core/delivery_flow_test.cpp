@@ -1,0 +1,258 @@
+// Messages towards a client: MQTT-SN 1.2 sections 6.10, 6.13 and the choices G5, G16, G21, G24,
+// G25.
+
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "tests/broker/core/scripted_client.h"
+
+namespace romano::broker {
+namespace {
+
+class Delivering : public ::testing::Test {
+protected:
+    Delivering() {
+        publisher.connects();
+        robot.connects();
+    }
+
+    void publishes(std::string_view topic, std::string_view data, Qos qos) {
+        publisher.publishes(publisher.registers(topic), data, qos);
+    }
+
+    void acknowledges(const Publish& publish, ReturnCode code) {
+        robot.says(Puback{publish.topic, publish.msg_id, code});
+    }
+
+    void gives_a_sign_of_life() {
+        robot.says(Pingreq{});
+        robot.hears<Pingresp>();
+    }
+
+    ScriptedBroker broker{logging_options()};
+    ScriptedClient publisher{broker, "publisher"};
+    ScriptedClient robot{broker, "robot"};
+};
+
+TEST_F(Delivering, QosIsTheLowerOfPublishedAndGranted) {  // 6.10c
+    robot.subscribes("a", Qos::at_least_once);
+    publishes("a", "2", Qos::exactly_once);
+    robot.hears_publish("2", Qos::at_least_once);
+    publishes("a", "0", Qos::at_most_once);
+    robot.hears_publish("0", Qos::at_most_once);
+}
+
+TEST_F(Delivering, OverlappingSubscriptionsGiveOneCopyAtTheHighestQos) {  // M-3.3.5-1
+    robot.subscribes("a/b", Qos::at_most_once);
+    robot.subscribes("a/+", Qos::exactly_once);
+    robot.subscribes("#", Qos::at_least_once);
+    publishes("a/b", "x", Qos::exactly_once);
+    robot.hears_publish("x", Qos::exactly_once);
+    robot.hears_nothing();
+}
+
+TEST_F(Delivering, UnansweredPublishIsSentAgainWithDup) {  // 6.13c, G5
+    robot.subscribes("a");
+    publishes("a", "x", Qos::at_least_once);
+    const auto first = robot.hears<Publish>();
+    EXPECT_FALSE(first.dup);
+    const MsgId msg_id = first.msg_id;
+    broker.waits(10s);
+    const auto again = robot.hears<Publish>();
+    EXPECT_TRUE(again.dup);
+    EXPECT_EQ(again.msg_id, msg_id);
+    acknowledges(again, ReturnCode::accepted);
+    broker.waits(1min);
+    robot.hears_nothing();
+    EXPECT_EQ(broker.core.counters().retransmissions, 1u);
+}
+
+TEST_F(Delivering, PubrelIsSentAgainUntilPubcomp) {  // 6.10d
+    robot.subscribes("a");
+    publishes("a", "x", Qos::exactly_once);
+    const MsgId msg_id = robot.hears<Publish>().msg_id;
+    robot.says(Pubrec{msg_id});
+    robot.hears<Pubrel>();
+    broker.waits(10s);
+    EXPECT_EQ(robot.hears<Pubrel>().msg_id, msg_id);
+    robot.says(Pubrec{msg_id});  // a repetition of what the client said
+    EXPECT_EQ(robot.hears<Pubrel>().msg_id, msg_id);
+    robot.says(Pubcomp{msg_id});
+    broker.waits(1min);
+    robot.hears_nothing();
+}
+
+TEST_F(Delivering, ClientThatLivesButDoesNotAnswerLosesThatMessageOnly) {  // G5
+    robot.subscribes("a");
+    publishes("a", "1", Qos::exactly_once);
+    publishes("a", "2", Qos::at_least_once);
+    for (int sending = 0; sending < 4; ++sending) {
+        EXPECT_EQ(as_text(robot.hears<Publish>().data), "1");
+        gives_a_sign_of_life();
+        broker.waits(10s);
+    }
+    EXPECT_EQ(broker.dropped(Drop::retries_exhausted), 1u);
+    robot.hears_publish("2", Qos::at_least_once);
+    broker.expects_mirror_to_agree();
+}
+
+TEST_F(Delivering, SilentClientKeepsItsQueueUntilItIsHeard) {  // G5
+    robot.subscribes("a");
+    publishes("a", "1", Qos::at_least_once);
+    publishes("a", "2", Qos::at_least_once);
+    broker.waits(10min);
+    EXPECT_EQ(robot.unheard(), 4u);
+    robot.ignores_what_came();
+    robot.says(Pingreq{});
+    robot.hears<Pingresp>();
+    EXPECT_TRUE(robot.hears_publish("1", Qos::at_least_once).dup);
+    robot.hears_publish("2", Qos::at_least_once);
+    broker.expects_mirror_to_agree();
+}
+
+TEST_F(Delivering, UnknownIdIsRegisteredAndPublishedOnceMore) {  // 6.10e, G21
+    const TopicId id = robot.subscribes("a");
+    publishes("a", "x", Qos::at_least_once);
+    const auto first = robot.hears<Publish>();
+    const MsgId first_id = first.msg_id;
+    acknowledges(first, ReturnCode::invalid_topic_id);
+    const auto told = robot.hears<Register>();
+    EXPECT_EQ(told.topic_id, id);
+    EXPECT_EQ(told.topic_name, "a");
+    robot.says(Regack{told.topic_id, told.msg_id, ReturnCode::accepted});
+    const auto second = robot.hears<Publish>();
+    EXPECT_NE(second.msg_id, first_id);
+    EXPECT_FALSE(second.dup);
+    acknowledges(second, ReturnCode::invalid_topic_id);
+    EXPECT_EQ(broker.dropped(Drop::refused_by_client), 1u);
+    robot.hears_nothing();
+    broker.expects_mirror_to_agree();
+}
+
+TEST_F(Delivering, UnknownIdAtQos0IsToldBeforeTheNextMessage) {  // G21
+    const TopicId id = robot.subscribes("a");
+    publishes("a", "1", Qos::at_most_once);
+    robot.hears_publish("1");
+    robot.says(Puback{id, no_msg_id, ReturnCode::invalid_topic_id});
+    publishes("a", "2", Qos::at_most_once);
+    const auto told = robot.hears<Register>();
+    robot.says(Regack{told.topic_id, told.msg_id, ReturnCode::accepted});
+    robot.hears_publish("2");
+    broker.expects_mirror_to_agree();
+}
+
+TEST_F(Delivering, RefusedQos2FallsBackToQos1) {  // G25: RIOT's emcute
+    robot.subscribes("a");
+    publishes("a", "x", Qos::exactly_once);
+    const auto first = robot.hears<Publish>();
+    const MsgId first_id = first.msg_id;
+    acknowledges(first, ReturnCode::not_supported);
+    const auto second = robot.hears<Publish>();
+    EXPECT_EQ(second.qos, Qos::at_least_once);
+    EXPECT_NE(second.msg_id, first_id);
+    EXPECT_FALSE(second.dup);
+    acknowledges(second, ReturnCode::accepted);
+    robot.hears_nothing();
+    broker.expects_mirror_to_agree();
+}
+
+TEST_F(Delivering, RefusedTwiceIsDropped) {  // G25
+    robot.subscribes("a", Qos::at_least_once);
+    publishes("a", "1", Qos::at_least_once);
+    publishes("a", "2", Qos::at_least_once);
+    acknowledges(robot.hears<Publish>(), ReturnCode::not_supported);
+    acknowledges(robot.hears<Publish>(), ReturnCode::not_supported);
+    robot.hears_publish("2", Qos::at_least_once);
+    EXPECT_EQ(broker.dropped(Drop::refused_by_client), 1u);
+    broker.expects_mirror_to_agree();
+}
+
+TEST_F(Delivering, RefusedNameIsNotPublishedUntilItIsAskedForAgain) {  // 6.10b, G16
+    robot.subscribes("a/#");
+    publishes("a/b", "1", Qos::at_least_once);
+    const auto told = robot.hears<Register>();
+    robot.says(Regack{told.topic_id, told.msg_id, ReturnCode::not_supported});
+    publishes("a/b", "2", Qos::at_least_once);
+    publishes("a/b", "3", Qos::at_most_once);
+    robot.hears_nothing();
+    publishes("a/c", "4", Qos::at_least_once);  // the wildcard subscription itself goes on
+    const auto other = robot.hears<Register>();
+    EXPECT_EQ(other.topic_name, "a/c");
+    robot.says(Regack{other.topic_id, other.msg_id, ReturnCode::accepted});
+    robot.hears_publish("4", Qos::at_least_once);
+    robot.registers("a/b");
+    publishes("a/b", "5", Qos::at_least_once);
+    robot.hears_publish("5", Qos::at_least_once);
+    broker.expects_mirror_to_agree();
+}
+
+TEST_F(Delivering, RefusedRegisterByCongestionIsTriedAgainAfterTwait) {  // G16
+    robot.subscribes("a/#");
+    publishes("a/b", "1", Qos::at_least_once);
+    const auto told = robot.hears<Register>();
+    robot.says(Regack{told.topic_id, told.msg_id, ReturnCode::congestion});
+    broker.waits(4min);
+    robot.hears_nothing();
+    broker.waits(1min);
+    const auto again = robot.hears<Register>();
+    robot.says(Regack{again.topic_id, again.msg_id, ReturnCode::accepted});
+    robot.hears_publish("1", Qos::at_least_once);
+}
+
+TEST_F(Delivering, TwoOctetNameUnderAWildcardGoesAsShortName) {  // G17
+    robot.subscribes("#");
+    publishes("ab", "x", Qos::at_most_once);
+    const auto publish = robot.hears_publish("x");
+    EXPECT_EQ(publish.topic_type, TopicIdType::short_name);
+    EXPECT_EQ(publish.topic, TopicId{0x6162});
+}
+
+TEST_F(Delivering, FullQueueDropsTheOldestQos0First) {  // P8, G10
+    BrokerOptions options = plain_options();
+    options.limits.queued_per_session = 3;
+    ScriptedBroker small{options};
+    ScriptedClient from{small, "from"};
+    ScriptedClient to{small, "to"};
+    from.connects();
+    to.connects();
+    to.subscribes("a");
+    to.says(Disconnect{true, 100});
+    to.hears<Disconnect>();
+    const TopicId id = from.registers("a");
+    from.publishes(id, "0a", Qos::at_most_once);
+    from.publishes(id, "1a", Qos::at_least_once);
+    from.publishes(id, "0b", Qos::at_most_once);
+    from.publishes(id, "1b", Qos::at_least_once);  // drops 0a
+    from.publishes(id, "1c", Qos::at_least_once);  // drops 0b
+    from.publishes(id, "1d", Qos::at_least_once);  // does not fit
+    EXPECT_EQ(small.dropped(Drop::queue_full), 3u);
+    to.says(Pingreq{"to"});
+    to.hears_publish("1a", Qos::at_least_once);
+    to.hears_publish("1b", Qos::at_least_once);
+    to.hears_publish("1c", Qos::at_least_once);
+    to.hears<Pingresp>();
+}
+
+TEST_F(Delivering, MsgIdsAreNeverZero) {  // 6.10d
+    robot.subscribes("a", Qos::at_least_once);
+    const TopicId id = publisher.registers("a");
+    for (int i = 0; i < 65'540; ++i) {
+        publisher.publishes(id, "x", Qos::at_least_once);
+        const auto publish = robot.hears<Publish>();
+        ASSERT_NE(publish.msg_id, no_msg_id);
+        acknowledges(publish, ReturnCode::accepted);
+    }
+}
+
+TEST_F(Delivering, Qos2PublishAndPubrelWaitForTheLog) {  // design: QoS 2 hand-shake
+    robot.subscribes("a");
+    publishes("a", "x", Qos::exactly_once);
+    const MsgId msg_id = robot.hears<Publish>().msg_id;
+    robot.says(Pubrec{msg_id});
+    EXPECT_EQ(broker.last_after, broker.core.last_seq());
+    EXPECT_TRUE(std::holds_alternative<DeliveryReleased>(broker.log.back()));
+}
+
+}  // namespace
+}  // namespace romano::broker

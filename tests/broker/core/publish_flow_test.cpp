@@ -1,0 +1,267 @@
+// PUBLISH from clients: MQTT-SN 1.2 sections 6.6, 6.8 and the choices G19, G22, G23; retained
+// messages.
+
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "tests/broker/core/scripted_client.h"
+
+namespace romano::broker {
+namespace {
+
+class Publishing : public ::testing::Test {
+protected:
+    Publishing() {
+        robot.connects();
+        watcher.connects();
+    }
+
+    ScriptedBroker broker{logging_options()};
+    ScriptedClient robot{broker, "robot"};
+    ScriptedClient watcher{broker, "watcher"};
+};
+
+TEST_F(Publishing, UnknownIdIsAnsweredAtEveryQosWithTopicIdAndMsgIdCopied) {  // 6.6b, G22
+    for (const Qos qos : {Qos::at_most_once, Qos::at_least_once, Qos::exactly_once}) {
+        robot.says(Publish{false, qos, false, TopicIdType::normal, TopicId{77}, MsgId{9}, {}});
+        const auto answer = robot.hears<Puback>();
+        EXPECT_EQ(answer.return_code, ReturnCode::invalid_topic_id);
+        EXPECT_EQ(answer.topic_id, TopicId{77});
+        EXPECT_EQ(answer.msg_id, MsgId{9});
+    }
+    EXPECT_EQ(broker.dropped(Drop::invalid_topic), 3u);
+}
+
+TEST_F(Publishing, ReservedIdsAreNeverAccepted) {  // 5.3.11a
+    for (const TopicId id : {no_topic_id, reserved_topic_id}) {
+        robot.says(
+            Publish{false, Qos::at_least_once, false, TopicIdType::normal, id, MsgId{1}, {}});
+        EXPECT_EQ(robot.hears<Puback>().return_code, ReturnCode::invalid_topic_id);
+    }
+}
+
+TEST_F(Publishing, IdOfOneClientMeansNothingForAnother) {  // 7.3a
+    const TopicId id = robot.registers("a");
+    watcher.says(Publish{false, Qos::at_least_once, false, TopicIdType::normal, id, MsgId{1}, {}});
+    EXPECT_EQ(watcher.hears<Puback>().return_code, ReturnCode::invalid_topic_id);
+}
+
+TEST_F(Publishing, RepeatedQos2IsHandedOnOnce) {  // 6.6d
+    watcher.subscribes("a", Qos::at_most_once);
+    const TopicId id = robot.registers("a");
+    Publish publish{false, Qos::exactly_once, false,         TopicIdType::normal,
+                    id,    MsgId{4},          as_octets("x")};
+    robot.says(publish);
+    EXPECT_EQ(robot.hears<Pubrec>().msg_id, MsgId{4});
+    publish.dup = true;
+    robot.says(publish);
+    EXPECT_EQ(robot.hears<Pubrec>().msg_id, MsgId{4});
+    publish.dup = false;  // emcute repeats with DUP 0: a hint, never a reason
+    robot.says(publish);
+    EXPECT_EQ(robot.hears<Pubrec>().msg_id, MsgId{4});
+    watcher.hears_publish("x");
+    watcher.hears_nothing();
+    robot.says(Pubrel{MsgId{4}});
+    EXPECT_EQ(robot.hears<Pubcomp>().msg_id, MsgId{4});
+    robot.says(publish);  // the msg id is free again
+    robot.hears<Pubrec>();
+    watcher.hears_publish("x");
+    broker.expects_mirror_to_agree();
+}
+
+TEST_F(Publishing, PubrelOfAnUnknownMsgIdGetsPubcomp) {  // 6.6d
+    robot.says(Pubrel{MsgId{99}});
+    EXPECT_EQ(robot.hears<Pubcomp>().msg_id, MsgId{99});
+}
+
+TEST_F(Publishing, AbandonedQos2ExchangesAreBounded) {  // P8
+    const TopicId id = robot.registers("a");
+    for (std::uint16_t msg_id = 1; msg_id <= 100; ++msg_id) {
+        robot.says(
+            Publish{false, Qos::exactly_once, false, TopicIdType::normal, id, MsgId{msg_id}, {}});
+        robot.hears<Pubrec>();
+    }
+    EXPECT_EQ(broker.core.image("robot")->unreleased.size(), 64u);
+    broker.expects_mirror_to_agree();
+}
+
+TEST_F(Publishing, MsgIdZeroAndMsgIdAtQos0AreTaken) {  // G23
+    watcher.subscribes("a");
+    const TopicId id = robot.registers("a");
+    robot.says(Publish{false, Qos::at_least_once, false, TopicIdType::normal, id, no_msg_id,
+                       as_octets("1")});
+    EXPECT_EQ(robot.hears<Puback>().msg_id, no_msg_id);
+    watcher.hears_publish("1", Qos::at_least_once);
+    robot.says(Publish{false, Qos::at_most_once, false, TopicIdType::normal, id, MsgId{8},
+                       as_octets("0")});
+    robot.hears_nothing();
+    watcher.hears_publish("0");
+}
+
+TEST_F(Publishing, PredefinedAndShortTopicsNeedNoRegistration) {  // 6.7
+    watcher.subscribes("predefined/seven");
+    watcher.subscribes("ab");
+    robot.says(Publish{false, Qos::at_least_once, false, TopicIdType::predefined, TopicId{7},
+                       MsgId{1}, as_octets("p")});
+    EXPECT_EQ(robot.hears<Puback>().return_code, ReturnCode::accepted);
+    watcher.hears_publish("p", Qos::at_least_once);
+    robot.says(Publish{false, Qos::at_most_once, false, TopicIdType::short_name, TopicId{0x6162},
+                       no_msg_id, as_octets("s")});
+    watcher.hears_publish("s");
+    robot.says(Publish{false, Qos::at_most_once, false, TopicIdType::predefined, TopicId{8},
+                       no_msg_id, as_octets("p")});
+    EXPECT_EQ(robot.hears<Puback>().return_code, ReturnCode::invalid_topic_id);
+}
+
+TEST_F(Publishing, ShortNameMustBeAValidName) {  // G26
+    robot.says(Publish{false,
+                       Qos::at_least_once,
+                       false,
+                       TopicIdType::short_name,
+                       TopicId{0x612B},  // "a+"
+                       MsgId{1},
+                       {}});
+    EXPECT_EQ(robot.hears<Puback>().return_code, ReturnCode::not_supported);
+}
+
+TEST_F(Publishing, ConnectionlessPublishIsTakenFromAnybodyAndNeverAnswered) {  // 6.8a
+    watcher.subscribes("ab");
+    ScriptedClient stranger{broker, "stranger"};
+    const auto qos_minus_1 = [](TopicIdType type, std::uint16_t topic, std::string_view data) {
+        return Publish{false,     Qos::without_connection, false, type, TopicId{topic},
+                       no_msg_id, as_octets(data)};
+    };
+    stranger.says(qos_minus_1(TopicIdType::short_name, 0x6162, "x"));
+    watcher.hears_publish("x");
+    stranger.says(qos_minus_1(TopicIdType::predefined, 999, "x"));
+    stranger.says(qos_minus_1(TopicIdType::normal, 0, "x"));
+    stranger.says(qos_minus_1(TopicIdType::normal, 200, "x"));
+    stranger.hears_nothing();
+    watcher.hears_nothing();
+    EXPECT_EQ(broker.dropped(Drop::invalid_topic), 3u);
+}
+
+TEST_F(Publishing, ConnectionlessPublishMaySpellTheNameBeforeTheData) {  // G19
+    watcher.subscribes("long/name");
+    ScriptedClient stranger{broker, "stranger"};
+    stranger.says(Publish{false, Qos::without_connection, false, TopicIdType::normal, TopicId{9},
+                          no_msg_id, as_octets("long/namedata")});
+    watcher.hears_publish("data");
+}
+
+TEST_F(Publishing, TooLargePayloadIsRefused) {
+    BrokerOptions options = plain_options();
+    options.limits.payload_octets = 10;
+    ScriptedBroker small{options};
+    ScriptedClient client{small, "client"};
+    client.connects();
+    const TopicId id = client.registers("a");
+    client.says(Publish{false, Qos::at_least_once, false, TopicIdType::normal, id, MsgId{1},
+                        as_octets("01234567890")});
+    EXPECT_EQ(client.hears<Puback>().return_code, ReturnCode::not_supported);
+    EXPECT_EQ(small.dropped(Drop::too_large), 1u);
+}
+
+TEST_F(Publishing, LargePayloadCrossesInTheLongForm) {  // 5.2.1c
+    watcher.subscribes("a");
+    const std::string payload(65'000, 'x');
+    robot.publishes(robot.registers("a"), payload, Qos::at_least_once);
+    watcher.hears_publish(payload, Qos::at_least_once);
+}
+
+TEST_F(Publishing, BrokersOwnTopicsAreNotForClients) {
+    robot.says(Register{no_topic_id, MsgId{1}, "$SYS/brokers/x"});
+    const TopicId id = robot.hears<Regack>().topic_id;
+    robot.says(Publish{false, Qos::at_least_once, true, TopicIdType::normal, id, MsgId{2}, {}});
+    EXPECT_EQ(robot.hears<Puback>().return_code, ReturnCode::not_supported);
+}
+
+TEST_F(Publishing, Qos0IsForwardedToPeersAndNotLogged) {
+    const TopicId id = robot.registers("a");
+    const std::size_t events = broker.log.size();
+    robot.publishes(id, "x");
+    EXPECT_EQ(broker.log.size(), events);
+    ASSERT_EQ(broker.forwards.size(), 1u);
+    EXPECT_EQ(broker.forwards[0]->topic, "a");
+    EXPECT_EQ(broker.forwards[0]->position.seq, 0u);
+}
+
+TEST_F(Publishing, AnswerWaitsForTheEventOfTheMessage) {
+    const TopicId id = robot.registers("a");
+    robot.publishes(id, "x", Qos::at_least_once);
+    EXPECT_TRUE(std::holds_alternative<Published>(broker.log.back()));
+    EXPECT_EQ(broker.last_after, broker.log.size());
+}
+
+TEST_F(Publishing, EmptyRetainedPayloadDeletesAndIsDeliveredLive) {  // 1.6, M-3.3.1-10
+    const TopicId id = robot.registers("map");
+    robot.publishes(id, "grid", Qos::at_least_once, true);
+    watcher.subscribes("map");
+    EXPECT_TRUE(watcher.hears_publish("grid", Qos::at_least_once).retain);
+    robot.publishes(id, "", Qos::at_least_once, true);
+    EXPECT_FALSE(watcher.hears_publish("", Qos::at_least_once).retain);
+    ScriptedClient late{broker, "late"};
+    late.connects();
+    late.subscribes("map");
+    late.hears_nothing();
+}
+
+TEST_F(Publishing, RetainedMatchesOfAWildcardAreRegisteredOneByOne) {  // 4.11
+    robot.publishes(robot.registers("map/1"), "a", Qos::at_least_once, true);
+    robot.publishes(robot.registers("map/2"), "b", Qos::at_most_once, true);
+    robot.publishes(robot.registers("other"), "c", Qos::at_most_once, true);
+    watcher.subscribes("map/#");
+    for (const auto& [name, data, qos] :
+         {std::tuple{"map/1", "a", Qos::at_least_once}, {"map/2", "b", Qos::at_most_once}}) {
+        const auto told = watcher.hears<Register>();
+        EXPECT_EQ(told.topic_name, name);
+        watcher.says(Regack{told.topic_id, told.msg_id, ReturnCode::accepted});
+        EXPECT_TRUE(watcher.hears_publish(data, qos).retain);
+    }
+    watcher.hears_nothing();
+    broker.expects_mirror_to_agree();
+}
+
+TEST_F(Publishing, SubscribingAgainSendsTheRetainedMessageAgain) {  // 6.9f, M-3.8.4-3
+    robot.publishes(robot.registers("map"), "grid", Qos::at_most_once, true);
+    for (int i = 0; i < 2; ++i) {
+        watcher.subscribes("map");
+        EXPECT_TRUE(watcher.hears_publish("grid").retain);
+    }
+}
+
+TEST_F(Publishing, LaterRetainedMessageOfAPeerWins) {  // design: P6
+    robot.publishes(robot.registers("map"), "ours", Qos::at_least_once, true);
+    const auto of_peer = [](std::string_view data, std::uint64_t time) {
+        return MessagePtr{Message{.topic = "map",
+                                  .payload = octets_of(data),
+                                  .qos = Qos::at_least_once,
+                                  .retain = true,
+                                  .position = {{broker_id_of("peer"), 1}, 1},
+                                  .published_at = {time}}};
+    };
+    broker.core.put_retained(of_peer("older", 1));
+    EXPECT_EQ(as_text(broker.core.retained().at(0)->payload), "ours");
+    broker.core.put_retained(of_peer("later", std::uint64_t{1} << 60U));
+    EXPECT_EQ(as_text(broker.core.retained().at(0)->payload), "later");
+    EXPECT_EQ(as_text(broker.core.retained_at({{broker_id_of("peer"), 1}, 1})->payload), "later");
+    robot.publishes(robot.registers("map"), "ours again", Qos::at_least_once, true);
+    EXPECT_EQ(as_text(broker.core.retained().at(0)->payload), "ours again");
+}
+
+TEST_F(Publishing, SystemTopicsAreRetainedButNeitherLoggedNorForwarded) {
+    watcher.subscribes("$SYS/brokers/b1");
+    const std::size_t events = broker.log.size();
+    broker.core.set_system_topic(broker.now, "$SYS/brokers/b1", as_octets("{}"), broker.actions);
+    broker.drain();
+    watcher.hears_publish("{}");
+    watcher.subscribes("$SYS/brokers/b1");
+    EXPECT_TRUE(watcher.hears_publish("{}").retain);
+    EXPECT_EQ(broker.log.size(), events + 1);  // the subscription
+    EXPECT_TRUE(broker.forwards.empty());
+    EXPECT_TRUE(broker.core.retained().empty());
+}
+
+}  // namespace
+}  // namespace romano::broker
