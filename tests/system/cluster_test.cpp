@@ -170,6 +170,30 @@ TEST_F(Cluster, ARestartedBrokerGetsItsAddressAndClientsBackUnnoticed) {
     EXPECT_EQ(subscriber->sessions_begun, begun) << "the client noticed";
 }
 
+TEST_F(Cluster, ANewcomerDisturbsNoClientOfTheOthers) {
+    start_all(2);
+    const auto client = client_of(1, "client");
+    ASSERT_TRUE(client->connect());
+    ASSERT_TRUE(client->subscribe("robots/pose", Qos::at_least_once));
+    const auto topic = client->register_topic("robots/pose");
+    ASSERT_TRUE(topic);
+    const int begun = client->sessions_begun;
+    brokers.push_back(start(3));
+    // Under traffic all the time until the newcomer has settled.
+    int published = 0;
+    bool settled = false;
+    for (; published < 3000 && !settled; ++published) {
+        ASSERT_TRUE(client->publish(*topic, std::to_string(published), Qos::at_least_once));
+        settled = published % 50 == 49 && broker(3).errors().find("of 3") != std::string::npos;
+    }
+    ASSERT_TRUE(settled);
+    broker(3).wait_until_serving();
+    ASSERT_TRUE(client->publish(*topic, "the last", Qos::at_least_once));
+    EXPECT_TRUE(client->run_until([&] { return client->received.back().data == "the last"; }));
+    EXPECT_EQ(client->sessions_begun, begun) << "the client noticed";
+    EXPECT_EQ(client->received.size(), static_cast<std::size_t>(published) + 1);
+}
+
 TEST_F(Cluster, AnOrderlyLeaveHandsTheClientsOver) {
     start_all(2);
     const auto client = client_of(1, "client");
