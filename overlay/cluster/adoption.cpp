@@ -1,7 +1,6 @@
 #include "overlay/cluster/adoption.h"
 
 #include <algorithm>
-#include <map>
 #include <utility>
 
 namespace romano::cluster {
@@ -20,18 +19,10 @@ MessagePtr find_message(const LogPosition& position, const Logs& logs) {
 
 /// A mirror knows queued messages by position; what it has not seen itself may be here.
 void find_missing_messages(broker::SessionImage& image, const Effects& effects, const Logs& logs) {
-    std::map<LogPosition, MessagePtr> retained;
     for (broker::Delivery& delivery : image.deliveries) {
         if (delivery.message) continue;
         delivery.message = find_message(delivery.position, logs);
-        if (delivery.message) continue;
-        if (retained.empty()) {
-            for (const auto& message : effects.broker.retained()) {
-                retained.emplace(message->position, message);
-            }
-        }
-        const auto found = retained.find(delivery.position);
-        if (found != retained.end()) delivery.message = found->second;
+        if (!delivery.message) delivery.message = effects.broker.retained_at(delivery.position);
     }
     std::erase_if(image.deliveries, [](const broker::Delivery& delivery) {
         return !delivery.message;  // nobody alive has it

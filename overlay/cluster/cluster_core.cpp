@@ -15,6 +15,7 @@ using namespace std::chrono_literals;
 
 constexpr Duration cursors_every = 50ms;
 constexpr Duration trim_every = 100ms;
+constexpr Duration addresses_every = 500ms;
 constexpr Duration removed_kept_for = 30s;  // logs of removed brokers: they may come back
 
 /// How far the peer's last beacon says that it applied the log.
@@ -38,7 +39,8 @@ ClusterCore::ClusterCore(const ClusterOptions& options, const Identity& identity
       view_change_(identity.log, membership_.detection_time(), options.beacon_every),
       take_over_(identity.log.broker, membership_.detection_time()),
       hand_back_(identity.log.broker, membership_.detection_time()),
-      settlement_(identity.log.broker, membership_.detection_time()) {}
+      settlement_(identity.log.broker, membership_.detection_time()),
+      roaming_(membership_.detection_time()) {}
 
 // --- inputs
 
@@ -53,7 +55,8 @@ void ClusterCore::on_tick(Effects& effects, const std::set<Endpoint>& pending_ou
     membership_.on_tick(effects.now, effects.peers);
     view_change_.on_tick(effects.now, surroundings(effects), effects.peers);
     hand_back_.carry_on(effects, membership_, view(), addresses_, pending_output);
-    settlement_.carry_on(effects, logs_);
+    settlement_.carry_on(effects, logs(), membership_);
+    roaming_.carry_on(effects.now);
     after_input(effects);
     if (effects.now < next_tick_) return;
     next_tick_ = effects.now + options_.beacon_every;
@@ -65,8 +68,33 @@ void ClusterCore::on_tick(Effects& effects, const std::set<Endpoint>& pending_ou
         next_trim_ = effects.now + trim_every;
         trim(effects.now);
     }
+    if (effects.now >= next_addresses_) {
+        next_addresses_ = effects.now + addresses_every;
+        seek_addresses(effects);
+    }
     ask_for_gaps(effects);
     send_beacon(effects);
+}
+
+void ClusterCore::seek_addresses(Effects& effects) {
+    for (const Endpoint& address : addresses_.missing()) addresses_.take(effects, address);
+    if (!is_in_view()) return;
+    for (const Endpoint& address : addresses_.home()) {
+        const bool is_held = std::ranges::any_of(membership_.peers(), [&](const auto& entry) {
+            return entry.second.alive && entry.second.is_serving(address);
+        });
+        if (!is_held) addresses_.take(effects, address);
+    }
+}
+
+bool ClusterCore::must_wait(Effects& effects, const Endpoint& via, const Endpoint& from,
+                            Bytes datagram) {
+    if (!is_in_view() || hand_back_.is_expecting(via) || roaming_.is_fetching(from)) return true;
+    return roaming_.on_datagram(effects, from, datagram, homes_, membership_, view());
+}
+
+bool ClusterCore::must_still_wait(const Endpoint& via, const Endpoint& from) const {
+    return !is_in_view() || hand_back_.is_expecting(via) || roaming_.is_fetching(from);
 }
 
 void ClusterCore::on_address(Effects& effects, const Endpoint& address, bool served) {
@@ -148,10 +176,11 @@ void ClusterCore::on_view(Effects& effects, const ViewAnnouncement& announcement
         if (!log.is_frozen()) continue;
         frozen_since_.try_emplace(id, effects.now);
         interest_.forget(id.broker);
+        homes_.forget(id.broker);
     }
     for (const LogId& member : view().members) {
         const auto log = logs_.find(member);
-        if (log != logs_.end()) interest_.reset(member.broker, log->second.mirror().images());
+        if (log != logs_.end()) reset_tables(member.broker, log->second);
     }
     // Another member adopts what our earlier life left at our address, and hands it to us.
     for (const Assignment& assignment : announcement.assignments) {
@@ -177,7 +206,13 @@ Surroundings ClusterCore::surroundings(const Effects& effects) {
     return {.membership = membership_,
             .logs = logs_,
             .serving = claimed_,
+            .home = addresses_.home(),
             .sessions = static_cast<std::uint32_t>(effects.broker.session_count())};
+}
+
+bool ClusterCore::is_short_of_peers() const {
+    if (!options_.acks_strict) return false;
+    return live_peers().size() < (options_.acks == all_peers ? 1 : options_.acks);
 }
 
 std::vector<LogId> ClusterCore::live_peers() const {
@@ -228,6 +263,7 @@ void ClusterCore::restart(Effects& effects, LogId log) {
     hand_back_.restart();
     handoffs_.restart();
     settlement_.restart();
+    roaming_.restart();
     for (const Endpoint& address : addresses_.claimed()) addresses_.give_up(effects, address);
     for (const auto& [id, held] : logs_) effects.broker.advance_cursor({id, held.applied()});
 }
@@ -301,7 +337,7 @@ void ClusterCore::on(Effects& effects, BrokerId from, const SnapshotPart& part) 
     for (const auto& message : snapshot->retained) effects.broker.put_retained(message);
     if (snapshot->as_of.seq <= log.applied()) return;
     log.restart(*snapshot);
-    interest_.reset(id.broker, log.mirror().images());
+    reset_tables(id.broker, log);
     for (const auto& message : snapshot->publishes) {
         if (message->position.seq > effects.broker.cursor(id)) {
             effects.broker.on_peer_message(effects.now, message, effects.clients);
@@ -323,7 +359,10 @@ void ClusterCore::apply(Effects& effects, const LogId& id, PeerLog& log) {
 
 void ClusterCore::apply_event(Effects& effects, const LogId& id, PeerLog& log) {
     const LogEvent& event = *log.next();
-    if (!log.is_frozen()) interest_.on_event(id.broker, event);
+    if (!log.is_frozen()) {
+        interest_.on_event(id.broker, event);
+        homes_.on_event(id.broker, event);
+    }
     MessagePtr published;
     if (const auto* publish = std::get_if<broker::Published>(&event)) published = publish->message;
     broker::ClientId put;
@@ -344,13 +383,19 @@ void ClusterCore::apply_event(Effects& effects, const LogId& id, PeerLog& log) {
         const MessagePtr message = routed->log == own_.id() ? own_.history().publish_at(routed->seq)
                                    : writer != logs_.end()
                                        ? writer->second.history().publish_at(routed->seq)
-                                       : MessagePtr{};
+                                       : effects.broker.retained_at(*routed);
         if (message) log.mirror().resolve(message);
     }
     if (!put.empty() && !log.is_frozen()) {
         for (auto& [other, held] : logs_) held.mark_taken(put);
         settlement_.on_peer_session(effects, id.broker, put);
     }
+}
+
+void ClusterCore::reset_tables(BrokerId peer, const PeerLog& log) {
+    const auto sessions = log.mirror().images();
+    interest_.reset(peer, sessions);
+    homes_.reset(peer, sessions);
 }
 
 void ClusterCore::learn(const MessagePtr& message) {
@@ -417,12 +462,14 @@ void ClusterCore::on(Effects& effects, BrokerId from, const AddressBound& bound)
 }
 
 void ClusterCore::on(Effects& effects, BrokerId from, const SessionHandoff& part) {
-    if (handoffs_.on_handoff(effects, logs(), from, part)) hand_back_.on_handed_over(part.address);
+    if (!handoffs_.on_handoff(effects, logs(), from, part)) return;
+    hand_back_.on_handed_over(part.address);
+    for (const auto& image : part.sessions) roaming_.on_handed_over(image.header.client_id);
 }
 
 void ClusterCore::on(Effects& effects, BrokerId from, const HandoffAck& ack) {
     if (ack.address.family == Endpoint::Family::none) {
-        settlement_.on_ack(effects, from, ack);
+        settlement_.on_ack(from, ack);
     } else {
         hand_back_.on_ack(effects, from, ack, addresses_);
     }

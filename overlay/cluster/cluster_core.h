@@ -14,10 +14,12 @@
 #include "overlay/cluster/adoption.h"
 #include "overlay/cluster/effects.h"
 #include "overlay/cluster/hand_back.h"
+#include "overlay/cluster/homes.h"
 #include "overlay/cluster/interest.h"
 #include "overlay/cluster/membership.h"
 #include "overlay/cluster/own_log.h"
 #include "overlay/cluster/peer_log.h"
+#include "overlay/cluster/roaming.h"
 #include "overlay/cluster/service_addresses.h"
 #include "overlay/cluster/session_handoff.h"
 #include "overlay/cluster/settlement.h"
@@ -56,14 +58,20 @@ public:
     // --- what the owner must know
     /// Clients may be spoken to: there is a view.
     [[nodiscard]] bool is_in_view() const { return view_change_.has_view(); }
-    /// Datagrams to the address shall wait: its sessions are about to come.
-    [[nodiscard]] bool is_expecting(const Endpoint& address) const {
-        return hand_back_.is_expecting(address);
-    }
+    /// The datagram shall wait: there is no view yet, or its session is about to come from a peer,
+    /// who is asked for it if need be.
+    bool must_wait(Effects& effects, const Endpoint& via, const Endpoint& from, Bytes datagram);
+    [[nodiscard]] bool must_still_wait(const Endpoint& via, const Endpoint& from) const;
     /// Its sessions are about to leave: neither hear nor speak.
     [[nodiscard]] bool is_silent(const Endpoint& address) const {
         return hand_back_.is_silent(address);
     }
+    /// Its address is about to be served here: what leaves from it waits.
+    [[nodiscard]] bool is_taking(const Endpoint& address) const {
+        return addresses_.is_taking(address);
+    }
+    /// With acks_strict: there are fewer peers than must hold what is promised to clients.
+    [[nodiscard]] bool is_short_of_peers() const;
     /// Members of our view made a newer one without us.
     [[nodiscard]] bool was_replaced() const;
     [[nodiscard]] const View& view() const { return view_change_.view(); }
@@ -122,6 +130,9 @@ private:
     void after_input(Effects& effects);
     void on_view(Effects& effects, const ViewAnnouncement& announcement);
     void send_beacon(Effects& effects);
+    void reset_tables(BrokerId peer, const PeerLog& log);
+    /// Tries again for addresses that should be served here and are served by nobody.
+    void seek_addresses(Effects& effects);
     void ask_for_gaps(Effects& effects);
     void trim(Instant now);
     [[nodiscard]] Surroundings surroundings(const Effects& effects);
@@ -136,17 +147,20 @@ private:
     PeerLogs logs_;
     std::map<LogId, Instant> frozen_since_;
     Interest interest_;
+    Homes homes_;
     Watermark watermark_;
     ViewChange view_change_;
     TakeOver take_over_;
     HandBack hand_back_;
     HandoffReceiver handoffs_;
     Settlement settlement_;
+    Roaming roaming_;
 
     bool listens_only_ = false;
     Instant next_tick_ = Instant::min();
     Instant next_cursors_ = Instant::min();
     Instant next_trim_ = Instant::min();
+    Instant next_addresses_ = Instant::min();
     std::uint64_t beacons_sent_ = 0;
     std::uint64_t octets_sent_ = 0;
     std::uint64_t octets_received_ = 0;

@@ -27,6 +27,20 @@ std::optional<BrokerId> present_server(const Answers& answers, const Membership&
     return found;
 }
 
+/// The member whose address it is.
+std::optional<BrokerId> owner(const Answers& answers, const Membership& membership,
+                              const Endpoint& address) {
+    for (const LogId& member : answers.view.members) {
+        if (member == answers.leader) {
+            if (std::ranges::count(answers.home, address) > 0) return member.broker;
+            continue;
+        }
+        const Peer* peer = membership.find(member.broker);
+        if (peer != nullptr && peer->is_home_of(address)) return member.broker;
+    }
+    return std::nullopt;
+}
+
 std::map<BrokerId, std::uint64_t> loads(const Answers& answers, const Membership& membership) {
     std::map<BrokerId, std::uint64_t> load;
     for (const LogId& member : answers.view.members) {
@@ -75,6 +89,7 @@ std::vector<Assignment> assign(const Answers& answers, const std::map<LogId, Seq
         if (end == ends.end()) continue;
         std::optional<BrokerId> heir = present_server(answers, membership, address);
         if (!heir && chosen.contains(address)) heir = chosen.at(address);
+        if (!heir) heir = owner(answers, membership, address);
         // One that serves the address but does not know the log gets the sessions from an heir.
         if (!heir || std::ranges::none_of(answers.holdings, [&](const auto& entry) {
                 return entry.first.broker == *heir && held_of(entry.second, log).has_value();

@@ -1,8 +1,8 @@
 // Who inherits: the leader's choice for every service address that lost its broker.
 //
 // Deterministic, from the members' answers alone. An address that a member already serves stays
-// with it, for what is left of its sessions; the others go to the least loaded of those that hold
-// the dead broker's log.
+// with it, for what is left of its sessions; one whose own broker is there goes to that one; the
+// others go to the least loaded. An heir always is one that holds the dead broker's log.
 #pragma once
 
 #include <map>
@@ -16,6 +16,7 @@ struct Answers {
     const View& view;
     const std::map<LogId, ViewHoldings>& holdings;  // of all members
     const std::vector<Endpoint>& serving;           // by the leader itself
+    const std::vector<Endpoint>& home;              // of the leader itself
     LogId leader;
     std::uint32_t leader_sessions = 0;
 };

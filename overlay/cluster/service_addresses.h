@@ -28,14 +28,32 @@ public:
         return {all.begin(), all.end()};
     }
     [[nodiscard]] const std::set<Endpoint>& serving() const { return serving_; }
+    /// Asked for, not answered yet.
+    [[nodiscard]] bool is_taking(const Endpoint& address) const {
+        return taking_.contains(address);
+    }
 
     void take(Effects& effects, const Endpoint& address) {
         if (is_serving(address) || !taking_.insert(address).second) return;
         effects.local.push_back(TakeAddress{address});
     }
+    /// Takes over an address that lost its broker: tried again until it works.
+    void inherit(Effects& effects, const Endpoint& address) {
+        inherited_.insert(address);
+        take(effects, address);
+    }
+    /// Inherited, but not served yet.
+    [[nodiscard]] std::vector<Endpoint> missing() const {
+        std::vector<Endpoint> found;
+        for (const Endpoint& address : inherited_) {
+            if (!is_serving(address) && !is_taking(address)) found.push_back(address);
+        }
+        return found;
+    }
     void give_up(Effects& effects, const Endpoint& address) {
         taking_.erase(address);
         serving_.erase(address);
+        inherited_.erase(address);
         effects.local.push_back(GiveUpAddress{address});
     }
     void on_address(const Endpoint& address, bool served) {
@@ -50,7 +68,8 @@ public:
 private:
     std::vector<Endpoint> home_;
     std::set<Endpoint> serving_;
-    std::set<Endpoint> taking_;  // asked for, not answered yet
+    std::set<Endpoint> taking_;
+    std::set<Endpoint> inherited_;
 };
 
 }  // namespace romano::cluster

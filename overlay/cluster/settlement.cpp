@@ -23,23 +23,26 @@ void Settlement::compare(const Effects& effects, const PeerLogs& logs, const Vie
     }
 }
 
-void Settlement::carry_on(Effects& effects, const PeerLogs& logs) {
+void Settlement::carry_on(Effects& effects, const Logs& logs, const Membership& membership) {
+    std::erase_if(leaving_, [&](const auto& entry) {
+        const Leaving& leaving = entry.second;
+        const Peer* peer = membership.find(leaving.to);
+        const bool hopeless = peer == nullptr || !peer->alive;
+        if (!hopeless && effects.now < leaving.since + 10 * patience_) return false;
+        adopt(effects, logs, leaving.image);  // it did not get there
+        return true;
+    });
     if (effects.now < next_claims_) return;
     next_claims_ = effects.now + patience_;
-    std::erase_if(giving_way_, [&](const auto& entry) {
-        return effects.now > entry.second.second + 10 * patience_;  // not acknowledged
-    });
     std::erase_if(conflicts_, [&](const auto& conflict) {
         const auto& [client, peer] = conflict;
-        const bool held_there = std::ranges::any_of(logs, [&](const auto& entry) {
+        const bool held_there = std::ranges::any_of(logs.peers, [&](const auto& entry) {
             return entry.first.broker == peer && !entry.second.is_frozen() &&
                    entry.second.mirror().contains(client);
         });
         const auto image = effects.broker.image(client);
         if (!held_there || !image) return true;
-        if (!giving_way_.contains(client)) {
-            effects.peers.push_back({peer, SessionClaim{image->header}});
-        }
+        effects.peers.push_back({peer, SessionClaim{image->header}});
         return false;
     });
 }
@@ -47,7 +50,7 @@ void Settlement::carry_on(Effects& effects, const PeerLogs& logs) {
 void Settlement::on_claim(Effects& effects, BrokerId from, const SessionClaim& claim) {
     const broker::ClientId& client = claim.header.client_id;
     auto own = effects.broker.image(client);
-    if (!own || giving_way_.contains(client)) return;
+    if (!own) return;
     const bool stays = broker::outranks(own->header, claim.header) ||
                        (!broker::outranks(claim.header, own->header) && self_ > from);
     if (stays) {
@@ -59,28 +62,28 @@ void Settlement::on_claim(Effects& effects, BrokerId from, const SessionClaim& c
 
 void Settlement::on_request(Effects& effects, BrokerId from, const SessionRequest& request) {
     auto own = effects.broker.image(request.client_id);
-    if (!own || giving_way_.contains(request.client_id)) return;
+    if (!own) return;
     ++own->header.epoch;  // both agreed: as good as being heard there
     give_way(effects, from, *std::move(own));
 }
 
 void Settlement::give_way(Effects& effects, BrokerId to, broker::SessionImage image) {
-    giving_way_.emplace(image.header.client_id, std::pair{to, effects.now});
+    const broker::ClientId client = image.header.client_id;
     std::vector<broker::SessionImage> images;
-    images.push_back(std::move(image));
+    images.push_back(image);
     send_handoff(to, Endpoint{}, std::move(images), effects.peers);
+    (void)effects.broker.release(client, effects.clients);
+    leaving_.insert_or_assign(client, Leaving{to, effects.now, std::move(image)});
 }
 
-void Settlement::on_ack(Effects& effects, BrokerId from, const HandoffAck& ack) {
-    const auto giving = giving_way_.find(ack.client_id);
-    if (giving == giving_way_.end() || giving->second.first != from) return;
-    giving_way_.erase(giving);
-    (void)effects.broker.release(ack.client_id, effects.clients);
+void Settlement::on_ack(BrokerId from, const HandoffAck& ack) {
+    const auto leaving = leaving_.find(ack.client_id);
+    if (leaving != leaving_.end() && leaving->second.to == from) leaving_.erase(leaving);
 }
 
 void Settlement::restart() {
     conflicts_.clear();
-    giving_way_.clear();
+    leaving_.clear();
 }
 
 }  // namespace romano::cluster

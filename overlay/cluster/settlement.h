@@ -11,6 +11,7 @@
 #include <set>
 #include <utility>
 
+#include "overlay/cluster/adoption.h"
 #include "overlay/cluster/effects.h"
 #include "overlay/cluster/membership.h"
 #include "overlay/cluster/peer_log.h"
@@ -27,21 +28,29 @@ public:
     void compare(const Effects& effects, const PeerLogs& logs, const View& view);
 
     /// Claims what both hold, from time to time.
-    void carry_on(Effects& effects, const PeerLogs& logs);
+    void carry_on(Effects& effects, const Logs& logs, const Membership& membership);
     void on_claim(Effects& effects, BrokerId from, const SessionClaim& claim);
     /// The client came to another broker: hand its session over.
     void on_request(Effects& effects, BrokerId from, const SessionRequest& request);
-    void on_ack(Effects& effects, BrokerId from, const HandoffAck& ack);
+    void on_ack(BrokerId from, const HandoffAck& ack);
     [[nodiscard]] bool is_settled() const { return conflicts_.empty(); }
     void restart();
 
 private:
+    /// On its way to its new home: forgotten here, so that two homes never speak to the client,
+    /// but kept until the new home has it in its log.
+    struct Leaving {
+        BrokerId to;
+        Instant since;
+        broker::SessionImage image;
+    };
+
     void give_way(Effects& effects, BrokerId to, broker::SessionImage image);
 
     BrokerId self_;
     Duration patience_;
     std::set<std::pair<broker::ClientId, BrokerId>> conflicts_;
-    std::map<broker::ClientId, std::pair<BrokerId, Instant>> giving_way_;
+    std::map<broker::ClientId, Leaving> leaving_;
     Instant next_claims_ = Instant::min();
 };
 

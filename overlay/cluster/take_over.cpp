@@ -75,7 +75,7 @@ void TakeOver::carry_out(Effects& effects, const Assignment& assignment, PeerLog
         return;
     }
     if (assignment.address.family != Endpoint::Family::none) {
-        addresses.take(effects, assignment.address);
+        addresses.inherit(effects, assignment.address);
         log.mark_served(assignment.address);
     }
     for (auto& image : sessions) {

@@ -147,6 +147,7 @@ void ViewChange::conclude(Instant now, Surroundings around, Outbox& out) {
     const Answers answers{.view = done.message.view,
                           .holdings = done.answers,
                           .serving = around.serving,
+                          .home = around.home,
                           .leader = self_,
                           .leader_sessions = around.sessions};
     const auto ends = agreed_ends(answers);

@@ -22,7 +22,8 @@ namespace romano::cluster {
 struct Surroundings {
     const Membership& membership;
     PeerLogs& logs;
-    const std::vector<Endpoint>& serving;  // the own service addresses
+    const std::vector<Endpoint>& serving;  // by this broker
+    const std::vector<Endpoint>& home;     // of this broker
     std::uint32_t sessions = 0;            // the own ones
 };
 

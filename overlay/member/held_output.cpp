@@ -19,25 +19,15 @@ void HeldOutput::hold(const broker::Send& send, Bytes octets) {
     waiting_.emplace(send.after, Datagram{send.via, send.to, {octets.begin(), octets.end()}});
 }
 
-void HeldOutput::release(broker::Seq safe, broker::Actions& out) {
-    while (!waiting_.empty() && waiting_.begin()->first <= safe) {
-        const Datagram& datagram = waiting_.begin()->second;
-        std::ranges::copy(datagram.octets, out.reserve(datagram.octets.size()).begin());
-        out.push(broker::Send{.via = datagram.via,
-                              .to = datagram.to,
-                              .offset = out.commit(datagram.octets.size()),
-                              .size = static_cast<std::uint32_t>(datagram.octets.size())});
-        octets_ -= datagram.octets.size() + overhead;
-        waiting_.erase(waiting_.begin());
-    }
-}
-
-void HeldOutput::drop(const Endpoint& via) {
-    std::erase_if(waiting_, [&](const auto& entry) {
-        if (entry.second.via != via) return false;
-        octets_ -= entry.second.octets.size() + overhead;
-        return true;
-    });
+HeldOutput::Waiting::iterator HeldOutput::send(Waiting::iterator waiting, broker::Actions& out) {
+    const Datagram& datagram = waiting->second;
+    std::ranges::copy(datagram.octets, out.reserve(datagram.octets.size()).begin());
+    out.push(broker::Send{.via = datagram.via,
+                          .to = datagram.to,
+                          .offset = out.commit(datagram.octets.size()),
+                          .size = static_cast<std::uint32_t>(datagram.octets.size())});
+    octets_ -= datagram.octets.size() + overhead;
+    return waiting_.erase(waiting);
 }
 
 void HeldOutput::clear() {

@@ -7,6 +7,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <iterator>
 #include <map>
 #include <set>
 #include <vector>
@@ -20,10 +21,13 @@ namespace romano::overlay {
 class HeldOutput {
 public:
     void hold(const broker::Send& send, Bytes octets);
-    /// Moves all that may leave now to `out`.
-    void release(broker::Seq safe, broker::Actions& out);
-    /// Drops what waits to leave from that address.
-    void drop(const Endpoint& via);
+    /// Moves all that may leave now to `out`; an address that is not bound yet keeps its own.
+    template <typename MayLeave>
+    void release(broker::Seq safe, MayLeave&& may_leave, broker::Actions& out) {
+        for (auto next = waiting_.begin(); next != waiting_.end() && next->first <= safe;) {
+            next = may_leave(next->second.via) ? send(next, out) : std::next(next);
+        }
+    }
     void clear();
 
     [[nodiscard]] std::set<Endpoint> addresses() const;
@@ -37,7 +41,11 @@ private:
         std::vector<std::uint8_t> octets;
     };
 
-    std::multimap<broker::Seq, Datagram> waiting_;
+    using Waiting = std::multimap<broker::Seq, Datagram>;
+
+    Waiting::iterator send(Waiting::iterator datagram, broker::Actions& out);
+
+    Waiting waiting_;
     std::size_t octets_ = 0;
     std::uint64_t dropped_ = 0;
 };

@@ -65,7 +65,6 @@ private:
     void carry_out(Instant now, MemberActions& out);
     void absorb(MemberActions& out);
     void send(const broker::Send& send, broker::Seq safe, MemberActions& out);
-    [[nodiscard]] bool must_wait(const Endpoint& via) const;
     void serve_waiting(Instant now, MemberActions& out);
 
     void tell_status(Instant now);
@@ -100,7 +99,8 @@ void Member::State::on_datagram(Instant now, const Endpoint& via, const Endpoint
                                 Bytes datagram, MemberActions& out) {
     notice_stall(now);
     if (cluster_.is_silent(via)) return;  // its sessions are with another broker by now
-    if (must_wait(via)) {
+    Effects acting = effects(now, out);
+    if (stalled_until_ || cluster_.must_wait(acting, via, from, datagram)) {
         waiting_.hold(via, from, datagram);
         return;
     }
@@ -129,6 +129,7 @@ void Member::State::on_tick(Instant now, MemberActions& out) {
         if (now < *stalled_until_) return;
         end_stall(now, out);
     }
+    broker_.set_congested(cluster_.is_short_of_peers());
     broker_.on_tick(now, work_);
     absorb(out);  // what it appended stands in the log before the cluster looks at it
     Effects acting = effects(now, out);
@@ -189,7 +190,9 @@ void Member::State::restart(Instant now, MemberActions& out) {
 void Member::State::carry_out(Instant now, MemberActions& out) {
     absorb(out);
     serve_waiting(now, out);
-    if (!stalled_until_) held_.release(cluster_.safe(), out.clients);
+    if (stalled_until_) return;
+    const auto may_leave = [this](const Endpoint& via) { return !cluster_.is_taking(via); };
+    held_.release(cluster_.safe(), may_leave, out.clients);
 }
 
 void Member::State::absorb(MemberActions& out) {
@@ -220,7 +223,7 @@ void Member::State::absorb(MemberActions& out) {
 void Member::State::send(const broker::Send& send, broker::Seq safe, MemberActions& out) {
     if (cluster_.is_silent(send.via)) return;
     const Bytes octets = work_.octets(send);
-    if (stalled_until_ || send.after > safe) {
+    if (stalled_until_ || send.after > safe || cluster_.is_taking(send.via)) {
         held_.hold(send, octets);
         return;
     }
@@ -231,14 +234,11 @@ void Member::State::send(const broker::Send& send, broker::Seq safe, MemberActio
                                   .size = send.size});
 }
 
-bool Member::State::must_wait(const Endpoint& via) const {
-    return stalled_until_ || !cluster_.is_in_view() || cluster_.is_expecting(via);
-}
-
 void Member::State::serve_waiting(Instant now, MemberActions& out) {
-    if (waiting_.empty()) return;
-    const auto ready =
-        waiting_.take_unless([this](const auto& datagram) { return must_wait(datagram.via); });
+    if (waiting_.empty() || stalled_until_) return;
+    const auto ready = waiting_.take_unless([this](const auto& datagram) {
+        return cluster_.must_still_wait(datagram.via, datagram.from);
+    });
     for (const auto& [via, from, octets] : ready) {
         broker_.on_datagram(now, via, from, octets, work_);
         absorb(out);
@@ -329,6 +329,15 @@ const cluster::View& Member::view() const {
 }
 election::Leadership Member::leadership() const {
     return state_->cluster().leadership();
+}
+const broker::Mirror* Member::mirror(const broker::LogId& log) const {
+    const auto& logs = state_->cluster().peer_logs();
+    const auto found = logs.find(log);
+    return found == logs.end() ? nullptr : &found->second.mirror();
+}
+std::vector<Endpoint> Member::serving() const {
+    const auto& serving = state_->cluster().addresses().serving();
+    return {serving.begin(), serving.end()};
 }
 void Member::check_invariants() const {
     state_->check_invariants();

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "broker/core/broker_core.h"
+#include "broker/core/mirror.h"
 #include "overlay/cluster/options.h"
 #include "overlay/cluster/service_address.h"
 #include "overlay/transport.h"
@@ -69,6 +70,10 @@ public:
     [[nodiscard]] const broker::BrokerCore& broker() const;
     [[nodiscard]] const cluster::View& view() const;
     [[nodiscard]] election::Leadership leadership() const;
+    /// The copy of a peer's sessions, up to mirror()->applied(); null when there is none.
+    [[nodiscard]] const broker::Mirror* mirror(const broker::LogId& log) const;
+    /// The service addresses that are answered on now.
+    [[nodiscard]] std::vector<Endpoint> serving() const;
     void check_invariants() const;
 
 private:

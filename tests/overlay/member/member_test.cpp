@@ -296,6 +296,66 @@ TEST(Member, P6_BothSidesOfAPartitionServeAndMergeWhenItHeals) {
     expect_unnoticed(right);
 }
 
+TEST(Member, AReturningBrokerOfTheHighestRankTakesOnlyWhatIsItsOwn) {
+    Brokers brokers;
+    start(brokers, {1, 2, 3});
+    Robot& robot = subscriber(brokers, "robot", 1, Qos::exactly_once);
+    brokers.kill(3);
+    brokers.run_for(settling);
+    brokers.start(3);
+    for (int i = 0; i < 500; ++i) {
+        brokers.run_for(1ms);
+        ASSERT_EQ(brokers.server_of(1), 1);
+        ASSERT_EQ(brokers.server_of(2), 2);
+    }
+    EXPECT_EQ(brokers.leader_of(1), 3);
+    EXPECT_THAT(brokers.sessions_at(3), IsEmpty());
+    expect_unnoticed(robot);
+}
+
+TEST(Member, P4_AClientThatConnectsElsewhereTakesItsSessionAlong) {
+    Brokers brokers;
+    start(brokers, {1, 2, 3});
+    Robot& robot = subscriber(brokers, "robot", 1, Qos::exactly_once);
+    Robot& other = publisher(brokers, "other", 3);
+    robot.move_to(broker_address(2));
+    robot.connect(false);
+    brokers.run_for(200ms);
+    EXPECT_THAT(brokers.sessions_at(1), IsEmpty());
+    EXPECT_THAT(brokers.sessions_at(2), ElementsAre("robot"));
+    other.publish("pose", "1", Qos::exactly_once);
+    brokers.run_for(500ms);
+    EXPECT_THAT(robot.received(), ElementsAre("1"));
+}
+
+TEST(Member, ARoamingClientIsServedWithoutAnyConnect) {
+    Brokers brokers;
+    start(brokers, {1, 2, 3});
+    Robot& robot = subscriber(brokers, "robot", 1, Qos::exactly_once);
+    robot.move_to(broker_address(2));
+    robot.publish("pose", "1", Qos::exactly_once);
+    brokers.run_for(500ms);
+    EXPECT_THAT(robot.received(), ElementsAre("1"));
+    EXPECT_THAT(brokers.sessions_at(2), ElementsAre("robot"));
+    expect_unnoticed(robot);
+}
+
+TEST(Member, StrictAcknowledgementRefusesWhatALoneBrokerCannotKeep) {
+    cluster::ClusterOptions strict;
+    strict.acks_strict = true;
+    Brokers brokers(strict);
+    start(brokers, {1});
+    Robot& robot = brokers.robot("robot", 1);
+    robot.connect();
+    brokers.run_for(300ms);
+    EXPECT_THAT(brokers.sessions_at(1), IsEmpty());
+    brokers.start(2);
+    brokers.run_for(settling);
+    robot.connect();
+    brokers.run_for(300ms);
+    EXPECT_THAT(brokers.sessions_at(1), ElementsAre("robot"));
+}
+
 TEST(Member, ADeadPeerBlocksNobodyLongerThanOneDetectionTime) {
     Brokers brokers;
     start(brokers, {1, 2});

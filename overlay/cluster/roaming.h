@@ -1,0 +1,40 @@
+// A client whose session is homed at a peer talks to us: fetch the session, one round trip, and let
+// its datagrams wait meanwhile (design section 3, "Roaming").
+//
+// Bounded: so many clients at a time, and each for so long; without an answer the datagram is
+// handled as that of a stranger.
+#pragma once
+
+#include <map>
+#include <optional>
+
+#include "overlay/cluster/effects.h"
+#include "overlay/cluster/homes.h"
+#include "overlay/cluster/membership.h"
+#include "romano/base/bytes.h"
+
+namespace romano::cluster {
+
+class Roaming {
+public:
+    explicit Roaming(Duration patience) : patience_(patience) {}
+
+    /// True when the datagram shall wait: its session is asked for.
+    bool on_datagram(Effects& effects, const Endpoint& from, Bytes datagram, const Homes& homes,
+                     const Membership& membership, const View& view);
+    void on_handed_over(const broker::ClientId& client);
+    void carry_on(Instant now);
+    [[nodiscard]] bool is_fetching(const Endpoint& from) const { return fetching_.contains(from); }
+    void restart() { fetching_.clear(); }
+
+private:
+    struct Fetching {
+        broker::ClientId client;
+        Instant since;
+    };
+
+    Duration patience_;
+    std::map<Endpoint, Fetching> fetching_;
+};
+
+}  // namespace romano::cluster
