@@ -11,21 +11,30 @@ bool EventQueue::later(const Entry& a, const Entry& b) {
 }
 
 void EventQueue::at(Instant when, Event event) {
-    heap_.push_back({std::max(when, now_), next_sequence_++, std::move(event)});
+    std::size_t slot = events_.size();
+    if (free_slots_.empty()) {
+        events_.push_back(std::move(event));
+    } else {
+        slot = free_slots_.back();
+        free_slots_.pop_back();
+        events_[slot] = std::move(event);
+    }
+    heap_.push_back({std::max(when, now_), next_sequence_++, slot});
     std::ranges::push_heap(heap_, later);
 }
 
 void EventQueue::run_until(Instant end) {
     while (!heap_.empty() && heap_.front().when <= end) {
         std::ranges::pop_heap(heap_, later);
-        const Entry entry = std::move(heap_.back());
+        const Entry entry = heap_.back();
         heap_.pop_back();
         at_this_time_ = entry.when == now_ ? at_this_time_ + 1 : 0;
-        assert(at_this_time_ < livelock &&
-               "somebody asks for the time that it already is, for ever");
+        assert(at_this_time_ < livelock && "somebody asks for the present time for ever");
         now_ = entry.when;
         ++run_;
-        entry.event();
+        const Event event = std::exchange(events_[entry.slot], nullptr);
+        free_slots_.push_back(entry.slot);
+        event();
     }
     now_ = end;
 }

@@ -30,7 +30,7 @@ private:
     struct Entry {
         Instant when;
         std::uint64_t sequence;
-        Event event;
+        std::size_t slot;  // in events_: the heap moves small things only
     };
     static bool later(const Entry& a, const Entry& b);
 
@@ -41,6 +41,8 @@ private:
     std::uint64_t next_sequence_ = 0;
     std::uint64_t run_ = 0;
     std::vector<Entry> heap_;
+    std::vector<Event> events_;
+    std::vector<std::size_t> free_slots_;
 };
 
 }  // namespace romano::sim
