@@ -21,6 +21,7 @@ public:
     /// A virtual time at which the machine's clock says `local` or little more: a timer's.
     [[nodiscard]] Instant when(Instant local) const {
         if (local == never) return never;
+        if (local <= at(Instant{})) return Instant{};
         const Duration wanted = local.time_since_epoch();
         Duration t = wanted - offset_;
         t -= t / 1'000'000 * drift_ppm_;

@@ -1,0 +1,108 @@
+#include "overlay/sim/cluster_broker.h"
+
+#include <chrono>
+#include <utility>
+#include <variant>
+
+#include "overlay/sim/seed.h"
+
+namespace romano::sim {
+
+using namespace std::chrono_literals;
+
+ClusterBroker::ClusterBroker(const ClusterBrokerOptions& options, EventQueue& events,
+                             ClientNetwork& clients, BrokerNetwork& peers, Trace& trace,
+                             std::uint64_t seed)
+    : BrokerProcess(options.name, options.node, events, clients, trace, seed),
+      options_(options),
+      seed_(seed),
+      clients_(clients),
+      peers_(peers) {}
+
+broker::LogId ClusterBroker::log() const {
+    return {broker::broker_id_of(name()), incarnation()};
+}
+
+void ClusterBroker::create_core() {
+    overlay::MemberOptions member{.broker = options_.broker,
+                                  .cluster = options_.cluster,
+                                  .name = name(),
+                                  .incarnation = incarnation(),
+                                  .home_addresses = options_.home_addresses};
+    // All wall clocks say nearly the same although the monotonic ones began at different times.
+    const Duration wall = 20'000h + events_.now().time_since_epoch() + options_.wall_clock_error;
+    member.broker.unix_time_at_zero = wall - local_now().time_since_epoch();
+    member_ = std::make_unique<overlay::Member>(member, seed_of(seed_, "member", incarnation()));
+    transport_ = peers_.attach(log(), node());
+    transport_->start([this](const cluster::Envelope& envelope) { on_envelope(envelope); });
+    for (const Endpoint& address : options_.home_addresses) {
+        const bool is_free = !clients_.is_bound(address);
+        if (is_free) bind(address);
+        answer_address(address, is_free);
+    }
+}
+
+void ClusterBroker::destroy_core() {
+    transport_.reset();
+    member_.reset();
+    leaving_ = false;
+}
+
+void ClusterBroker::leave() {
+    if (!is_running()) return;
+    trace_.note(events_.now(), name(), "leaves");
+    leaving_ = true;
+    member_->leave(local_now(), actions_);
+    carry_out();
+    later(100ms, [this] { crash(); });
+}
+
+void ClusterBroker::take(const Datagram& datagram) {
+    member_->on_datagram(local_now(), datagram.via, datagram.from, datagram.octets, actions_);
+    carry_out();
+}
+
+void ClusterBroker::take(const cluster::Envelope& envelope) {
+    member_->on_peer_message(local_now(), envelope, actions_);
+    carry_out();
+}
+
+void ClusterBroker::tick() {
+    member_->on_tick(local_now(), actions_);
+    carry_out();
+}
+
+void ClusterBroker::answer_address(const Endpoint& address, bool served) {
+    member_->on_address(local_now(), address, served, actions_);
+    carry_out();
+}
+
+void ClusterBroker::take_address(const Endpoint& address) {
+    later(random_.between(0ns, options_.binding_takes_max), [this, address] {
+        bind(address);
+        answer_address(address, true);
+    });
+}
+
+void ClusterBroker::carry_out() {
+    overlay::MemberActions actions = std::exchange(actions_, {});
+    for (const auto& action : actions.local) {
+        if (const auto* wanted = std::get_if<overlay::TakeAddress>(&action)) {
+            take_address(wanted->address);
+        } else if (const auto* given = std::get_if<overlay::GiveUpAddress>(&action)) {
+            unbind(given->address);
+        } else if (const auto* notice = std::get_if<overlay::Notice>(&action)) {
+            trace_.note(events_.now(), name(), notice->text);
+        }
+    }
+    for (const cluster::Outgoing& message : actions.peers) transport_->send(message);
+    for (const broker::Action& action : actions.clients.list()) {
+        if (const auto* out = std::get_if<broker::Send>(&action)) {
+            send(out->via, out->to.endpoint, actions.clients.octets(*out));
+        }
+    }
+    member_->check_invariants();
+    if (observer_) observer_();
+}
+
+}  // namespace romano::sim

@@ -1,0 +1,67 @@
+// A broker of a cluster: the shipped Member with the duties of its shell.
+//
+// At its start it binds its home addresses, unless somebody holds them; it takes and gives up
+// addresses as it is told, and carries messages between the member and both networks.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include "overlay/member/member.h"
+#include "overlay/sim/broker_network.h"
+#include "overlay/sim/broker_process.h"
+
+namespace romano::sim {
+
+struct ClusterBrokerOptions {
+    std::string name;
+    Node node{};
+    std::vector<Endpoint> home_addresses;
+    cluster::ClusterOptions cluster;
+    broker::BrokerOptions broker;
+    Duration wall_clock_error{0};
+    Duration binding_takes_max{std::chrono::milliseconds{2}};
+};
+
+class ClusterBroker final : public BrokerProcess {
+public:
+    ClusterBroker(const ClusterBrokerOptions& options, EventQueue& events, ClientNetwork& clients,
+                  BrokerNetwork& peers, Trace& trace, std::uint64_t seed);
+
+    /// An orderly stop: says goodbye, lives on for a moment, and ends.
+    void leave();
+    [[nodiscard]] bool is_leaving() const { return leaving_; }
+
+    /// While up.
+    [[nodiscard]] const overlay::Member& member() const { return *member_; }
+    [[nodiscard]] broker::LogId log() const;
+    [[nodiscard]] const ClusterBrokerOptions& options() const { return options_; }
+    /// Called after every step of the member.
+    void set_observer(std::function<void()> observer) { observer_ = std::move(observer); }
+
+private:
+    void create_core() override;
+    void destroy_core() override;
+    void take(const Datagram& datagram) override;
+    void take(const cluster::Envelope& envelope) override;
+    void tick() override;
+    [[nodiscard]] Instant next_wakeup() const override { return member_->next_wakeup(); }
+    void on_stop() override { peers_.stall(node()); }
+    void on_go_on() override { peers_.go_on(node()); }
+    void carry_out();
+    void take_address(const Endpoint& address);
+    void answer_address(const Endpoint& address, bool served);
+
+    ClusterBrokerOptions options_;
+    std::uint64_t seed_;
+    ClientNetwork& clients_;
+    BrokerNetwork& peers_;
+    std::unique_ptr<overlay::Member> member_;
+    std::unique_ptr<overlay::Transport> transport_;
+    overlay::MemberActions actions_;
+    bool leaving_ = false;
+    std::function<void()> observer_;
+};
+
+}  // namespace romano::sim

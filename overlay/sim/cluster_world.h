@@ -1,0 +1,65 @@
+// A world with a cluster of brokers, their network, and the faults that befall them.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <set>
+#include <vector>
+
+#include "overlay/sim/broker_network.h"
+#include "overlay/sim/cluster_broker.h"
+#include "overlay/sim/promises.h"
+#include "overlay/sim/world.h"
+
+namespace romano::sim {
+
+struct ClusterWorldOptions {
+    std::uint64_t seed = 1;
+    std::size_t brokers = 3;
+    cluster::ClusterOptions cluster;
+    BrokerNetworkOptions peers;
+    Duration wall_clock_error_max{std::chrono::milliseconds{20}};
+};
+
+class ClusterWorld : public World {
+public:
+    explicit ClusterWorld(const ClusterWorldOptions& options);
+
+    /// All brokers, one soon after the other.
+    void start_brokers();
+
+    [[nodiscard]] std::size_t broker_count() const { return brokers_.size(); }
+    [[nodiscard]] ClusterBroker& broker(std::size_t index) { return *brokers_.at(index); }
+    [[nodiscard]] BrokerNetwork& peers() { return peers_; }
+    [[nodiscard]] const ClusterWorldOptions& options() const { return options_; }
+    [[nodiscard]] const std::string& elector() const { return options_.cluster.elector; }
+    /// Index of the broker that the others follow; empty while they do not agree.
+    [[nodiscard]] std::optional<std::size_t> leader();
+    /// Index of the broker that is home to the client.
+    [[nodiscard]] std::optional<std::size_t> home_of(const std::string& client_id);
+
+    /// Brokers of different sides do not hear each other. With `clients_too`, a robot hears only
+    /// the side that its broker is on (by its home address); without, all of them hear all brokers.
+    void part(const std::vector<std::set<std::size_t>>& sides, bool clients_too);
+    void cut(std::size_t from, std::size_t to) { peers_.cut(broker_node(from), broker_node(to)); }
+    /// All cuts end, of brokers and of robots.
+    void heal();
+
+    /// Running brokers that hear each other, by component, each sorted.
+    [[nodiscard]] std::vector<std::vector<ClusterBroker*>> components();
+
+    /// Violations that were seen while the run went on: more than one leader in a term of raft.
+    [[nodiscard]] const Violations& violations() const { return violations_; }
+
+private:
+    void observe(ClusterBroker& broker);
+
+    ClusterWorldOptions options_;
+    BrokerNetwork peers_;
+    std::vector<std::unique_ptr<ClusterBroker>> brokers_;
+    std::map<election::Term, election::NodeId> leader_of_term_;
+    Violations violations_;
+};
+
+}  // namespace romano::sim

@@ -1,0 +1,154 @@
+#include "overlay/sim/random_faults.h"
+
+#include <algorithm>
+#include <chrono>
+
+#include "overlay/sim/seed.h"
+#include "overlay/sim/settlement.h"
+
+namespace romano::sim {
+
+using namespace std::chrono_literals;
+
+RandomFaults::RandomFaults(ClusterWorld& world, const RandomFaultsOptions& options,
+                           std::uint64_t seed)
+    : world_(world),
+      options_(options),
+      random_(seed_of(seed, "faults")),
+      good_clients_(world.clients().quality()),
+      good_peers_(world.peers().options().quality) {}
+
+void RandomFaults::begin() {
+    active_ = true;
+    next();
+}
+
+void RandomFaults::end() {
+    active_ = false;
+    world_.heal();
+    world_.clients().set_quality(good_clients_);
+    world_.peers().set_quality(good_peers_);
+    for (std::size_t i = 0; i < world_.broker_count(); ++i) {
+        if (world_.broker(i).is_leaving()) world_.broker(i).crash();
+        world_.broker(i).go_on();
+        world_.broker(i).start();
+    }
+}
+
+void RandomFaults::next() {
+    world_.events().after(random_.between(options_.pause_min, options_.pause_max), [this] {
+        if (!active_) return;
+        happen(options_.kinds[random_.below(static_cast<std::uint32_t>(options_.kinds.size()))]);
+        next();
+    });
+}
+
+bool RandomFaults::is_calm() {
+    if (structural_ > 0 || disagreement(world_)) {
+        calm_since_ = never;
+        return false;
+    }
+    if (calm_since_ == never) calm_since_ = world_.now();
+    return world_.now() - calm_since_ >= options_.calm_before_crash;
+}
+
+void RandomFaults::happen(Fault fault) {
+    const bool is_structural = fault != Fault::bad_links;
+    if (is_structural && !is_calm()) {
+        // Not yet; asked again soon, so that calm does not pass unnoticed.
+        world_.events().after(100ms, [this, fault] {
+            if (active_) happen(fault);
+        });
+        return;
+    }
+    ++counts_[static_cast<std::size_t>(fault)];
+    switch (fault) {
+        case Fault::crash:
+            return crash();
+        case Fault::stop:
+            return stop();
+        case Fault::leave:
+            return leave();
+        case Fault::partition:
+            return part();
+        case Fault::one_way_cut:
+            return cut_one_way();
+        case Fault::bad_links:
+            return spoil_links();
+    }
+}
+
+void RandomFaults::for_a_while(EventQueue::Event undo) {
+    ++structural_;
+    calm_since_ = never;
+    // Short ones are as interesting as long ones: the length's logarithm is uniform.
+    const Duration longest = options_.lasts_max / (1U << random_.below(8));
+    world_.events().after(random_.between(longest / 2, longest), [this, undo = std::move(undo)] {
+        --structural_;
+        if (active_) undo();
+    });
+}
+
+std::size_t RandomFaults::some_broker() {
+    return random_.below(static_cast<std::uint32_t>(world_.broker_count()));
+}
+
+void RandomFaults::crash() {
+    const std::size_t most = std::min(options_.crashes_at_once, world_.broker_count() - 1);
+    const std::size_t count = 1 + random_.below(static_cast<std::uint32_t>(most));
+    std::size_t victim = some_broker();
+    for (std::size_t i = 0; i < count; ++i, victim = (victim + 1) % world_.broker_count()) {
+        ClusterBroker& broker = world_.broker(victim);
+        broker.crash();
+        for_a_while([&broker] { broker.start(); });
+    }
+}
+
+void RandomFaults::stop() {
+    ClusterBroker& broker = world_.broker(some_broker());
+    broker.stop();
+    for_a_while([&broker] { broker.go_on(); });
+}
+
+void RandomFaults::leave() {
+    ClusterBroker& broker = world_.broker(some_broker());
+    broker.leave();
+    for_a_while([&broker] {
+        broker.crash();
+        broker.start();
+    });
+}
+
+void RandomFaults::part() {
+    std::vector<std::set<std::size_t>> sides(2);
+    for (std::size_t i = 0; i < world_.broker_count(); ++i) sides[random_.below(2)].insert(i);
+    if (sides[0].empty() || sides[1].empty()) return;
+    world_.part(sides, random_.below(2) == 0);
+    for_a_while([this] { world_.heal(); });
+}
+
+void RandomFaults::cut_one_way() {
+    const std::size_t from = some_broker();
+    const std::size_t to = some_broker();
+    if (from == to) return;
+    world_.cut(from, to);
+    for_a_while([this] { world_.heal(); });
+}
+
+void RandomFaults::spoil_links() {
+    LinkQuality clients = good_clients_;
+    clients.loss_ppm = random_.below(200'000);
+    clients.duplication_ppm = random_.below(50'000);
+    clients.delay_max += random_.between(0ms, 20ms);
+    LinkQuality peers = good_peers_;
+    peers.loss_ppm = random_.below(100'000);
+    peers.delay_max += random_.between(0ms, 5ms);
+    if (random_.below(2) == 0) world_.clients().set_quality(clients);
+    if (random_.below(2) == 0) world_.peers().set_quality(peers);
+    world_.events().after(random_.between(100ms, options_.lasts_max), [this] {
+        world_.clients().set_quality(good_clients_);
+        world_.peers().set_quality(good_peers_);
+    });
+}
+
+}  // namespace romano::sim

@@ -1,0 +1,65 @@
+// Faults at random times: brokers crash, stop and leave, links are cut and grow bad.
+//
+// It keeps to what P2 is about: brokers crash (at most `acks` at once) only when the cluster has
+// been calm for a while, so that what was acknowledged has reached the peers that promise it.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "overlay/sim/cluster_world.h"
+#include "romano/base/random.h"
+
+namespace romano::sim {
+
+enum class Fault : std::uint8_t { crash, stop, leave, partition, one_way_cut, bad_links };
+inline constexpr std::size_t fault_kinds = 6;
+
+struct RandomFaultsOptions {
+    std::vector<Fault> kinds{Fault::crash,     Fault::stop,        Fault::leave,
+                             Fault::partition, Fault::one_way_cut, Fault::bad_links};
+    std::size_t crashes_at_once = 1;
+    Duration pause_min{std::chrono::milliseconds{200}};  // from one fault to the next
+    Duration pause_max{std::chrono::seconds{2}};
+    Duration calm_before_crash{std::chrono::milliseconds{500}};
+    Duration lasts_max{std::chrono::seconds{3}};
+};
+
+class RandomFaults {
+public:
+    RandomFaults(ClusterWorld& world, const RandomFaultsOptions& options, std::uint64_t seed);
+
+    void begin();
+    /// All faults end: brokers run, links are good.
+    void end();
+
+    /// How often each kind happened.
+    [[nodiscard]] const std::array<std::uint32_t, fault_kinds>& counts() const { return counts_; }
+
+private:
+    void next();
+    void happen(Fault fault);
+    void crash();
+    void stop();
+    void leave();
+    void part();
+    void cut_one_way();
+    void spoil_links();
+    void for_a_while(EventQueue::Event undo);
+    [[nodiscard]] std::size_t some_broker();
+    [[nodiscard]] bool is_calm();
+
+    ClusterWorld& world_;
+    RandomFaultsOptions options_;
+    Random random_;
+    LinkQuality good_clients_;
+    LinkQuality good_peers_;
+    std::array<std::uint32_t, fault_kinds> counts_{};
+    bool active_ = false;
+    std::uint32_t structural_ = 0;  // faults that last now and keep brokers apart or down
+    Instant calm_since_ = never;
+};
+
+}  // namespace romano::sim

@@ -1,0 +1,226 @@
+#include "overlay/sim/run.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <csignal>
+#include <cstring>
+#include <memory>
+
+#include "election/elector.h"
+#include "election/failure_detector.h"
+#include "overlay/sim/cluster_world.h"
+#include "overlay/sim/seed.h"
+#include "overlay/sim/settlement.h"
+
+namespace romano::sim {
+
+using namespace std::chrono_literals;
+using mqttsn::Qos;
+
+namespace {
+
+constexpr Duration publish_on_after_faults = 1s;
+constexpr Duration deliveries_within = 20s;
+
+template <typename Choices>
+auto one_of(Random& random, const Choices& choices) {
+    return choices[random.below(static_cast<std::uint32_t>(std::size(choices)))];
+}
+
+ClusterWorldOptions world_options(std::uint64_t seed, const RunOptions& run) {
+    Random random(seed_of(seed, "setting"));
+    ClusterWorldOptions options;
+    options.seed = seed;
+    options.brokers = 2 + random.below(4);
+    if (run.brokers > 0) options.brokers = run.brokers;
+    options.cluster.elector = run.elector.empty() ? "component" : run.elector;
+    options.cluster.detector = run.detector.empty() ? "fixed" : run.detector;
+    options.cluster.acks = random.below(4) == 0 ? cluster::all_peers : 1;
+    if (run.acks) options.cluster.acks = *run.acks;
+    options.peers.quality.delay_max = random.between(100us, 3ms);
+    return options;
+}
+
+/// Robots of every kind of traffic: who publishes where, who listens to what, at which QoS.
+void add_robots(ClusterWorld& world, std::uint64_t seed, const RunOptions& run) {
+    static constexpr const char* topics[] = {"pose", "map/a", "map/b", "cmd"};
+    static constexpr const char* filters[] = {"pose", "map/+", "map/a", "cmd", "#"};
+    static constexpr Qos some_qos[] = {Qos::at_least_once, Qos::exactly_once, Qos::exactly_once};
+    Random random(seed_of(seed, "robots"));
+    const std::size_t count = run.robots > 0 ? run.robots : 2 + random.below(6);
+    for (std::size_t i = 0; i < count; ++i) {
+        RobotOptions robot;
+        robot.broker =
+            World::service_address(random.below(static_cast<std::uint32_t>(world.broker_count())));
+        robot.clean_session = random.below(2) == 0;
+        for (std::uint32_t n = random.below(3); n > 0; --n) {
+            robot.topics.push_back(one_of(random, topics));
+        }
+        // One filter each, or several that may overlap.
+        for (std::uint32_t n = 1 + random.below(2); n > 0; --n) {
+            const std::string filter = one_of(random, filters);
+            if (std::ranges::any_of(robot.subscriptions,
+                                    [&](const auto& s) { return s.filter == filter; })) {
+                continue;
+            }
+            robot.subscriptions.push_back({filter, one_of(random, some_qos)});
+        }
+        robot.qos = {Qos::at_least_once, Qos::exactly_once};
+        if (random.below(4) == 0) robot.qos.push_back(Qos::at_most_once);
+        robot.retain_ppm = random.below(3) == 0 ? 100'000 : 0;
+        robot.publish_every_min = random.between(5ms, 50ms);
+        robot.publish_every_max = robot.publish_every_min * 4;
+        world.add_robot(std::move(robot));
+    }
+}
+
+class Run {
+public:
+    Run(std::uint64_t seed, const RunOptions& options)
+        : options_(options), world_(world_options(seed, options)) {
+        if (options.trace) world_.trace().listen(options.trace);
+        add_robots(world_, seed, options);
+    }
+
+    RunResult carry_out() {
+        start();
+        if (result_.is_good()) suffer();
+        if (result_.is_good()) recover();
+        fill_in_result();
+        return std::move(result_);
+    }
+
+private:
+    void start() {
+        world_.start_brokers();
+        for (std::size_t i = 0; i < world_.robot_count(); ++i) world_.robot(i).start();
+        expect_idle("at the start");
+        for (std::size_t i = 0; i < world_.robot_count(); ++i) world_.robot(i).begin_publishing();
+    }
+
+    void suffer() {
+        RandomFaultsOptions faults;
+        if (!options_.faults.empty()) faults.kinds = options_.faults;
+        RandomFaults storm(world_, faults, world_.seed());
+        storm.begin();
+        world_.run_for(options_.faults_last);
+        storm.end();
+        for (const std::uint32_t count : storm.counts()) result_.faults += count;
+        judge_safety(world_.ledger(), {}, result_.violations);
+        // The storm's last timers still refer to it.
+        world_.run_for(faults.lasts_max + faults.pause_max);
+    }
+
+    void recover() {
+        world_.run_for(publish_on_after_faults);
+        for (std::size_t i = 0; i < world_.robot_count(); ++i) world_.robot(i).end_publishing();
+        expect_idle("after the faults");
+        if (!result_.is_good()) return;
+        (void)world_.run_until(
+            [this] {
+                Violations missing;
+                judge_completeness(world_.ledger(), missing);
+                judge_settlement(world_, missing);
+                return missing.empty();
+            },
+            deliveries_within, 500ms);
+        judge_safety(world_.ledger(), {}, result_.violations);
+        judge_completeness(world_.ledger(), result_.violations);
+        judge_settlement(world_, result_.violations);
+    }
+
+    /// Agreement, and no robot waits for a broker.
+    void expect_idle(const std::string& when) {
+        const bool is_quiet =
+            world_.run_until([this] { return world_.robots_are_idle() && !disagreement(world_); },
+                             options_.settles_within);
+        if (is_quiet) return;
+        if (const auto reason = disagreement(world_)) {
+            result_.violations.push_back({Promise::one_leader, *reason + ", still, " + when});
+        }
+        for (std::size_t i = 0; i < world_.robot_count(); ++i) {
+            if (world_.robot(i).is_idle()) continue;
+            result_.violations.push_back(
+                {Promise::liveness,
+                 world_.robot(i).name() + " still waits for its broker " + when});
+        }
+    }
+
+    void fill_in_result() {
+        for (const Violation& violation : world_.violations()) {
+            result_.violations.push_back(violation);
+        }
+        result_.seed = world_.seed();
+        result_.trace_hash = world_.trace().hash();
+        result_.virtual_time = world_.now().time_since_epoch();
+        result_.received = world_.ledger().receptions.size();
+        result_.acknowledged = static_cast<std::uint64_t>(
+            std::ranges::count_if(world_.ledger().sent, [](const auto& entry) {
+                return entry.second.acknowledged && entry.second.qos != Qos::at_most_once;
+            }));
+        const auto acks = world_.options().cluster.acks;
+        result_.setting = std::to_string(world_.broker_count()) + " brokers, " +
+                          std::to_string(world_.robot_count()) + " robots, " + world_.elector() +
+                          ", acks " + (acks == cluster::all_peers ? "all" : std::to_string(acks));
+    }
+
+    RunOptions options_;
+    ClusterWorld world_;
+    RunResult result_;
+};
+
+// What a core's failed assertion leaves behind: who was running.
+char epitaph[256];
+
+void on_abort(int) {
+    (void)!write(STDERR_FILENO, epitaph, std::strlen(epitaph));
+}
+
+/// While it lives, an abort says which seed it was.
+class Epitaph {
+public:
+    Epitaph(std::uint64_t seed, const RunOptions& options) {
+        const std::string text = "seed " + std::to_string(seed) +
+                                 " aborted; replay: " + replay_command(seed, options) + '\n';
+        std::strncpy(epitaph, text.c_str(), sizeof epitaph - 1);
+        previous_ = std::signal(SIGABRT, on_abort);
+    }
+    ~Epitaph() { (void)std::signal(SIGABRT, previous_); }
+    Epitaph(const Epitaph&) = delete;
+    Epitaph& operator=(const Epitaph&) = delete;
+
+private:
+    void (*previous_)(int) = nullptr;
+};
+
+}  // namespace
+
+RunResult run_seed(std::uint64_t seed, const RunOptions& options) {
+    const Epitaph epitaph_of_this(seed, options);
+    return Run(seed, options).carry_out();
+}
+
+bool run_seeds(const SeedRange& seeds, const RunOptions& options,
+               const std::function<void(const RunResult&)>& report) {
+    bool all_good = true;
+    for (std::uint64_t seed = seeds.first; seed <= seeds.last; ++seed) {
+        const RunResult result = run_seed(seed, options);
+        all_good = all_good && result.is_good();
+        report(result);
+    }
+    return all_good;
+}
+
+std::string replay_command(std::uint64_t seed, const RunOptions& options) {
+    std::string command =
+        "romano simulate --seeds " + std::to_string(seed) + ".." + std::to_string(seed);
+    if (options.brokers > 0) command += " --brokers " + std::to_string(options.brokers);
+    if (options.robots > 0) command += " --robots " + std::to_string(options.robots);
+    if (!options.elector.empty()) command += " --elector " + options.elector;
+    if (!options.detector.empty()) command += " --detector " + options.detector;
+    if (options.acks) command += " --acks " + std::to_string(*options.acks);
+    return command + " --trace";
+}
+
+}  // namespace romano::sim

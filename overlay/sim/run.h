@@ -1,0 +1,60 @@
+// Runs of the simulator by seed: one seed is one cluster, its robots, their traffic and its faults.
+//
+// First faults happen while robots publish: nothing may break (safety). Then faults end, and within
+// a bounded time everything must work again and be complete (liveness).
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "overlay/sim/promises.h"
+#include "overlay/sim/random_faults.h"
+#include "overlay/sim/trace.h"
+
+namespace romano::sim {
+
+/// What the seed does not decide. Empty or 0: it does.
+struct RunOptions {
+    std::size_t brokers = 0;
+    std::size_t robots = 0;
+    std::string elector;
+    std::string detector;
+    std::optional<std::uint32_t> acks;
+    std::vector<Fault> faults;
+    Duration faults_last{std::chrono::seconds{10}};
+    Duration settles_within{std::chrono::seconds{30}};
+    Trace::Listener trace;  // lines of what happens; slow
+};
+
+struct RunResult {
+    std::uint64_t seed = 0;
+    std::uint64_t trace_hash = 0;
+    std::string setting;  // "3 brokers, 5 robots, component, acks 1"
+    std::uint64_t acknowledged = 0;
+    std::uint64_t received = 0;
+    std::uint32_t faults = 0;
+    Duration virtual_time{0};
+    Violations violations;
+
+    [[nodiscard]] bool is_good() const { return violations.empty(); }
+};
+
+[[nodiscard]] RunResult run_seed(std::uint64_t seed, const RunOptions& options);
+
+struct SeedRange {
+    std::uint64_t first = 1;
+    std::uint64_t last = 1;  // inclusive
+};
+/// Runs them one after the other, telling each result. False: some promise was broken. When a core
+/// aborts, the seed and the command that replays it are printed first.
+bool run_seeds(const SeedRange& seeds, const RunOptions& options,
+               const std::function<void(const RunResult&)>& report);
+
+/// "romano simulate --seeds 17..17 ...": what replays one run.
+[[nodiscard]] std::string replay_command(std::uint64_t seed, const RunOptions& options);
+
+}  // namespace romano::sim
