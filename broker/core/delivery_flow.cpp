@@ -13,6 +13,14 @@ using mqttsn::TopicId;
 using mqttsn::TopicIdType;
 using Kind = Exchange::Kind;
 
+namespace {
+
+/// How long REGISTER may hold up a message of a name that the client subscribed to by itself: it
+/// learnt the id from SUBACK, and what ignores REGISTER (emcute, asymcute) must not wait for long.
+constexpr Duration courtesy{std::chrono::seconds{1}};
+
+}  // namespace
+
 bool DeliveryFlow::make_room(Session& session) {
     if (session.queue.size() < tables_.limits().queued_per_session) return true;
     tables_.count(Drop::queue_full);
@@ -99,6 +107,11 @@ bool DeliveryFlow::open_front(Session& session, Turn& turn) {
         case Readiness::ready:
             break;
     }
+    return publish_front(session, topic, turn);
+}
+
+bool DeliveryFlow::publish_front(Session& session, const WireTopic& topic, Turn& turn) {
+    Delivery& delivery = session.queue.front();
     if (delivery.qos == Qos::at_most_once) {
         if (!send_publish(session, delivery, topic, false, turn)) tables_.count(Drop::too_large);
         session.queue.pop();
@@ -181,8 +194,17 @@ bool DeliveryFlow::send_publish(Session& session, const Delivery& delivery, cons
 void DeliveryFlow::supervise(Session& session, Turn& turn) {
     Exchange& exchange = session.exchange;
     if (++exchange.sendings > 1) ++tables_.counters.retransmissions;
-    exchange.retry_at = turn.now + tables_.options.t_retry;
+    const Duration t_retry = tables_.options.t_retry;
+    exchange.retry_at =
+        turn.now + (names_known_id(session) ? std::min(t_retry, courtesy) : t_retry);
     schedule(tables_, session);
+}
+
+/// REGISTER is open for a name that the client subscribed to without wildcards.
+bool DeliveryFlow::names_known_id(Session& session) {
+    return session.exchange.kind == Kind::registering &&
+           tables_.subscribers.find(session.queue.front().message->topic, session.number) !=
+               nullptr;
 }
 
 void DeliveryFlow::on_regack(Session& session, const mqttsn::Regack& message, Turn& turn) {
@@ -312,8 +334,10 @@ bool DeliveryFlow::repeat(Session& session, Turn& turn) {
 }
 
 void DeliveryFlow::on_retry(Session& session, Turn& turn) {
-    Exchange& exchange = session.exchange;
-    if (exchange.sendings > tables_.options.n_retry) {
+    const Exchange& exchange = session.exchange;
+    if (names_known_id(session)) {
+        publish_anyway(session, true, turn);
+    } else if (exchange.sendings > tables_.options.n_retry) {
         give_up(session, turn);
     } else if (!send_open(session, true, turn)) {
         go_on(session, turn);
@@ -322,22 +346,25 @@ void DeliveryFlow::on_retry(Session& session, Turn& turn) {
 
 void DeliveryFlow::give_up(Session& session, Turn& turn) {
     Exchange& exchange = session.exchange;
-    if (!exchange.heard) {  // silent: its queue waits for it (G5, G10)
-        if (session.header.state == SessionState::awake) {
-            fall_asleep(session, turn);
-        } else {
-            exchange.stalled = true;
-        }
-        return;
-    }
-    if (exchange.kind == Kind::registering) {  // such clients exist: publish anyway (G14)
-        session.ignores_register = true;
-        subscriptions_.set_known(session, exchange.topic.id, true, turn);
-        exchange.kind = Kind::none;
+    if (!exchange.heard && session.header.state == SessionState::awake) {  // its queue waits (G10)
+        fall_asleep(session, turn);
+    } else if (exchange.kind == Kind::registering) {  // such clients exist (G14)
+        session.ignores_register = exchange.heard;
+        publish_anyway(session, exchange.heard, turn);
+    } else if (!exchange.heard) {  // silent: its queue waits for it (G5)
+        exchange.stalled = true;
     } else {
         drop_front(session, Drop::retries_exhausted, turn);
+        go_on(session, turn);
     }
-    go_on(session, turn);
+}
+
+/// REGISTER was not answered: PUBLISH without it. `known`: do not ask for this id again.
+void DeliveryFlow::publish_anyway(Session& session, bool known, Turn& turn) {
+    const WireTopic topic = session.exchange.topic;
+    if (known) subscriptions_.set_known(session, topic.id, true, turn);
+    session.exchange.kind = Kind::none;
+    if (!publish_front(session, topic, turn)) go_on(session, turn);
 }
 
 void DeliveryFlow::fall_asleep(Session& session, Turn& turn) {

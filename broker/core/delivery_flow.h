@@ -58,6 +58,8 @@ private:
 
     /// False when the front of the queue was dropped or went out without an exchange.
     bool open_front(Session& session, Turn& turn);
+    bool publish_front(Session& session, const WireTopic& topic, Turn& turn);
+    void publish_anyway(Session& session, bool known, Turn& turn);
     void start(Session& session, Delivery& delivery, Turn& turn);
     bool send_open(Session& session, bool again, Turn& turn);
     bool send_publish(Session& session, const Delivery& delivery, const WireTopic& topic, bool dup,
@@ -68,6 +70,7 @@ private:
     void end_front(Session& session, Turn& turn);
     void drop_front(Session& session, Drop reason, Turn& turn);
     void supervise(Session& session, Turn& turn);
+    [[nodiscard]] bool names_known_id(Session& session);
     void give_up(Session& session, Turn& turn);
     void fall_asleep(Session& session, Turn& turn);
     [[nodiscard]] static mqttsn::MsgId next_msg_id(Session& session);

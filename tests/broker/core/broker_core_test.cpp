@@ -115,6 +115,39 @@ TEST_F(Broker, PublishAfterAnUnknownIdHasANewMessageIdAndNoDup) {  // 6.10e, G21
     EXPECT_TRUE(b.hears<Publish>().dup);
 }
 
+TEST_F(Broker, ClientThatIgnoresRegisterGetsWhatItSubscribedToByNameAfterASecond) {  // G14
+    a.connects();
+    b.connects(false);
+    const TopicId at_b = b.subscribes("pose");
+    b.says(Disconnect{});
+    b.hears<Disconnect>();
+    const TopicId at_a = a.registers("pose");
+    a.publishes(at_a, "1", Qos::at_least_once);
+    b.connects(false);
+    EXPECT_EQ(b.hears<Register>().topic_id, at_b);
+    broker.waits(999ms);
+    b.hears_nothing();
+    broker.waits(1ms);
+    const auto publish = b.hears_publish("1", Qos::at_least_once);
+    EXPECT_EQ(publish.topic, at_b);
+    EXPECT_FALSE(publish.dup);
+    a.publishes(at_a, "2", Qos::at_least_once);
+    b.hears_publish("2", Qos::at_least_once);
+}
+
+TEST_F(Broker, SilentClientThatIgnoresRegisterGetsThePublishAfterAllRetries) {  // 6.10a, G14
+    a.connects();
+    b.connects();
+    b.subscribes("robot/+");
+    a.publishes(a.registers("robot/7"), "1", Qos::at_least_once);
+    for (int sending = 0; sending <= mqttsn::default_n_retry; ++sending) {
+        b.hears<Register>();
+        b.hears_nothing();
+        broker.waits(mqttsn::default_t_retry);
+    }
+    b.hears_publish("1", Qos::at_least_once);
+}
+
 TEST_F(Broker, PublisherHearsItsAnswerBeforeItsOwnCopy) {  // G12
     a.connects();
     const TopicId id = a.subscribes("echo", Qos::at_least_once);
