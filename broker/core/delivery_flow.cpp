@@ -84,7 +84,7 @@ void DeliveryFlow::go_on(Session& session, Turn& turn) {
         if (open_front(session, turn)) break;
     }
     if (session.header.state == SessionState::awake && !session.exchange.is_open()) {
-        outbox_.send(session, mqttsn::Pingresp{}, Gate::open, turn);
+        if (session.reachable) outbox_.send(session, mqttsn::Pingresp{}, Gate::open, turn);
         fall_asleep(session, turn);
     }
     schedule(tables_, session);
@@ -334,8 +334,10 @@ bool DeliveryFlow::repeat(Session& session, Turn& turn) {
 }
 
 void DeliveryFlow::on_retry(Session& session, Turn& turn) {
-    const Exchange& exchange = session.exchange;
-    if (names_known_id(session)) {
+    Exchange& exchange = session.exchange;
+    if (!session.is_listening()) {
+        exchange.stalled = true;  // another client has its address now (G7)
+    } else if (names_known_id(session)) {
         publish_anyway(session, true, turn);
     } else if (exchange.sendings > tables_.options.n_retry) {
         give_up(session, turn);

@@ -148,6 +148,20 @@ TEST_F(Broker, SilentClientThatIgnoresRegisterGetsThePublishAfterAllRetries) {  
     b.hears_publish("1", Qos::at_least_once);
 }
 
+TEST_F(Broker, AddressThatGotANewOwnerHearsNothingOfTheOldOne) {  // G7
+    a.connects();
+    b.connects();
+    b.subscribes("pose");
+    a.publishes(a.registers("pose"), "1", Qos::at_least_once);
+    b.hears<Publish>();
+    ScriptedClient next{broker, "next", b.address.endpoint.port};
+    next.connects();
+    broker.waits(2 * mqttsn::default_t_retry);
+    next.hears_nothing();
+    b.connects();
+    b.hears_nothing();
+}
+
 TEST_F(Broker, PublisherHearsItsAnswerBeforeItsOwnCopy) {  // G12
     a.connects();
     const TopicId id = a.subscribes("echo", Qos::at_least_once);
