@@ -12,7 +12,9 @@ using mqttsn::TopicIdType;
 
 namespace {
 
+/// Position 0 is no position: the message is in no log.
 bool was_ahead(const Session& session, const LogPosition& position) {
+    if (position.seq == 0) return false;
     return std::ranges::any_of(session.worked_ahead, [&](const LogPosition& done) {
         return done.log == position.log && position.seq <= done.seq;
     });

@@ -13,6 +13,14 @@ bool has(const View& view, const LogId& log) {
     return std::ranges::binary_search(view.members, log);
 }
 
+/// Freezes what is left of brokers that are gone. One that is alive and not in the view, because it
+/// has just started or follows another leader, serves its clients itself.
+void freeze_the_dead(const View& view, Surroundings around) {
+    for (auto& [id, log] : around.logs) {
+        if (!has(view, id) && !around.membership.is_alive(id)) log.freeze();
+    }
+}
+
 }  // namespace
 
 bool ViewChange::contains(const LogId& log) const {
@@ -104,9 +112,9 @@ void ViewChange::propose(Instant now, std::vector<LogId> members, Surroundings a
                                .since = now,
                                .asked_at = now});
     const View& view = proposal_->message.view;
-    freeze(view, around.logs);
+    freeze_the_dead(view, around);
     for (const auto& [id, log] : around.logs) {
-        if (!has(view, id)) proposal_->message.removed.push_back(id);
+        if (!has(view, id) && log.is_frozen()) proposal_->message.removed.push_back(id);
     }
     proposal_->answers.emplace(self_, holdings(view, around));
     ask(now, out);
@@ -179,7 +187,11 @@ void ViewChange::on_proposal(Instant now, const ViewProposal& proposal, Surround
     if (around.membership.leadership().leader != node_of(view.number.leader)) return;
     promised_ = view.number;
     promised_at_ = now;
-    freeze(view, around.logs);
+    freeze_the_dead(view, around);
+    for (const LogId& id : proposal.removed) {
+        const auto log = around.logs.find(id);
+        if (log != around.logs.end()) log->second.freeze();
+    }
     out.push_back({view.number.leader, holdings(view, around)});
 }
 
@@ -197,7 +209,7 @@ void ViewChange::on_announcement(Instant now, const ViewAnnouncement& announceme
 ViewHoldings ViewChange::holdings(const View& view, Surroundings around) const {
     ViewHoldings answer{.number = view.number, .holds = {}, .addresses = {}};
     for (const auto& [id, log] : around.logs) {
-        if (has(view, id)) continue;
+        if (has(view, id) || !log.is_frozen()) continue;
         answer.holds.push_back({id, log.applied()});
         for (const Endpoint& address : log.addresses_left()) {
             answer.addresses.push_back({id, address});
@@ -206,22 +218,16 @@ ViewHoldings ViewChange::holdings(const View& view, Surroundings around) const {
     return answer;
 }
 
-void ViewChange::freeze(const View& view, PeerLogs& logs) {
-    for (auto& [id, log] : logs) {
-        if (!has(view, id)) log.freeze();
-    }
-}
-
 void ViewChange::install(Instant now, ViewAnnouncement announcement, PeerLogs& logs) {
     view_ = announcement.view;
     promised_ = view_.number;
     installed_at_ = now;
     for (auto& [id, log] : logs) {
-        if (has(view_, id)) {
-            log.thaw();
-        } else {
-            log.freeze();
-        }
+        if (has(view_, id)) log.thaw();
+    }
+    for (const LogPosition& end : announcement.ends) {  // of those whose proposal we did not hear
+        const auto log = logs.find(end.log);
+        if (log != logs.end()) log->second.freeze();
     }
     // A view that nobody has looked at yet leaves its assignments to the next one.
     if (installed_) {

@@ -63,7 +63,6 @@ private:
     void give_up_on_silent(Instant now, const Membership& membership);
     void conclude(Instant now, Surroundings around, Outbox& out);
     [[nodiscard]] ViewHoldings holdings(const View& view, Surroundings around) const;
-    void freeze(const View& view, PeerLogs& logs);
     void install(Instant now, ViewAnnouncement announcement, PeerLogs& logs);
 
     LogId self_;

@@ -201,6 +201,33 @@ TEST(Member, AReturningBrokerIsHandedItsAddressAndItsSessions) {
     expect_unnoticed(robot);
 }
 
+TEST(Member, ASessionThatWasHandedBackGetsQos0FromPeers) {
+    Brokers brokers;
+    start(brokers, {1, 2});
+    Robot& robot = subscriber(brokers, "robot", 1, Qos::at_most_once);
+    Robot& other = subscriber(brokers, "other", 2, Qos::at_least_once, "lamp");
+    brokers.kill(1);
+    brokers.run_for(settling);
+    other.publish("lamp", "on", Qos::at_least_once);  // the sessions' home is ahead in a log
+    brokers.start(1);
+    brokers.run_for(settling);
+    ASSERT_THAT(brokers.sessions_at(1), ElementsAre("robot"));
+    other.publish("pose", "1", Qos::at_most_once);
+    brokers.run_for(100ms);
+    EXPECT_THAT(robot.received(), ElementsAre("1"));
+}
+
+TEST(Member, ABrokerThatHasJustStartedKeepsItsAddress) {
+    Brokers brokers;
+    brokers.start(1);
+    brokers.start(2);
+    for (int i = 0; i < 500; ++i) {
+        brokers.run_for(1ms);
+        ASSERT_EQ(brokers.server_of(1), 1);
+        ASSERT_EQ(brokers.server_of(2), 2);
+    }
+}
+
 TEST(Member, ABrokerThatRestartsFasterThanItIsMissedGetsItsSessionsBack) {
     Brokers brokers;
     start(brokers, {1, 2, 3});
