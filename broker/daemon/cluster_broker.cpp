@@ -10,6 +10,7 @@
 #include "broker/net/clock.h"
 #include "broker/net/endpoint_text.h"
 #include "broker/net/socket_address.h"
+#include "overlay/dds/packing.h"
 
 namespace romano::daemon {
 namespace {
@@ -157,6 +158,7 @@ void ClusterBroker::carry_out() {
     // An address that was taken or not is news for the member, which may want more done.
     for (;;) {
         carry_out_locally();
+        dds::pack(actions_.peers);
         for (const auto& outgoing : actions_.peers) transport_->send(outgoing);
         udp_.carry_out(actions_.clients);
         actions_.clear();

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "overlay/dds/cluster_message_proto.h"
+#include "tests/overlay/dds/field_count.h"
 #include "tests/overlay/dds/random_message.h"
 
 namespace romano::dds {
@@ -18,6 +19,42 @@ std::optional<cluster::ClusterMessage> decode(const proto::ClusterMessage& messa
     BodyCodec codec;
     return codec.decode(as_octets(message.SerializeAsString()));
 }
+
+// Whoever adds a field adds it to the .proto file, to its conversions and to random_message.cpp, and
+// then here.
+static_assert(field_count<Endpoint>() == 4);
+static_assert(field_count<broker::Message>() == 6);
+static_assert(field_count<broker::SessionHeader>() == 10);
+static_assert(field_count<broker::Will>() == 4);
+static_assert(field_count<broker::Subscription>() == 4);
+static_assert(field_count<broker::TopicBinding>() == 3);
+static_assert(field_count<broker::Delivery>() == 6);
+static_assert(field_count<broker::SessionImage>() == 7);
+static_assert(field_count<broker::SessionChanged>() == 2);
+static_assert(field_count<broker::Published>() == 4);
+static_assert(field_count<broker::Routed>() == 2);
+static_assert(field_count<broker::Route>() == 3);
+static_assert(field_count<broker::DeliveryStarted>() == 4);
+static_assert(field_count<election::Rank>() == 3);
+static_assert(field_count<election::Claim>() == 3);
+static_assert(field_count<election::Ballot>() == 3);
+static_assert(field_count<cluster::ViewNumber>() == 3);
+static_assert(field_count<cluster::View>() == 2);
+static_assert(field_count<cluster::Beacon>() == 15);
+static_assert(field_count<cluster::LogBatch>() == 3);
+static_assert(field_count<cluster::LogAck>() == 2);
+static_assert(field_count<cluster::ViewProposal>() == 2);
+static_assert(field_count<cluster::LeftAddress>() == 2);
+static_assert(field_count<cluster::ViewHoldings>() == 3);
+static_assert(field_count<cluster::TailRequest>() == 3);
+static_assert(field_count<cluster::LogTail>() == 3);
+static_assert(field_count<cluster::Assignment>() == 3);
+static_assert(field_count<cluster::ViewAnnouncement>() == 3);
+static_assert(field_count<cluster::SnapshotRequest>() == 2);
+static_assert(field_count<cluster::SnapshotPart>() == 7);
+static_assert(field_count<cluster::AddressBound>() == 2);
+static_assert(field_count<cluster::SessionHandoff>() == 3);
+static_assert(field_count<cluster::HandoffAck>() == 2);
 
 // Two messages are equal when their octets are: encoding is deterministic. That no field is
 // forgotten both ways is checked field by field below.
