@@ -54,6 +54,7 @@ void ClusterCore::on_message(Effects& effects, const Envelope& envelope) {
 void ClusterCore::on_tick(Effects& effects, const std::set<Endpoint>& pending_output) {
     membership_.on_tick(effects.now, effects.peers);
     view_change_.on_tick(effects.now, surroundings(effects), effects.peers);
+    hand_back_.compare(membership_, addresses_);
     hand_back_.carry_on(effects, membership_, view(), addresses_, pending_output);
     settlement_.carry_on(effects, logs(), membership_);
     roaming_.carry_on(effects.now);
@@ -122,6 +123,7 @@ void ClusterCore::after_input(Effects& effects) {
 void ClusterCore::on(Effects& effects, BrokerId, const Beacon& beacon) {
     if (!membership_.on_beacon(effects.now, beacon)) return;
     if (membership_.is_alive(beacon.log)) heed(beacon);
+    hand_back_.compare(membership_, addresses_);
     if (!listens_only_) view_change_.on_tick(effects.now, surroundings(effects), effects.peers);
 }
 

@@ -16,11 +16,27 @@ constexpr Duration drain_least = std::chrono::milliseconds{2};
 
 std::optional<BrokerId> HandBack::owner_of(const Endpoint& address, const Membership& membership,
                                            const View& view) const {
+    std::optional<BrokerId> highest;
     for (const LogId& member : view.members) {
         if (member.broker == self_ || !membership.is_alive(member)) continue;
-        if (membership.find(member.broker)->is_home_of(address)) return member.broker;
+        const Peer& peer = *membership.find(member.broker);
+        if (peer.is_home_of(address)) return member.broker;
+        if (peer.is_serving(address) && member.broker > highest.value_or(self_)) {
+            highest = member.broker;
+        }
     }
-    return std::nullopt;
+    return highest;
+}
+
+void HandBack::compare(const Membership& membership, const ServiceAddresses& addresses) {
+    contested_.clear();
+    for (const Endpoint& address : addresses.serving()) {
+        if (addresses.is_home(address)) continue;
+        for (const auto& [id, peer] : membership.peers()) {
+            if (!membership.is_heard(id) || !peer.is_serving(address)) continue;
+            if (peer.is_home_of(address) || id > self_) contested_.insert(address);
+        }
+    }
 }
 
 void HandBack::carry_on(Effects& effects, const Membership& membership, const View& view,
@@ -97,6 +113,7 @@ void HandBack::on_ack(Effects& effects, BrokerId from, const HandoffAck& ack,
 }
 
 bool HandBack::is_silent(const Endpoint& address) const {
+    if (contested_.contains(address)) return true;
     const auto found = giving_.find(address);
     return found != giving_.end() && found->second.stage == Stage::handed;
 }
@@ -127,6 +144,7 @@ void HandBack::on_handed_over(const Endpoint& address) {
 }
 
 void HandBack::restart() {
+    contested_.clear();
     giving_.clear();
     taking_.clear();
     expected_.clear();

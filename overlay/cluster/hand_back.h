@@ -10,9 +10,11 @@
 //       |<----------- HandoffAck --------------|  once the adoption is safe with peers
 //       |  forgets the sessions, unbinds       |
 //
-// After a heal both serve the address: the holder begins at "takes images", and which copy of a
-// session stays is settled by their ranks (broker::outranks). A hand-over that both agreed on
-// counts like being heard: it raises the epoch, so that the holder's copy never wins again.
+// After a heal two brokers may serve an address: it belongs to the one whose home address it is,
+// else to the one with the higher id. The other one falls silent as soon as it hears of that, and
+// begins at "takes images" when they are in one view; which copy of a session stays is settled by
+// their ranks (broker::outranks). A hand-over that both agreed on counts like being heard: it
+// raises the epoch, so that the holder's copy never wins again.
 #pragma once
 
 #include <map>
@@ -38,7 +40,10 @@ public:
     void on_bound(Instant now, BrokerId from, const AddressBound& bound);
     void on_ack(Effects& effects, BrokerId from, const HandoffAck& ack,
                 ServiceAddresses& addresses);
-    /// The address's sessions are on their way: nothing is said or heard for them here.
+    /// Looks who else serves our addresses.
+    void compare(const Membership& membership, const ServiceAddresses& addresses);
+    /// The address's sessions are on their way, or it belongs to another broker that serves it:
+    /// nothing is said or heard for them here.
     [[nodiscard]] bool is_silent(const Endpoint& address) const;
 
     // --- the owner's side
@@ -61,7 +66,7 @@ private:
         BrokerId owner;
         Stage stage;
         Instant since;
-        bool contested = false;  // the owner serves it as well
+        bool contested;  // the owner serves it as well
         std::vector<broker::ClientId> handed = {};
     };
     struct Getting {
@@ -78,6 +83,7 @@ private:
 
     BrokerId self_;
     Duration patience_;
+    std::set<Endpoint> contested_;  // served by another broker, to whom they belong
     std::map<Endpoint, Giving> giving_;
     std::map<Endpoint, Getting> taking_;    // offered to us, being bound
     std::map<Endpoint, Getting> expected_;  // bound, the sessions not here yet

@@ -104,7 +104,7 @@ Instant Membership::next_wakeup() const {
 void Membership::describe(Beacon& beacon) const {
     beacon.claim = elector_->claim();
     for (const auto& [id, peer] : peers_) {
-        if (heard_->is_alive(node_of(id))) beacon.hears.push_back(id);
+        if (is_heard(id)) beacon.hears.push_back(id);
     }
 }
 

@@ -53,6 +53,8 @@ public:
     [[nodiscard]] const std::map<BrokerId, Peer>& peers() const { return peers_; }
     /// Null when unknown.
     [[nodiscard]] const Peer* find(BrokerId id) const;
+    /// Its beacons come here, whether or not ours reach it.
+    [[nodiscard]] bool is_heard(BrokerId id) const { return heard_->is_alive(node_of(id)); }
     /// Alive, and in this life.
     [[nodiscard]] bool is_alive(const LogId& log) const;
     [[nodiscard]] election::Leadership leadership() const { return elector_->leadership(); }

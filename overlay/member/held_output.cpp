@@ -19,15 +19,17 @@ void HeldOutput::hold(const broker::Send& send, Bytes octets) {
     waiting_.emplace(send.after, Datagram{send.via, send.to, {octets.begin(), octets.end()}});
 }
 
-HeldOutput::Waiting::iterator HeldOutput::send(Waiting::iterator waiting, broker::Actions& out) {
-    const Datagram& datagram = waiting->second;
+void HeldOutput::send(const Datagram& datagram, broker::Actions& out) {
     std::ranges::copy(datagram.octets, out.reserve(datagram.octets.size()).begin());
     out.push(broker::Send{.via = datagram.via,
                           .to = datagram.to,
                           .offset = out.commit(datagram.octets.size()),
                           .size = static_cast<std::uint32_t>(datagram.octets.size())});
-    octets_ -= datagram.octets.size() + overhead;
-    return waiting_.erase(waiting);
+}
+
+HeldOutput::Waiting::iterator HeldOutput::erase(Waiting::iterator datagram) {
+    octets_ -= datagram->second.octets.size() + overhead;
+    return waiting_.erase(datagram);
 }
 
 void HeldOutput::clear() {

@@ -21,11 +21,16 @@ namespace romano::overlay {
 class HeldOutput {
 public:
     void hold(const broker::Send& send, Bytes octets);
-    /// Moves all that may leave now to `out`; an address that is not bound yet keeps its own.
-    template <typename MayLeave>
-    void release(broker::Seq safe, MayLeave&& may_leave, broker::Actions& out) {
+    /// What is to become of a datagram of that address, once its position is safe.
+    enum class Fate : std::uint8_t { leaves, waits, is_dropped };
+
+    /// Moves all that may leave now to `out`; `fate_of(via)` says what may.
+    template <typename FateOf>
+    void release(broker::Seq safe, FateOf&& fate_of, broker::Actions& out) {
         for (auto next = waiting_.begin(); next != waiting_.end() && next->first <= safe;) {
-            next = may_leave(next->second.via) ? send(next, out) : std::next(next);
+            const Fate fate = fate_of(next->second.via);
+            if (fate == Fate::leaves) send(next->second, out);
+            next = fate == Fate::waits ? std::next(next) : erase(next);
         }
     }
     void clear();
@@ -43,7 +48,8 @@ private:
 
     using Waiting = std::multimap<broker::Seq, Datagram>;
 
-    Waiting::iterator send(Waiting::iterator datagram, broker::Actions& out);
+    static void send(const Datagram& datagram, broker::Actions& out);
+    Waiting::iterator erase(Waiting::iterator datagram);
 
     Waiting waiting_;
     std::size_t octets_ = 0;

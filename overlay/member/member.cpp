@@ -191,8 +191,11 @@ void Member::State::carry_out(Instant now, MemberActions& out) {
     absorb(out);
     serve_waiting(now, out);
     if (stalled_until_) return;
-    const auto may_leave = [this](const Endpoint& via) { return !cluster_.is_taking(via); };
-    held_.release(cluster_.safe(), may_leave, out.clients);
+    const auto fate_of = [this](const Endpoint& via) {
+        if (cluster_.is_silent(via)) return HeldOutput::Fate::is_dropped;
+        return cluster_.is_taking(via) ? HeldOutput::Fate::waits : HeldOutput::Fate::leaves;
+    };
+    held_.release(cluster_.safe(), fate_of, out.clients);
 }
 
 void Member::State::absorb(MemberActions& out) {

@@ -67,15 +67,25 @@ void Brokers::leave(int rank) {
 
 Robot& Brokers::robot(const std::string& name, int broker) {
     const Endpoint self = endpoint(1, static_cast<int>(robots_.size()) + 1, 5000);
-    const auto send = [this](const Endpoint& from, const Endpoint& to, Bytes octets) {
-        const auto& holders = sockets_[to];
-        if (holders.empty()) return;
-        running_.at(holders.back()).datagrams.push_back({to, from, {octets.begin(), octets.end()}});
+    const auto send = [this, broker](const Endpoint& from, const Endpoint& to, Bytes octets) {
+        const int reached = reached_from(broker, to);
+        if (reached == 0) return;
+        running_.at(reached).datagrams.push_back({to, from, {octets.begin(), octets.end()}});
     };
-    auto& slot = robots_[self];
-    slot = std::make_unique<Robot>(name, self, broker_address(broker), send);
-    slot->on_tick(now_);
-    return *slot;
+    Placed& placed = robots_[self];
+    placed = {broker, std::make_unique<Robot>(name, self, broker_address(broker), send)};
+    placed.robot->on_tick(now_);
+    return *placed.robot;
+}
+
+int Brokers::reached_from(int site, const Endpoint& address) const {
+    const auto holders = sockets_.find(address);
+    if (holders == sockets_.end()) return 0;
+    const auto& ranks = holders->second;
+    const auto reached = std::find_if(ranks.rbegin(), ranks.rend(), [&](int rank) {
+        return !cut_.contains(std::minmax(site, rank));
+    });
+    return reached == ranks.rend() ? 0 : *reached;
 }
 
 void Brokers::run_for(Duration time) {
@@ -84,7 +94,7 @@ void Brokers::run_for(Duration time) {
 
 void Brokers::step() {
     now_ += 1ms;
-    for (auto& [address, robot] : robots_) robot->on_tick(now_);
+    for (auto& [address, placed] : robots_) placed.robot->on_tick(now_);
     std::map<int, std::pair<std::deque<overlay::Envelope>, std::deque<Datagram>>> inputs;
     for (auto& [rank, running] : running_) {
         if (stalled_.contains(rank)) continue;
@@ -117,7 +127,9 @@ void Brokers::carry_out(int rank, overlay::MemberActions& actions) {
         const auto* send = std::get_if<broker::Send>(&action);
         if (send == nullptr || std::ranges::count(sockets_[send->via], rank) == 0) continue;
         const auto robot = robots_.find(send->to.endpoint);
-        if (robot != robots_.end()) robot->second->on_datagram(actions.clients.octets(*send));
+        if (robot == robots_.end() || cut_.contains(std::minmax(robot->second.site, rank)))
+            continue;
+        robot->second.robot->on_datagram(actions.clients.octets(*send));
     }
     actions.clear();
 }

@@ -1,6 +1,7 @@
 // Members wired together in virtual time, a millisecond a step: every message takes one step, and
 // arrives unless a test cut the link. Service addresses are those of one host: the newest socket of
-// an address gets its datagrams.
+// an address gets its datagrams. A robot stands beside the broker that it began with: a cut that
+// parts brokers parts their robots as well.
 #pragma once
 
 #include <cstdint>
@@ -64,6 +65,8 @@ private:
     void step();
     void carry_out(int rank, overlay::MemberActions& actions);
     void carry_out_locally(int rank, const overlay::MemberActions& actions);
+    /// The newest socket of the address that a robot beside `site` reaches; 0: none.
+    [[nodiscard]] int reached_from(int site, const Endpoint& address) const;
     void bind(int rank, const Endpoint& address);
 
     cluster::ClusterOptions options_;
@@ -73,7 +76,11 @@ private:
     std::set<int> stalled_;
     std::set<std::pair<int, int>> cut_;
     std::map<Endpoint, std::vector<int>> sockets_;  // the last one is the newest
-    std::map<Endpoint, std::unique_ptr<Robot>> robots_;
+    struct Placed {
+        int site = 0;
+        std::unique_ptr<Robot> robot;
+    };
+    std::map<Endpoint, Placed> robots_;
 };
 
 }  // namespace romano::test

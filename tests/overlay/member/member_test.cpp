@@ -383,6 +383,62 @@ TEST(Member, StrictAcknowledgementRefusesWhatALoneBrokerCannotKeep) {
     EXPECT_THAT(brokers.sessions_at(1), ElementsAre("robot"));
 }
 
+TEST(Member, P3_WhatWasPublishedOnEitherSideOfAPartitionComesOnceToAll) {
+    Brokers brokers;
+    start(brokers, {1, 2, 3});
+    std::vector<Robot*> robots;
+    for (const int home : {1, 2, 3}) {
+        const std::string name = "s" + std::to_string(home);
+        robots.push_back(&subscriber(brokers, name, home, Qos::exactly_once));
+    }
+    brokers.cut(1, 2);
+    brokers.cut(1, 3);
+    std::vector<std::string> all;
+    for (int i = 0; i < 20; ++i) {
+        for (const std::size_t talker : {0U, 2U}) {
+            all.push_back(std::to_string(talker) + ":" + std::to_string(i));
+            robots[talker]->publish("pose", all.back(), Qos::exactly_once);
+        }
+        brokers.run_for(100ms);
+    }
+    brokers.heal();
+    brokers.run_for(3s);
+    for (const Robot* robot : robots) {
+        EXPECT_THAT(robot->received(), testing::UnorderedElementsAreArray(all));
+        expect_unnoticed(*robot);
+    }
+}
+
+TEST(Member, P2_ClientsThatGoWithTheirAddressGetWhatBothSidesPublished) {
+    // The robot of broker 1 stands beside broker 2: in the partition it talks to 1's heir.
+    Brokers brokers;
+    start(brokers, {1, 2, 3});
+    Robot& far = brokers.robot("far", 2);
+    far.move_to(broker_address(1));
+    far.connect();
+    far.subscribe("pose", Qos::exactly_once);
+    Robot& left = publisher(brokers, "left", 1);
+    Robot& right = publisher(brokers, "right", 3);
+    brokers.run_for(200ms);
+    brokers.cut(1, 2);
+    brokers.cut(1, 3);
+    std::vector<std::string> all;
+    for (int i = 0; i < 20; ++i) {
+        all.push_back("l" + std::to_string(i));
+        left.publish("pose", all.back(), Qos::exactly_once);
+        all.push_back("r" + std::to_string(i));
+        right.publish("pose", all.back(), Qos::exactly_once);
+        if (i % 5 == 0) far.publish("lamp", "on", Qos::at_least_once);
+        brokers.run_for(100ms);
+    }
+    brokers.heal();
+    brokers.run_for(3s);
+    EXPECT_THAT(far.received(), testing::UnorderedElementsAreArray(all));
+    EXPECT_EQ(far.count_sent(MsgType::connect), 1);
+    EXPECT_EQ(far.rejections(), 0);
+    EXPECT_THAT(brokers.sessions_at(1), UnorderedElementsAre("far", "left"));
+}
+
 TEST(Member, ADeadPeerBlocksNobodyLongerThanOneDetectionTime) {
     Brokers brokers;
     start(brokers, {1, 2});
