@@ -12,7 +12,16 @@ BrokerWatch::BrokerWatch(boost::asio::io_context& io, const BrokerAddress& broke
       on_change_(std::move(on_change)),
       client_(io, broker, timing, std::hash<std::string>{}(client_id),
               [this](const client::Event& event) { on_event(event); }) {
+    connect();
+}
+
+void BrokerWatch::connect() {
     client_.connect({.client_id = client_id_, .clean_session = true});
+}
+
+void BrokerWatch::leave() {
+    leaving_ = true;
+    client_.disconnect();
 }
 
 void BrokerWatch::on_event(const client::Event& event) {
@@ -24,6 +33,9 @@ void BrokerWatch::on_event(const client::Event& event) {
                std::holds_alternative<client::Refused>(event) ||
                std::holds_alternative<client::Failed>(event)) {
         failed_ = true;
+    } else if (std::holds_alternative<client::Disconnected>(event)) {
+        // A broker that is asked while it starts may not know its clients a moment later.
+        if (!leaving_) connect();
     } else if (const auto* received = std::get_if<client::Received>(&event)) {
         auto status = parse_broker_status(as_text(received->data));
         if (!status) return;

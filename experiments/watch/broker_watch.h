@@ -39,9 +39,10 @@ public:
     /// No answer after all repetitions, or a refusal: it watches no more.
     [[nodiscard]] bool has_failed() const { return failed_; }
     [[nodiscard]] const SocketClient& client() const { return client_; }
-    void leave() { client_.disconnect(); }
+    void leave();
 
 private:
+    void connect();
     void on_event(const client::Event& event);
 
     std::string client_id_;
@@ -49,6 +50,7 @@ private:
     std::map<std::string, Seen> brokers_;
     bool subscribed_ = false;
     bool failed_ = false;
+    bool leaving_ = false;
     SocketClient client_;
 };
 
