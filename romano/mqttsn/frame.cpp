@@ -16,10 +16,11 @@ Decoded<Frame> decode_wrapping(Bytes datagram) {
                  datagram.subspan(header)};
 }
 
-/// Paho's MQTTSNPacket.c sends a message of 255 octets in the long form without counting the two
-/// octets that this form adds: length 255 in a datagram of 257. Exactly that is let through.
+/// Paho's MQTTSNPacket.c does not count the two octets that the long form adds where it just begins
+/// to use it: length 255 in a datagram of 257 or, by its version, 256 in one of 258. Exactly these
+/// are let through.
 constexpr bool is_uncounted_long_form(std::size_t length, std::size_t datagram) {
-    return length == 255 && datagram == 257;
+    return (length == 255 || length == 256) && datagram == length + 2;
 }
 
 }  // namespace

@@ -84,6 +84,19 @@ TEST(Frame, PahosUncounted255OctetMessageIsTakenAtDatagramSize) {
     EXPECT_EQ(decode(octets).error(), Malformed::length);
 }
 
+TEST(Frame, PahosUncounted256OctetMessageIsTakenAtDatagramSize) {
+    Octets octets(258);
+    octets[0] = 0x01;
+    octets[1] = 0x01;
+    octets[3] = 0x0C;
+    const auto message = decode(octets);
+    ASSERT_TRUE(message);
+    EXPECT_EQ(std::get<Publish>(*message).data.size(), 249u);
+
+    octets[2] = 0x01;
+    EXPECT_EQ(decode(octets).error(), Malformed::length);
+}
+
 TEST(Frame, ReservedTypesAreDropped) {
     for (unsigned type = 0; type <= 0xFF; ++type) {
         const Octets octets{0x02, static_cast<std::uint8_t>(type)};
