@@ -58,6 +58,7 @@ private:
     Liveness liveness_{tables, outbox, deliveries, lifecycle};
     Discovery discovery_{tables, outbox};
     StrangerLimit strangers_;
+    Instant forget_deletions_at_{};
 };
 
 namespace {
@@ -262,11 +263,16 @@ void BrokerCore::State::on_tick(Turn& turn) {
     liveness_.on_tick(turn);
     connect_flow_.on_tick(turn.now);
     discovery_.on_tick(turn);
+    if (turn.now < forget_deletions_at_) return;
+    const Duration kept = tables.options.deletions_kept_for;
+    tables.retained.forget_deletions(tables.clock.reading(turn.now - kept));
+    forget_deletions_at_ = turn.now + kept / 4;
 }
 
 Instant BrokerCore::State::next_wakeup() const {
-    return std::min(
-        {tables.deadlines.next(), connect_flow_.next_wakeup(), discovery_.next_wakeup()});
+    const Instant deletions = tables.retained.has_deletions() ? forget_deletions_at_ : never;
+    return std::min({tables.deadlines.next(), connect_flow_.next_wakeup(), discovery_.next_wakeup(),
+                     deletions});
 }
 
 // --- BrokerCore

@@ -221,9 +221,8 @@ void DeliveryFlow::on_regack(Session& session, const mqttsn::Regack& message, Tu
     } else if (message.return_code == ReturnCode::congestion) {
         session.paused_until = turn.now + tables_.options.t_wait;
     } else {  // nothing of that name until it subscribes or registers again (6.10b, G16)
-        TopicRegistry::Topic& topic = *session.topics.at(id);
-        topic.refused = true;
-        subscriptions_.remove(session, topic.name, turn);
+        session.topics.refuse(id);
+        subscriptions_.remove(session, session.topics.at(id)->name, turn);
     }
     go_on(session, turn);
 }

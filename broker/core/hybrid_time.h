@@ -29,6 +29,9 @@ public:
         return last_;
     }
 
+    /// What the wall clock says: no stamp, and not later than one.
+    [[nodiscard]] constexpr HybridTime reading(Instant now) const { return {wall(now)}; }
+
     /// Takes note of another broker's time.
     constexpr void observe(HybridTime other) { last_ = std::max(last_, other); }
 

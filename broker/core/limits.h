@@ -16,7 +16,7 @@ namespace romano::broker {
 struct Limits {
     std::size_t sessions = 20'000;
     std::size_t connecting = 1'000;  // clients in the middle of their will prompts
-    std::size_t subscriptions_per_session = 1'000;
+    std::size_t subscriptions_per_session = 10'000;
     std::size_t topics_per_session = 20'000;
     std::size_t queued_per_session = 1'000;  // QoS 1/2 waiting, and everything for a sleeper
     std::size_t retained_messages = 100'000;
@@ -38,6 +38,7 @@ struct BrokerOptions {
     Duration t_wait{mqttsn::default_t_wait};  // after a client's "congestion"
     double keep_alive_tolerance = 1.5;
     Duration clean_session_kept_for{std::chrono::minutes{10}};  // after disconnection; see G11
+    Duration deletions_kept_for{std::chrono::hours{1}};  // of retained messages, for late peers
     std::map<mqttsn::TopicId, std::string> predefined_topics;
     Limits limits;
 };

@@ -57,6 +57,7 @@ public:
 
     /// Forgets deletions that were published before.
     void forget_deletions(HybridTime before);
+    [[nodiscard]] bool has_deletions() const { return deletions_ != 0; }
 
 private:
     /// All names that match the filter begin so.

@@ -12,12 +12,14 @@ using mqttsn::TopicIdType;
 
 namespace {
 
-/// Position 0 is no position: the message is in no log.
-bool was_ahead(const Session& session, const LogPosition& position) {
-    if (position.seq == 0) return false;
-    return std::ranges::any_of(session.worked_ahead, [&](const LogPosition& done) {
-        return done.log == position.log && position.seq <= done.seq;
-    });
+/// Messages of one log come in order: once one is beyond, the session is ahead no more. Position 0
+/// is no position: the message is in no log.
+bool was_ahead(Session& session, const LogPosition& position) {
+    const auto done = std::ranges::find(session.worked_ahead, position.log, &LogPosition::log);
+    if (done == session.worked_ahead.end() || position.seq == 0) return false;
+    if (position.seq <= done->seq) return true;
+    session.worked_ahead.erase(done);
+    return false;
 }
 
 /// A sleeper's QoS 0 waits, and that of a client that must learn an id first.

@@ -26,10 +26,9 @@ Grant Subscriptions::grant_of(const Session& session, const Subscription& subscr
 }
 
 void Subscriptions::put(Session& session, const Subscription& subscription, Turn& turn) {
-    const auto same =
-        std::ranges::find(session.subscriptions, subscription.filter, &Subscription::filter);
-    if (same != session.subscriptions.end()) {
-        *same = subscription;
+    if (has(session, subscription.filter)) {
+        *std::ranges::find(session.subscriptions, subscription.filter, &Subscription::filter) =
+            subscription;
     } else {
         session.subscriptions.push_back(subscription);
     }
@@ -40,8 +39,8 @@ void Subscriptions::put(Session& session, const Subscription& subscription, Turn
 }
 
 bool Subscriptions::remove(Session& session, std::string_view filter, Turn& turn) {
+    if (!has(session, filter)) return false;
     const auto same = std::ranges::find(session.subscriptions, filter, &Subscription::filter);
-    if (same == session.subscriptions.end()) return false;
     tables_.log.append(turn.out, [&] {
         return Unsubscribed{session.header.client_id, std::string{filter}};
     });
@@ -51,8 +50,7 @@ bool Subscriptions::remove(Session& session, std::string_view filter, Turn& turn
 }
 
 bool Subscriptions::has(const Session& session, std::string_view filter) const {
-    return std::ranges::find(session.subscriptions, filter, &Subscription::filter) !=
-           session.subscriptions.end();
+    return tables_.subscribers.find(filter, session.number) != nullptr;
 }
 
 void Subscriptions::enter_all(const Session& session) {

@@ -8,6 +8,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "broker/core/session_image.h"
@@ -42,7 +43,12 @@ public:
 
     /// A new subscription asks for names that were refused too (G16).
     void ask_again() {
+        if (!std::exchange(has_refused_, false)) return;
         for (Topic& topic : topics_) topic.refused = false;
+    }
+    void refuse(mqttsn::TopicId id) {
+        topics_[static_cast<std::size_t>(id) - 1].refused = true;
+        has_refused_ = true;
     }
 
     [[nodiscard]] std::size_t size() const { return topics_.size(); }
@@ -55,6 +61,7 @@ private:
 
     void index_from(std::size_t first);
 
+    bool has_refused_ = false;
     std::vector<Topic> topics_;         // id - 1 is the index
     std::vector<std::uint16_t> slots_;  // open addressing by name: ids, 0 is free
 };

@@ -1,0 +1,157 @@
+// The broker core under any sequence of datagrams, times and cluster calls: its invariants hold
+// after every step, it sends nothing that is no message, its mirror agrees, and it can always be
+// ticked to rest.
+
+#include "broker/core/broker_core.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "broker/core/mirror.h"
+#include "romano/mqttsn/codec.h"
+#include "tests/fuzz/require.h"
+
+using namespace romano;
+using namespace romano::broker;
+using namespace std::chrono_literals;
+
+namespace {
+
+/// Takes the input apart; at its end it gives zeros.
+class Script {
+public:
+    explicit Script(Bytes octets) : octets_(octets) {}
+    [[nodiscard]] bool is_over() const { return octets_.empty(); }
+    std::uint8_t octet() {
+        if (octets_.empty()) return 0;
+        const std::uint8_t first = octets_[0];
+        octets_ = octets_.subspan(1);
+        return first;
+    }
+    Bytes octets(std::size_t wanted) {
+        const Bytes taken = octets_.first(std::min(wanted, octets_.size()));
+        octets_ = octets_.subspan(taken.size());
+        return taken;
+    }
+
+private:
+    Bytes octets_;
+};
+
+BrokerOptions tight_options() {
+    BrokerOptions options;
+    options.log = {BrokerId{1}, 1};
+    options.writes_log = true;
+    options.predefined_topics = {{mqttsn::TopicId{1}, "p"}};
+    options.limits.sessions = 4;
+    options.limits.connecting = 2;
+    options.limits.subscriptions_per_session = 4;
+    options.limits.topics_per_session = 4;
+    options.limits.queued_per_session = 4;
+    options.limits.retained_messages = 3;
+    options.limits.unreleased_per_session = 2;
+    options.limits.payload_octets = 64;
+    return options;
+}
+
+Endpoint client(std::uint8_t number) {
+    return {.address = {127, 0, 0, 1},
+            .port = static_cast<std::uint16_t>(5000 + number % 6),
+            .family = Endpoint::Family::ipv4};
+}
+
+class Run {
+public:
+    void step(Script& script) {
+        const std::uint8_t what = script.octet();
+        switch (what >> 5U) {
+            case 0:
+                now_ += std::chrono::seconds{script.octet()};
+                core_.on_tick(now_, out_);
+                break;
+            case 1: {
+                const Seq seq = (peer_seq_ += script.octet() % 2);
+                const Bytes payload = script.octets(script.octet() % 3U);
+                const MessagePtr message{
+                    Message{.topic = std::string(1, static_cast<char>('a' + what % 4)),
+                            .payload = {payload.begin(), payload.end()},
+                            .qos = static_cast<mqttsn::Qos>(seq % 3),
+                            .retain = (what & 4U) != 0,
+                            .position = {{BrokerId{2}, 1}, seq},
+                            .published_at = {seq}}};
+                core_.on_peer_message(now_, message, out_);
+                break;
+            }
+            case 2: {
+                const char id = static_cast<char>('a' + what % 4);
+                auto image = core_.release({&id, 1}, out_);
+                drain();
+                if (image && (what & 8U) != 0) core_.adopt(now_, std::move(*image), {}, out_);
+                break;
+            }
+            default:
+                core_.on_datagram(now_, client(9), client(what), script.octets(script.octet()),
+                                  out_);
+                break;
+        }
+        drain();
+    }
+
+    void comes_to_rest() {
+        for (int i = 0; i < 10'000 && core_.next_wakeup() != never; ++i) {
+            REQUIRE(i < 9'999);
+            if (core_.next_wakeup() > now_ + 24h) break;
+            const Instant due = std::max(now_, core_.next_wakeup());
+            // ADVERTISE comes for ever; a day is enough.
+            if (due > Instant{48h}) break;
+            now_ = due;
+            core_.on_tick(now_, out_);
+            drain();
+            REQUIRE(core_.next_wakeup() > now_);
+        }
+        core_.append_cursors(out_);
+        drain();
+        const auto at_home = core_.images();
+        const auto mirrored = mirror_.images();
+        REQUIRE(at_home.size() == mirrored.size());
+        for (std::size_t i = 0; i < at_home.size(); ++i) {
+            REQUIRE(same_state(at_home[i], mirrored[i]));
+        }
+    }
+
+private:
+    void drain() {
+        for (const Action& action : out_.list()) {
+            if (const auto* send = std::get_if<Send>(&action)) {
+                REQUIRE(mqttsn::decode(out_.octets(*send)).has_value());
+                REQUIRE(send->after <= core_.last_seq());
+            } else if (const auto* append = std::get_if<Append>(&action)) {
+                mirror_.apply(append->seq, *append->event);
+            }
+        }
+        out_.clear();
+        core_.check_invariants();
+    }
+
+    BrokerCore core_{tight_options(), 1};
+    Mirror mirror_{tight_options().log};
+    Instant now_{1s};
+    Seq peer_seq_ = 0;
+    Actions out_;
+};
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+    Script script{Bytes{data, size}};
+    Run run;
+    while (!script.is_over()) run.step(script);
+    run.comes_to_rest();
+    return 0;
+}
