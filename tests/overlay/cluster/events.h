@@ -1,0 +1,58 @@
+// Log events for tests, by the shortest words.
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "broker/core/log_event.h"
+#include "romano/base/endpoint.h"
+
+namespace romano::test {
+
+inline broker::LogId log_of(std::string_view name, std::uint64_t incarnation = 1) {
+    return {broker::broker_id_of(name), incarnation};
+}
+
+inline Endpoint address(int host) {
+    Endpoint endpoint{};
+    endpoint.address = {10, 0, 0, static_cast<std::uint8_t>(host)};
+    endpoint.port = 1883;
+    endpoint.family = Endpoint::Family::ipv4;
+    return endpoint;
+}
+
+inline broker::LogEvent session(std::string client, const Endpoint& via = {}) {
+    broker::SessionPut event{};
+    event.image.header.client_id = std::move(client);
+    event.image.header.via = via;
+    return event;
+}
+
+inline broker::LogEvent erased(std::string client) {
+    return broker::SessionErased{std::move(client)};
+}
+
+inline broker::LogEvent subscribed(std::string client, std::string filter) {
+    broker::Subscribed event{};
+    event.client_id = std::move(client);
+    event.subscription.filter = std::move(filter);
+    return event;
+}
+
+inline broker::LogEvent unsubscribed(std::string client, std::string filter) {
+    return broker::Unsubscribed{std::move(client), std::move(filter)};
+}
+
+inline broker::LogEvent published(const broker::LogId& log, broker::Seq seq,
+                                  const std::string& topic = "pose") {
+    broker::Message message{};
+    message.topic = topic;
+    message.qos = mqttsn::Qos::at_least_once;
+    message.position = {log, seq};
+    broker::Published event{};
+    event.message = broker::MessagePtr{std::move(message)};
+    return event;
+}
+
+}  // namespace romano::test

@@ -1,0 +1,116 @@
+#include "overlay/cluster/heirs.h"
+
+#include <gmock/gmock.h>
+
+#include "tests/overlay/cluster/events.h"
+
+namespace romano::cluster {
+namespace {
+
+using namespace std::chrono_literals;
+using test::address;
+using testing::ElementsAre;
+using testing::IsEmpty;
+
+// b1 leads b1, b2, b3; b9 is dead.
+class Heirs : public testing::Test {
+protected:
+    Heirs() {
+        view.members = {b1, b2, b3};
+        std::ranges::sort(view.members);
+        beacon(b2, {});
+        beacon(b3, {});
+    }
+
+    void beacon(const LogId& log, std::vector<Endpoint> served, std::uint32_t sessions = 0,
+                std::vector<Endpoint> owned = {}) {
+        Beacon said{.log = log, .tick = ++ticks, .hears = {b1.broker}};
+        said.serving = std::move(served);
+        said.home_addresses = std::move(owned);
+        said.sessions = sessions;
+        (void)membership.on_beacon(Instant{1s}, said);
+    }
+    void holds(const LogId& member, Seq seq, std::vector<Endpoint> addresses = {}) {
+        ViewHoldings& answer = holdings[member];
+        answer.holds.push_back({dead, seq});
+        for (const Endpoint& left : addresses) answer.addresses.push_back({dead, left});
+    }
+    Answers answers() {
+        return {.view = view,
+                .holdings = holdings,
+                .serving = serving,
+                .home = home,
+                .leader = b1,
+                .leader_sessions = 5};
+    }
+    BrokerId heir_of(const Endpoint& left) {
+        for (const auto& assignment : assign(answers(), agreed_ends(answers()), membership)) {
+            if (assignment.address == left) return assignment.heir;
+        }
+        return {};
+    }
+
+    const LogId b1 = test::log_of("b1");
+    const LogId b2 = test::log_of("b2");
+    const LogId b3 = test::log_of("b3");
+    const LogId dead = test::log_of("b9");
+    Membership membership{ClusterOptions{}, b1.broker, 1};
+    View view;
+    std::map<LogId, ViewHoldings> holdings;
+    std::vector<Endpoint> serving;
+    std::vector<Endpoint> home;
+    std::uint64_t ticks = 0;
+};
+
+TEST_F(Heirs, TheAgreedEndIsTheLastEventThatAnybodyHolds) {
+    holds(b1, 5);
+    holds(b2, 9);
+    holds(b3, 7);
+    EXPECT_EQ(agreed_ends(answers()).at(dead), 9U);
+}
+
+TEST_F(Heirs, WhoLacksTheTailGetsItFromOneThatHasIt) {
+    holds(b1, 5);
+    holds(b2, 9);
+    holds(b3, 9);
+    const auto requests = missing_tails(answers(), agreed_ends(answers()));
+    ASSERT_EQ(requests.size(), 1U);
+    EXPECT_NE(requests[0].first, b1.broker);
+    EXPECT_EQ(requests[0].second.to, b1.broker);
+    EXPECT_EQ(requests[0].second.after, (LogPosition{dead, 5}));
+}
+
+TEST_F(Heirs, TheLeastLoadedInherits) {
+    beacon(b2, {}, 3);
+    beacon(b3, {}, 1);
+    for (const LogId& member : view.members) holds(member, 9, {address(9)});
+    EXPECT_EQ(heir_of(address(9)), b3.broker);
+}
+
+TEST_F(Heirs, SeveralAddressesAreSharedOut) {
+    beacon(b2, {}, 5);
+    beacon(b3, {}, 5);
+    for (const LogId& member : view.members) holds(member, 9, {address(7), address(8), address(9)});
+    EXPECT_NE(heir_of(address(7)), heir_of(address(8)));
+    EXPECT_NE(heir_of(address(8)), heir_of(address(9)));
+}
+
+TEST_F(Heirs, AnAddressThatAMemberServesStaysWithIt) {
+    beacon(b2, {address(9)}, 50);
+    for (const LogId& member : view.members) holds(member, 9, {address(9)});
+    EXPECT_EQ(heir_of(address(9)), b2.broker);
+}
+
+TEST_F(Heirs, AnAddressGoesToItsOwnBrokerWhenThatIsThere) {
+    beacon(b2, {}, 50, {address(9)});
+    for (const LogId& member : view.members) holds(member, 9, {address(9)});
+    EXPECT_EQ(heir_of(address(9)), b2.broker);
+}
+
+TEST_F(Heirs, OnlyOneThatHoldsTheLogInherits) {
+    holds(b1, 9, {address(9)});
+    EXPECT_EQ(heir_of(address(9)), b1.broker);
+}
+
+}  // namespace
+}  // namespace romano::cluster

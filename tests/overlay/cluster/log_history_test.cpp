@@ -1,0 +1,69 @@
+#include "overlay/cluster/log_history.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/overlay/cluster/events.h"
+
+namespace romano::cluster {
+namespace {
+
+using test::published;
+using test::session;
+
+const LogId log = test::log_of("b1");
+
+LogHistory history_of(Seq events, std::size_t most) {
+    LogHistory history(most);
+    for (Seq seq = 1; seq <= events; ++seq) history.append(published(log, seq));
+    return history;
+}
+
+TEST(LogHistory, GivesTheEventsAfterAPosition) {
+    const LogHistory history = history_of(5, 100);
+    EXPECT_EQ(history.last(), 5U);
+    EXPECT_EQ(history.events_after(2, 100).size(), 3U);
+    EXPECT_EQ(history.events_after(2, 2).size(), 2U);
+    EXPECT_TRUE(history.events_after(5, 100).empty());
+}
+
+TEST(LogHistory, P8_BeyondItsBoundTheOldestGo) {
+    const LogHistory history = history_of(10, 4);
+    EXPECT_EQ(history.events_kept(), 4U);
+    EXPECT_EQ(history.publishes_kept(), 4U);
+    EXPECT_TRUE(history.reaches_back_to(6));
+    EXPECT_FALSE(history.reaches_back_to(5));
+}
+
+TEST(LogHistory, EventsAndPublishesAreForgottenApart) {
+    LogHistory history = history_of(10, 100);
+    history.forget_events(8);
+    EXPECT_EQ(history.events_kept(), 2U);
+    EXPECT_EQ(history.publishes_after(0).size(), 10U);
+    history.forget_publishes(3);
+    EXPECT_EQ(history.publishes_after(0).size(), 7U);
+    EXPECT_FALSE(history.publish_at(3));
+    EXPECT_TRUE(history.publish_at(4));
+}
+
+TEST(LogHistory, OnlyPublishesAreKeptAsPublishes) {
+    LogHistory history(100);
+    history.append(session("robot"));
+    history.append(published(log, 2));
+    EXPECT_EQ(history.publishes_kept(), 1U);
+    EXPECT_FALSE(history.publish_at(1));
+}
+
+TEST(LogHistory, GoesOnAfterASnapshot) {
+    LogHistory history(100);
+    const auto kept = std::get<broker::Published>(published(log, 7)).message;
+    history.restart(9, {kept});
+    EXPECT_EQ(history.last(), 9U);
+    EXPECT_TRUE(history.reaches_back_to(9));
+    EXPECT_FALSE(history.reaches_back_to(8));
+    history.append(session("robot"));
+    EXPECT_EQ(history.events_after(9, 10).size(), 1U);
+    EXPECT_EQ(history.publish_at(7), kept);
+}
+
+}  // namespace
+}  // namespace romano::cluster

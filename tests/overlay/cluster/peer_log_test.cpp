@@ -1,0 +1,147 @@
+#include "overlay/cluster/peer_log.h"
+
+#include <gmock/gmock.h>
+
+#include "tests/overlay/cluster/events.h"
+
+namespace romano::cluster {
+namespace {
+
+using namespace std::chrono_literals;
+using test::address;
+using test::erased;
+using test::session;
+using testing::ElementsAre;
+using testing::IsEmpty;
+using testing::UnorderedElementsAre;
+
+constexpr Instant start{1s};
+
+struct Held {
+    PeerLog log{test::log_of("b1"), 100};
+
+    void take(Seq first, std::vector<LogEvent> events) {
+        log.offer(first, std::move(events));
+        while (log.next() != nullptr) log.apply();
+    }
+};
+
+TEST(PeerLog, AppliesInOrder) {
+    Held held;
+    held.take(1, {session("a"), session("b")});
+    held.take(3, {erased("a")});
+    EXPECT_EQ(held.log.applied(), 3U);
+    EXPECT_FALSE(held.log.mirror().contains("a"));
+    EXPECT_TRUE(held.log.mirror().contains("b"));
+}
+
+TEST(PeerLog, WhatComesTwiceCountsOnce) {
+    Held held;
+    held.take(1, {session("a"), session("b")});
+    held.take(1, {session("a"), session("b"), session("c")});
+    held.take(2, {session("b")});
+    EXPECT_EQ(held.log.applied(), 3U);
+}
+
+TEST(PeerLog, WhatComesEarlyWaitsForTheGap) {
+    Held held;
+    held.take(3, {session("c")});
+    held.take(4, {session("d")});
+    EXPECT_EQ(held.log.applied(), 0U);
+    held.take(1, {session("a"), session("b")});
+    EXPECT_EQ(held.log.applied(), 4U);
+}
+
+TEST(PeerLog, AGapThatLastsIsAskedFor) {
+    Held held;
+    held.take(1, {session("a")});
+    held.take(3, {session("c")});
+    EXPECT_FALSE(held.log.ask(start, 20ms));
+    const auto request = held.log.ask(start + 20ms, 20ms);
+    ASSERT_TRUE(request);
+    EXPECT_EQ(request->after, 1U);
+    EXPECT_FALSE(held.log.ask(start + 21ms, 20ms)) << "not again at once";
+    EXPECT_TRUE(held.log.ask(start + 45ms, 20ms));
+}
+
+TEST(PeerLog, ABeaconThatNamesALaterEndIsAGap) {
+    Held held;
+    held.take(1, {session("a")});
+    EXPECT_FALSE(held.log.ask(start, 20ms));
+    held.log.heard_end(2);
+    EXPECT_FALSE(held.log.ask(start + 10ms, 20ms));
+    EXPECT_TRUE(held.log.ask(start + 30ms, 20ms));
+}
+
+TEST(PeerLog, ASnapshotInPartsReplacesEverything) {
+    Held held;
+    held.take(1, {session("old")});
+    SnapshotPart first{.as_of = {test::log_of("b1"), 50}, .part = 0};
+    first.sessions.push_back(std::get<broker::SessionPut>(session("a")).image);
+    SnapshotPart last{.as_of = first.as_of, .part = 1, .last = true};
+    last.sessions.push_back(std::get<broker::SessionPut>(session("b")).image);
+    EXPECT_FALSE(held.log.offer(first));
+    const auto whole = held.log.offer(last);
+    ASSERT_TRUE(whole);
+    held.log.restart(*whole);
+    EXPECT_EQ(held.log.applied(), 50U);
+    EXPECT_FALSE(held.log.mirror().contains("old"));
+    EXPECT_TRUE(held.log.mirror().contains("a"));
+    EXPECT_TRUE(held.log.mirror().contains("b"));
+    held.take(51, {erased("a")});
+    EXPECT_EQ(held.log.applied(), 51U);
+}
+
+TEST(PeerLog, ASnapshotWithAMissingPartIsDropped) {
+    Held held;
+    const SnapshotPart first{.as_of = {test::log_of("b1"), 50}, .part = 0};
+    const SnapshotPart third{.as_of = first.as_of, .part = 2, .last = true};
+    EXPECT_FALSE(held.log.offer(first));
+    EXPECT_FALSE(held.log.offer(third));
+}
+
+TEST(PeerLog, EventsThatCameDuringASnapshotFollowIt) {
+    Held held;
+    held.take(51, {session("late")});
+    held.log.restart(SnapshotPart{.as_of = {test::log_of("b1"), 50}, .last = true});
+    while (held.log.next() != nullptr) held.log.apply();
+    EXPECT_EQ(held.log.applied(), 51U);
+    EXPECT_TRUE(held.log.mirror().contains("late"));
+}
+
+TEST(PeerLog, AFrozenLogKnowsWhatIsLeftToAdopt) {
+    Held held;
+    held.take(1, {session("a", address(1)), session("b", address(1)), session("c", address(2))});
+    held.log.heard_serving({address(1), address(3)});
+    held.log.freeze();
+    EXPECT_THAT(held.log.addresses_left(),
+                UnorderedElementsAre(address(1), address(2), address(3)));
+    EXPECT_EQ(held.log.sessions_left(address(1)).size(), 2U);
+    held.log.mark_taken("a");
+    held.log.mark_taken("b");
+    held.log.mark_served(address(1));
+    EXPECT_THAT(held.log.sessions_left(address(1)), IsEmpty());
+    EXPECT_THAT(held.log.addresses_left(), ElementsAre(address(2), address(3)));
+}
+
+TEST(PeerLog, ATailOfAFrozenLogCounts) {
+    Held held;
+    held.take(1, {session("a", address(1)), session("b", address(1))});
+    held.log.freeze();
+    held.take(3, {erased("a"), session("c", address(1))});
+    const auto left = held.log.sessions_left(address(1));
+    ASSERT_EQ(left.size(), 2U);
+    EXPECT_EQ(left[0].header.client_id, "b");
+    EXPECT_EQ(left[1].header.client_id, "c");
+}
+
+TEST(PeerLog, AFrozenLogAsksItsWriterForNothing) {
+    Held held;
+    held.take(2, {session("b")});
+    held.log.freeze();
+    EXPECT_FALSE(held.log.ask(start, 20ms));
+    EXPECT_FALSE(held.log.ask(start + 1s, 20ms));
+}
+
+}  // namespace
+}  // namespace romano::cluster

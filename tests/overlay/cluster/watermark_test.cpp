@@ -1,0 +1,59 @@
+#include "overlay/cluster/watermark.h"
+
+#include <gtest/gtest.h>
+
+#include <array>
+
+#include "overlay/cluster/options.h"
+#include "tests/overlay/cluster/events.h"
+
+namespace romano::cluster {
+namespace {
+
+const std::array peers = {test::log_of("b1"), test::log_of("b2"), test::log_of("b3")};
+
+Watermark after_acks(std::uint32_t acks) {
+    Watermark watermark(acks);
+    watermark.on_ack(peers[0], 3);
+    watermark.on_ack(peers[1], 7);
+    watermark.on_ack(peers[2], 5);
+    return watermark;
+}
+
+TEST(Watermark, OnePeerIsEnoughByDefault) {
+    EXPECT_EQ(after_acks(1).advance(10, peers), 7U);
+}
+
+TEST(Watermark, ManyPeersAsAskedFor) {
+    EXPECT_EQ(after_acks(2).advance(10, peers), 5U);
+    EXPECT_EQ(after_acks(all_peers).advance(10, peers), 3U);
+}
+
+TEST(Watermark, ZeroWaitsForNobody) {
+    EXPECT_EQ(after_acks(0).advance(10, peers), 10U);
+}
+
+TEST(Watermark, NobodyInViewIsWaitedFor) {
+    EXPECT_EQ(after_acks(1).advance(10, {}), 10U);
+}
+
+TEST(Watermark, AShrunkenViewWaitsForThoseThatAreLeft) {
+    Watermark watermark = after_acks(all_peers);
+    EXPECT_EQ(watermark.advance(10, peers), 3U);
+    EXPECT_EQ(watermark.advance(10, std::span(peers).subspan(1)), 5U);
+}
+
+TEST(Watermark, NeverFalls) {
+    Watermark watermark = after_acks(1);
+    EXPECT_EQ(watermark.advance(10, {}), 10U);
+    EXPECT_EQ(watermark.advance(12, peers), 10U);
+}
+
+TEST(Watermark, AnAckBeyondTheOwnLogIsCut) {
+    Watermark watermark(1);
+    watermark.on_ack(peers[0], 99);
+    EXPECT_EQ(watermark.advance(10, peers), 10U);
+}
+
+}  // namespace
+}  // namespace romano::cluster

@@ -1,0 +1,50 @@
+#include "overlay/member/status_topic.h"
+
+#include <gmock/gmock.h>
+
+namespace romano::overlay {
+namespace {
+
+using testing::HasSubstr;
+
+Endpoint ipv6(std::array<std::uint8_t, 16> octets, std::uint32_t scope = 0) {
+    return {.address = octets, .scope = scope, .port = 1883, .family = Endpoint::Family::ipv6};
+}
+
+TEST(StatusTopic, AddressesReadAsPeopleWriteThem) {
+    Endpoint v4{};
+    v4.address = {127, 0, 0, 1};
+    v4.port = 1883;
+    v4.family = Endpoint::Family::ipv4;
+    EXPECT_EQ(to_text(v4), "127.0.0.1:1883");
+    EXPECT_EQ(to_text(ipv6({0x20, 0x01, 0x0d, 0xb8, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1})),
+              "[2001:db8::1]:1883");
+    EXPECT_EQ(to_text(ipv6({0xfe, 0x80, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1}, 2)),
+              "[fe80::1%2]:1883");
+    EXPECT_EQ(to_text(ipv6({})), "[::]:1883");
+    EXPECT_EQ(to_text(ipv6({0, 1, 0, 2, 0, 3, 0, 4, 0, 5, 0, 6, 0, 0, 0, 8})),
+              "[1:2:3:4:5:6:0:8]:1883");
+}
+
+TEST(StatusTopic, IsAJsonObjectWithQuotesAndControlsEscaped) {
+    cluster::Beacon beacon{.name = "r\"1\\\n", .log = {{}, 7}};
+    beacon.sessions = 3;
+    const cluster::View view{.number = {.term = 2, .leader = {}, .count = 4}, .members = {}};
+    const std::vector<std::string> names{"a", "b"};
+    const std::string json = to_json({.beacon = beacon,
+                                      .alive = true,
+                                      .leads = false,
+                                      .view = view,
+                                      .member_names = names,
+                                      .leader_name = "a"});
+    EXPECT_THAT(json, HasSubstr(R"("name":"r\"1\\\u000a")"));
+    EXPECT_THAT(json, HasSubstr(R"("alive":true,"leader":false)"));
+    EXPECT_THAT(json, HasSubstr(R"("sessions":3)"));
+    EXPECT_THAT(json, HasSubstr(R"("view":{"term":2,"leader":"a","count":4,"members":["a","b"]})"));
+    EXPECT_THAT(json, HasSubstr(R"("incarnation":7)"));
+    EXPECT_EQ(json.front(), '{');
+    EXPECT_EQ(json.back(), '}');
+}
+
+}  // namespace
+}  // namespace romano::overlay
