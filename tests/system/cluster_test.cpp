@@ -138,6 +138,63 @@ TEST_P(ClusterLosing, AKilledBrokersClientsReceiveAgainAtTheSameAddress) {
 INSTANTIATE_TEST_SUITE_P(Each, ClusterLosing, testing::Values(1, 2, 3),
                          [](const auto& test) { return "R" + std::to_string(test.param); });
 
+TEST_P(ClusterLosing, Qos2StaysExactlyOnceWhenTheHomeOfBothClientsIsKilled) {
+    const int victim = GetParam();
+    start_all(3);
+    const auto subscriber = client_of(victim, "subscriber");
+    const auto publisher = client_of(victim, "publisher");
+    ASSERT_TRUE(subscriber->connect());
+    ASSERT_TRUE(subscriber->subscribe("robots/pose", Qos::exactly_once));
+    ASSERT_TRUE(publisher->connect());
+    const auto topic = publisher->register_topic("robots/pose");
+    ASSERT_TRUE(topic);
+    for (int i = 0; i < 60; ++i) {
+        if (i == 20) broker(victim).kill_9();
+        ASSERT_TRUE(publisher->publish(*topic, std::to_string(i), Qos::exactly_once)) << i;
+        subscriber->run_until([] { return false; }, 2ms);
+    }
+    EXPECT_TRUE(subscriber->run_until([&] { return subscriber->received.size() >= 60; }, 30s));
+    ASSERT_EQ(subscriber->received.size(), 60U);
+    for (std::size_t i = 0; i < 60; ++i) {
+        EXPECT_EQ(subscriber->received[i].data, std::to_string(i)) << "order and once";
+    }
+}
+
+TEST_F(Cluster, ABrokerThatStoodStillIsReplacedAndComesBackUnnoticed) {
+    start_all(3);
+    const auto subscriber = client_of(1, "subscriber");
+    const auto publisher = client_of(2, "publisher");
+    ASSERT_TRUE(subscriber->connect());
+    ASSERT_TRUE(subscriber->subscribe("robots/pose", Qos::exactly_once));
+    ASSERT_TRUE(publisher->connect());
+    const auto topic = publisher->register_topic("robots/pose");
+    ASSERT_TRUE(topic);
+    const int begun = subscriber->sessions_begun;
+    std::size_t published = 0;
+    const auto publish_and_receive = [&](int count) {
+        for (int i = 0; i < count; ++i) {
+            ASSERT_TRUE(publisher->publish(*topic, std::to_string(published++), Qos::exactly_once));
+            subscriber->run_until([] { return false; }, 2ms);
+        }
+        EXPECT_TRUE(
+            subscriber->run_until([&] { return subscriber->received.size() >= published; }, 30s))
+            << subscriber->received.size() << " of " << published;
+    };
+    publish_and_receive(20);
+    broker(1).signal(SIGSTOP);
+    publish_and_receive(20);  // served by a survivor
+    broker(1).signal(SIGCONT);
+    publish_and_receive(40);
+    // It has its client back once it says so itself; then it serves on alone.
+    ASSERT_TRUE(wait_for_view_of(3, 1));
+    publish_and_receive(20);
+    ASSERT_EQ(subscriber->received.size(), published);
+    for (std::size_t i = 0; i < published; ++i) {
+        EXPECT_EQ(subscriber->received[i].data, std::to_string(i)) << "order and once";
+    }
+    EXPECT_EQ(subscriber->sessions_begun, begun) << "the client noticed";
+}
+
 TEST_F(Cluster, ARestartedBrokerGetsItsAddressAndClientsBackUnnoticed) {
     start_all(2);
     const auto subscriber = client_of(1, "subscriber");
