@@ -43,6 +43,7 @@ public:
     [[nodiscard]] Instant next_wakeup() const;
     void leave(Instant now, MemberActions& out);
 
+    [[nodiscard]] const broker::LogId& log() const { return log_; }
     [[nodiscard]] const BrokerCore& broker() const { return broker_; }
     [[nodiscard]] const ClusterCore& cluster() const { return cluster_; }
     void on_transport_octets(std::uint64_t sent, std::uint64_t received) {
@@ -323,6 +324,9 @@ void Member::on_transport_octets(std::uint64_t sent, std::uint64_t received) {
 }
 void Member::leave(Instant now, MemberActions& out) {
     state_->leave(now, out);
+}
+const broker::LogId& Member::log() const {
+    return state_->log();
 }
 const broker::BrokerCore& Member::broker() const {
     return state_->broker();

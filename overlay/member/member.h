@@ -67,6 +67,8 @@ public:
     /// An orderly stop: the last beacon; the peers take over at once.
     void leave(Instant now, MemberActions& out);
 
+    /// The own log as it is now: a member that was replaced while it stood still begins a new one.
+    [[nodiscard]] const broker::LogId& log() const;
     [[nodiscard]] const broker::BrokerCore& broker() const;
     [[nodiscard]] const cluster::View& view() const;
     [[nodiscard]] election::Leadership leadership() const;

@@ -19,21 +19,18 @@ ClusterBroker::ClusterBroker(const ClusterBrokerOptions& options, EventQueue& ev
       clients_(clients),
       peers_(peers) {}
 
-broker::LogId ClusterBroker::log() const {
-    return {broker::broker_id_of(name()), incarnation()};
-}
-
 void ClusterBroker::create_core() {
+    // All wall clocks say nearly the same although the monotonic ones began at different times.
+    const Duration wall = 20'000h + events_.now().time_since_epoch() + options_.wall_clock_error;
+    const broker::LogId log{broker::broker_id_of(name()), static_cast<std::uint64_t>(wall.count())};
     overlay::MemberOptions member{.broker = options_.broker,
                                   .cluster = options_.cluster,
                                   .name = name(),
-                                  .incarnation = incarnation(),
+                                  .incarnation = log.incarnation,
                                   .home_addresses = options_.home_addresses};
-    // All wall clocks say nearly the same although the monotonic ones began at different times.
-    const Duration wall = 20'000h + events_.now().time_since_epoch() + options_.wall_clock_error;
     member.broker.unix_time_at_zero = wall - local_now().time_since_epoch();
     member_ = std::make_unique<overlay::Member>(member, seed_of(seed_, "member", incarnation()));
-    transport_ = peers_.attach(log(), node());
+    transport_ = peers_.attach(log, node());
     transport_->start([this](const cluster::Envelope& envelope) { on_envelope(envelope); });
     for (const Endpoint& address : options_.home_addresses) {
         const bool is_free = !clients_.is_bound(address);

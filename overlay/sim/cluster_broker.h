@@ -35,7 +35,8 @@ public:
 
     /// While up.
     [[nodiscard]] const overlay::Member& member() const { return *member_; }
-    [[nodiscard]] broker::LogId log() const;
+    [[nodiscard]] const broker::LogId& log() const { return member_->log(); }
+    [[nodiscard]] broker::BrokerId id() const { return broker::broker_id_of(name()); }
     [[nodiscard]] const ClusterBrokerOptions& options() const { return options_; }
     /// Called after every step of the member.
     void set_observer(std::function<void()> observer) { observer_ = std::move(observer); }

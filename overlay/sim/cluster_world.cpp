@@ -70,7 +70,7 @@ std::optional<std::size_t> ClusterWorld::leader() {
         leader = its;
     }
     for (std::size_t i = 0; i < brokers_.size(); ++i) {
-        if (leader && brokers_[i]->log().broker == *leader) return i;
+        if (leader && brokers_[i]->id() == *leader) return i;
     }
     return std::nullopt;
 }

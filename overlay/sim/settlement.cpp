@@ -4,6 +4,8 @@
 #include <map>
 #include <vector>
 
+#include "broker/core/mirror.h"
+
 namespace romano::sim {
 
 namespace {
@@ -21,7 +23,7 @@ std::string names(const Component& component) {
 
 election::Rank rank_of(const ClusterBroker& broker) {
     return {.capability = broker.options().cluster.rank,
-            .id = election::NodeId{static_cast<std::uint64_t>(broker.log().broker)}};
+            .id = election::NodeId{static_cast<std::uint64_t>(broker.id())}};
 }
 
 std::optional<std::string> disagreement(const Component& component, const std::string& elector) {
@@ -40,9 +42,8 @@ std::optional<std::string> disagreement(const Component& component, const std::s
                    " are in views of different numbers";
         }
     }
-    const auto leader = std::ranges::find_if(component, [&](const ClusterBroker* broker) {
-        return broker->log().broker == view.number.leader;
-    });
+    const auto leader = std::ranges::find_if(
+        component, [&](const ClusterBroker* broker) { return broker->id() == view.number.leader; });
     if (leader == component.end()) return "the leader is none of " + names(component);
     if (elector == "raft") return std::nullopt;
     const auto highest = std::ranges::max_element(
@@ -71,6 +72,49 @@ void judge_homes(ClusterWorld& world, const Component& component, Violations& ou
         const Robot& robot = world.robot(i);
         if (robot.is_connected() && !homes.contains(robot.name())) {
             out.push_back({Promise::one_home, robot.name() + " is at home nowhere"});
+        }
+    }
+}
+
+/// What must be the same in a mirror. When a client was last heard is not told with every datagram,
+/// and how far a home has worked through the logs is told lazily.
+std::string describe(const broker::SessionImage& image) {
+    std::string text = image.header.client_id + ' ' + std::to_string(image.header.epoch) + ' ' +
+                       to_text(image.header.address.endpoint) + ' ' +
+                       std::to_string(static_cast<int>(image.header.state));
+    for (const broker::Subscription& s : image.subscriptions) text += " subscribes " + s.filter;
+    for (const broker::TopicBinding& topic : image.topics) {
+        text += " topic " + topic.name + (topic.known_to_client ? " known" : "");
+    }
+    for (const broker::Delivery& delivery : image.deliveries) {
+        text += " delivery " + std::to_string(delivery.position.seq) + " stage " +
+                std::to_string(static_cast<int>(delivery.stage));
+    }
+    for (const mqttsn::MsgId id : image.unreleased) {
+        text += " unreleased " + std::to_string(static_cast<unsigned>(id));
+    }
+    return text;
+}
+
+/// P6, sessions: what each broker holds of each other's.
+void judge_mirrors(const Component& component, Violations& out) {
+    for (const ClusterBroker* home : component) {
+        const auto images = home->member().broker().images();
+        for (const ClusterBroker* peer : component) {
+            if (peer == home) continue;
+            const broker::Mirror* mirror = peer->member().mirror(home->log());
+            if (mirror == nullptr) {
+                out.push_back({Promise::same_state,
+                               peer->name() + " has no copy of " + home->name() + "'s sessions"});
+                continue;
+            }
+            std::string its;
+            for (const auto& image : images) its += describe(image) + '\n';
+            std::string copies;
+            for (const auto& image : mirror->images()) copies += describe(image) + '\n';
+            if (its == copies) continue;
+            out.push_back({Promise::same_state, home->name() + "'s sessions\n" + its + "are to " +
+                                                    peer->name() + '\n' + copies});
         }
     }
 }
@@ -107,6 +151,7 @@ void judge_settlement(ClusterWorld& world, Violations& out) {
             out.push_back({Promise::one_leader, *reason});
         }
         judge_homes(world, component, out);
+        judge_mirrors(component, out);
         judge_retained(component, out);
     }
 }
