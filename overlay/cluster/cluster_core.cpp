@@ -436,7 +436,7 @@ void ClusterCore::trim(Instant now) {
         passed_by_all = std::min(passed_by_all, log.mirror().cursor(own_.id()));
     }
     own_.history().forget_events(held_by_all);
-    own_.history().forget_publishes(passed_by_all);
+    own_.history().forget_publishes(now, passed_by_all);
 
     for (auto& [id, log] : logs_) {
         if (log.is_frozen()) continue;
@@ -449,7 +449,7 @@ void ClusterCore::trim(Instant now) {
             held_by_all = std::min(held_by_all, applied_by(membership_.find(other.broker), id));
         }
         log.history().forget_events(held_by_all);
-        log.history().forget_publishes(passed_by_all);
+        log.history().forget_publishes(now, passed_by_all);
     }
 }
 

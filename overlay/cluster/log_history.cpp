@@ -54,7 +54,11 @@ void LogHistory::forget_events(Seq through) {
     while (!events_.empty() && last_ - events_.size() + 1 <= through) events_.pop_front();
 }
 
-void LogHistory::forget_publishes(Seq through) {
+void LogHistory::forget_publishes(Instant now, Seq through) {
+    passed_.push_back({now, through});
+    while (passed_.size() > 1 && passed_[1].at + kept_on <= now) passed_.pop_front();
+    if (passed_.front().at + kept_on > now) return;
+    through = std::min(through, passed_.front().through);
     while (!publishes_.empty() && publishes_.front()->position.seq <= through) {
         publishes_.pop_front();
     }

@@ -7,12 +7,14 @@
 // an adopted session whose home lagged by more does not get them.
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <deque>
 #include <vector>
 
 #include "broker/core/log_event.h"
 #include "broker/core/log_position.h"
+#include "romano/base/time.h"
 
 namespace romano::cluster {
 
@@ -42,16 +44,27 @@ public:
     [[nodiscard]] MessagePtr publish_at(Seq seq) const;
 
     void forget_events(Seq through);
-    void forget_publishes(Seq through);
+    /// Every member's logged cursor has passed `through`. Publishes stay for `kept_on` more: a
+    /// session on its way between homes still asks for them at its new one, and a newcomer does not
+    /// know how far the dead home of such a session had come.
+    void forget_publishes(Instant now, Seq through);
 
     [[nodiscard]] std::size_t events_kept() const { return events_.size(); }
     [[nodiscard]] std::size_t publishes_kept() const { return publishes_.size(); }
 
+    static constexpr Duration kept_on = std::chrono::seconds{1};
+
 private:
+    struct Passed {
+        Instant at;
+        Seq through = 0;
+    };
+
     std::size_t most_;
     Seq last_ = 0;
     std::deque<LogEvent> events_;       // the last events_.size() ones, ending at last_
     std::deque<MessagePtr> publishes_;  // by position, ascending
+    std::deque<Passed> passed_;         // of the last `kept_on`, and one older
 };
 
 }  // namespace romano::cluster

@@ -39,10 +39,20 @@ TEST(LogHistory, EventsAndPublishesAreForgottenApart) {
     history.forget_events(8);
     EXPECT_EQ(history.events_kept(), 2U);
     EXPECT_EQ(history.publishes_after(0).size(), 10U);
-    history.forget_publishes(3);
+    history.forget_publishes(Instant{}, 3);
+    history.forget_publishes(Instant{LogHistory::kept_on}, 3);
     EXPECT_EQ(history.publishes_after(0).size(), 7U);
     EXPECT_FALSE(history.publish_at(3));
     EXPECT_TRUE(history.publish_at(4));
+}
+
+TEST(LogHistory, P2_PublishesStayForAWhileAfterAllCursorsPassedThem) {
+    LogHistory history = history_of(10, 100);
+    const Duration step = LogHistory::kept_on / 4;
+    for (int i = 0; i < 4; ++i) history.forget_publishes(Instant{} + i * step, 3 + i);
+    EXPECT_EQ(history.publishes_kept(), 10U);
+    history.forget_publishes(Instant{LogHistory::kept_on}, 10);
+    EXPECT_EQ(history.publishes_kept(), 7U);
 }
 
 TEST(LogHistory, OnlyPublishesAreKeptAsPublishes) {
