@@ -41,6 +41,8 @@ void run(const Settings& settings) {
 }  // namespace
 
 int main(int argc, char** argv) {
+    // Whoever reads our trace may go away; that is no reason to stop serving.
+    std::signal(SIGPIPE, SIG_IGN);
     try {
         const auto read = read_command_line(argc, argv);
         if (const auto* information = std::get_if<Information>(&read)) {

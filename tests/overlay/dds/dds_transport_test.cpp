@@ -289,14 +289,14 @@ TEST_F(DdsTransportTest, AStoppedPeerBlocksNoWrite) {
 
 TEST(Domain, RefusesAnInterfaceThatDoesNotExist) {
     const TestDomain id;
-    EXPECT_THROW(Domain({id.id(), "no-such-if"}).make_participant(), DdsError);
+    EXPECT_THROW((void)Domain({id.id(), "no-such-if"}).make_participant(), DdsError);
 }
 
 TEST(Domain, CanBeOpenedAgainAfterItWasClosed) {
     const TestDomain id;
     { const Domain domain({id.id(), "lo"}); }
     const Domain domain({id.id(), "lo"});
-    EXPECT_NO_THROW(domain.make_participant());
+    EXPECT_NO_THROW((void)domain.make_participant());
 }
 
 }  // namespace
