@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "romano/mqttsn/topic.h"
+
 namespace romano::cluster {
 namespace {
 
@@ -47,9 +49,27 @@ std::vector<MessagePtr> missed_publishes(const broker::SessionImage& image, cons
     return missed;
 }
 
+void leave_out_delivered(std::vector<MessagePtr>& missed, const broker::SessionImage& former) {
+    std::erase_if(missed, [&](const MessagePtr& message) {
+        const LogPosition& position = message->position;
+        if (position.seq > worked_through(former, position.log)) return false;
+        const bool was_queued =
+            std::ranges::any_of(former.subscriptions, [&](const auto& subscription) {
+                return subscription.granted != mqttsn::Qos::at_most_once &&
+                       mqttsn::matches(subscription.filter, message->topic);
+            });
+        const bool still_waits =
+            std::ranges::count(former.deliveries, position, &broker::Delivery::position) > 0;
+        return was_queued && !still_waits;
+    });
+}
+
 bool adopt(Effects& effects, const Logs& logs, broker::SessionImage image) {
     find_missing_messages(image, effects, logs);
-    const auto missed = missed_publishes(image, logs);
+    auto missed = missed_publishes(image, logs);
+    if (const auto own = effects.broker.image(image.header.client_id)) {
+        leave_out_delivered(missed, *own);
+    }
     return effects.broker.adopt(effects.now, std::move(image), missed, effects.clients);
 }
 

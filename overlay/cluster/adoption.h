@@ -21,6 +21,10 @@ struct Logs {
 [[nodiscard]] std::vector<MessagePtr> missed_publishes(const broker::SessionImage& image,
                                                        const Logs& logs);
 
+/// Of `missed`, what a former home of the session, as its own image tells, already delivered: it
+/// worked through it and has it in no queue any more.
+void leave_out_delivered(std::vector<MessagePtr>& missed, const broker::SessionImage& former);
+
 /// False when the own session of that client stays because it outranks the image.
 bool adopt(Effects& effects, const Logs& logs, broker::SessionImage image);
 

@@ -54,9 +54,9 @@ void ClusterCore::on_message(Effects& effects, const Envelope& envelope) {
 void ClusterCore::on_tick(Effects& effects, const std::set<Endpoint>& pending_output) {
     membership_.on_tick(effects.now, effects.peers);
     view_change_.on_tick(effects.now, surroundings(effects), effects.peers);
-    hand_back_.compare(membership_, addresses_);
+    hand_back_.compare(effects.now, membership_, addresses_);
     hand_back_.carry_on(effects, membership_, view(), addresses_, pending_output);
-    settlement_.carry_on(effects, logs(), membership_);
+    settlement_.carry_on(effects, logs(), membership_, hand_back_);
     roaming_.carry_on(effects.now);
     after_input(effects);
     if (effects.now < next_tick_) return;
@@ -123,7 +123,7 @@ void ClusterCore::after_input(Effects& effects) {
 void ClusterCore::on(Effects& effects, BrokerId, const Beacon& beacon) {
     if (!membership_.on_beacon(effects.now, beacon)) return;
     if (membership_.is_alive(beacon.log)) heed(beacon);
-    hand_back_.compare(membership_, addresses_);
+    hand_back_.compare(effects.now, membership_, addresses_);
     if (!listens_only_) view_change_.on_tick(effects.now, surroundings(effects), effects.peers);
 }
 
@@ -465,8 +465,19 @@ void ClusterCore::on(Effects& effects, BrokerId from, const AddressBound& bound)
 
 void ClusterCore::on(Effects& effects, BrokerId from, const SessionHandoff& part) {
     if (!handoffs_.on_handoff(effects, logs(), from, part)) return;
+    if (hand_back_.is_unsettled(part.address)) speak_again(effects, part.address);
     hand_back_.on_handed_over(part.address);
     for (const auto& image : part.sessions) roaming_.on_handed_over(image.header.client_id);
+}
+
+/// What our sessions had to say while the address was silent went nowhere: send it again.
+void ClusterCore::speak_again(Effects& effects, const Endpoint& address) {
+    for (auto& image : effects.broker.images_via(address)) {
+        const bool is_in_flight = std::ranges::any_of(image.deliveries, [](const auto& delivery) {
+            return delivery.stage != broker::DeliveryStage::queued;
+        });
+        if (is_in_flight && !image.header.provisional) adopt(effects, logs(), std::move(image));
+    }
 }
 
 void ClusterCore::on(Effects& effects, BrokerId from, const HandoffAck& ack) {
@@ -478,11 +489,11 @@ void ClusterCore::on(Effects& effects, BrokerId from, const HandoffAck& ack) {
 }
 
 void ClusterCore::on(Effects& effects, BrokerId from, const SessionClaim& claim) {
-    settlement_.on_claim(effects, from, claim);
+    settlement_.on_claim(effects, from, claim, hand_back_);
 }
 
 void ClusterCore::on(Effects& effects, BrokerId from, const SessionRequest& request) {
-    settlement_.on_request(effects, from, request);
+    settlement_.on_request(effects, from, request, hand_back_);
 }
 
 void ClusterCore::check_invariants([[maybe_unused]] const broker::BrokerCore& broker) const {

@@ -130,6 +130,7 @@ private:
     void after_input(Effects& effects);
     void on_view(Effects& effects, const ViewAnnouncement& announcement);
     void send_beacon(Effects& effects);
+    void speak_again(Effects& effects, const Endpoint& address);
     void reset_tables(BrokerId peer, const PeerLog& log);
     /// Tries again for addresses that should be served here and are served by nobody.
     void seek_addresses(Effects& effects);

@@ -14,29 +14,45 @@ constexpr Duration drain_least = std::chrono::milliseconds{2};
 
 // --- the holder's side
 
-std::optional<BrokerId> HandBack::owner_of(const Endpoint& address, const Membership& membership,
-                                           const View& view) const {
-    std::optional<BrokerId> highest;
+std::optional<LogId> HandBack::owner_of(const Endpoint& address, const Membership& membership,
+                                        const View& view) const {
+    std::optional<LogId> highest;
     for (const LogId& member : view.members) {
         if (member.broker == self_ || !membership.is_alive(member)) continue;
         const Peer& peer = *membership.find(member.broker);
-        if (peer.is_home_of(address)) return member.broker;
-        if (peer.is_serving(address) && member.broker > highest.value_or(self_)) {
-            highest = member.broker;
+        if (peer.is_home_of(address)) return member;
+        if (peer.is_serving(address) && member.broker > (highest ? highest->broker : self_)) {
+            highest = member;
         }
     }
     return highest;
 }
 
-void HandBack::compare(const Membership& membership, const ServiceAddresses& addresses) {
+void HandBack::compare(Instant now, const Membership& membership,
+                       const ServiceAddresses& addresses) {
     contested_.clear();
     for (const Endpoint& address : addresses.serving()) {
-        if (addresses.is_home(address)) continue;
+        bool has_rival = false;
         for (const auto& [id, peer] : membership.peers()) {
             if (!membership.is_heard(id) || !peer.is_serving(address)) continue;
-            if (peer.is_home_of(address) || id > self_) contested_.insert(address);
+            if (addresses.is_home(address)) {
+                has_rival = has_rival || (peer.alive && !peer.is_home_of(address));
+            } else if (peer.is_home_of(address) || id > self_) {
+                contested_.insert(address);
+            }
         }
+        if (!has_rival) {
+            rivals_.erase(address);
+            continue;
+        }
+        Rival& rival = rivals_.try_emplace(address, Rival{now, false}).first->second;
+        if (now > rival.since + 4 * patience_) rival.is_settled = true;
     }
+}
+
+bool HandBack::is_unsettled(const Endpoint& address) const {
+    const auto rival = rivals_.find(address);
+    return rival != rivals_.end() && !rival->second.is_settled;
 }
 
 void HandBack::carry_on(Effects& effects, const Membership& membership, const View& view,
@@ -46,11 +62,13 @@ void HandBack::carry_on(Effects& effects, const Membership& membership, const Vi
         const Peer* from = membership.find(entry.second.from);
         return effects.now > entry.second.since + 20 * patience_ || from == nullptr || !from->alive;
     });
-    // A hand-over that gets no answer is called off: the sessions speak from here again.
+    // A hand-over that gets no answer, or whose owner began anew meanwhile, is called off: the
+    // sessions speak from here again.
     std::erase_if(giving_, [&](const auto& entry) {
-        const Peer* owner = membership.find(entry.second.owner);
-        return effects.now > entry.second.since + 10 * patience_ || owner == nullptr ||
-               !owner->alive || !addresses.is_serving(entry.first);
+        const Giving& giving = entry.second;
+        const Duration limit = (giving.stage == Stage::offered ? 3 : 10) * patience_;
+        return effects.now > giving.since + limit || !membership.is_alive(giving.owner) ||
+               !addresses.is_serving(entry.first);
     });
     for (const Endpoint& address : addresses.serving()) {
         if (addresses.is_home(address)) continue;
@@ -71,17 +89,17 @@ void HandBack::begin(Effects& effects, const Endpoint& address, const Membership
                      const View& view) {
     const auto owner = owner_of(address, membership, view);
     if (!owner) return;
-    const bool contested = membership.find(*owner)->is_serving(address);
+    const bool contested = membership.find(owner->broker)->is_serving(address);
     giving_.emplace(address, Giving{.owner = *owner,
                                     .stage = contested ? Stage::draining : Stage::offered,
                                     .since = effects.now,
                                     .contested = contested});
-    if (!contested) effects.peers.push_back({*owner, AddressOffer{address}});
+    if (!contested) effects.peers.push_back({owner->broker, AddressOffer{address}});
 }
 
 void HandBack::on_bound(Instant now, BrokerId from, const AddressBound& bound) {
     const auto found = giving_.find(bound.address);
-    if (found == giving_.end() || found->second.owner != from) return;
+    if (found == giving_.end() || found->second.owner.broker != from) return;
     if (found->second.stage != Stage::offered || !bound.bound) return;  // offered again later
     found->second.stage = Stage::draining;
     found->second.since = now;
@@ -95,13 +113,13 @@ void HandBack::hand_over(Effects& effects, const Endpoint& address, Giving& givi
         giving.handed.push_back(image.header.client_id);
         if (!giving.contested) ++image.header.epoch;
     }
-    send_handoff(giving.owner, address, std::move(images), effects.peers);
+    send_handoff(giving.owner.broker, address, std::move(images), effects.peers);
 }
 
 void HandBack::on_ack(Effects& effects, BrokerId from, const HandoffAck& ack,
                       ServiceAddresses& addresses) {
     const auto found = giving_.find(ack.address);
-    if (found == giving_.end() || found->second.owner != from ||
+    if (found == giving_.end() || found->second.owner.broker != from ||
         found->second.stage != Stage::handed) {
         return;
     }
@@ -113,7 +131,7 @@ void HandBack::on_ack(Effects& effects, BrokerId from, const HandoffAck& ack,
 }
 
 bool HandBack::is_silent(const Endpoint& address) const {
-    if (contested_.contains(address)) return true;
+    if (contested_.contains(address) || is_unsettled(address)) return true;
     const auto found = giving_.find(address);
     return found != giving_.end() && found->second.stage == Stage::handed;
 }
@@ -146,6 +164,7 @@ void HandBack::on_handed_over(const Endpoint& address) {
 void HandBack::restart() {
     contested_.clear();
     giving_.clear();
+    rivals_.clear();
     taking_.clear();
     expected_.clear();
 }

@@ -11,10 +11,10 @@
 //       |  forgets the sessions, unbinds       |
 //
 // After a heal two brokers may serve an address: it belongs to the one whose home address it is,
-// else to the one with the higher id. The other one falls silent as soon as it hears of that, and
-// begins at "takes images" when they are in one view; which copy of a session stays is settled by
-// their ranks (broker::outranks). A hand-over that both agreed on counts like being heard: it
-// raises the epoch, so that the holder's copy never wins again.
+// else to the one with the higher id. Both fall silent as soon as they hear of each other, and the
+// other one begins at "takes images" when they are in one view; which copy of a session stays is
+// settled by their ranks (broker::outranks). A hand-over that both agreed on counts like being
+// heard: it raises the epoch, so that the holder's copy never wins again.
 #pragma once
 
 #include <map>
@@ -41,7 +41,7 @@ public:
     void on_ack(Effects& effects, BrokerId from, const HandoffAck& ack,
                 ServiceAddresses& addresses);
     /// Looks who else serves our addresses.
-    void compare(const Membership& membership, const ServiceAddresses& addresses);
+    void compare(Instant now, const Membership& membership, const ServiceAddresses& addresses);
     /// The address's sessions are on their way, or it belongs to another broker that serves it:
     /// nothing is said or heard for them here.
     [[nodiscard]] bool is_silent(const Endpoint& address) const;
@@ -53,9 +53,11 @@ public:
     /// The sessions of an own address are somewhere else and will come from there.
     void expect(Instant now, const Endpoint& address, BrokerId from);
     void on_handed_over(const Endpoint& address);
+    /// Another broker served our address as well, and has not handed its sessions over yet.
+    [[nodiscard]] bool is_unsettled(const Endpoint& address) const;
     /// Datagrams to the address shall wait.
     [[nodiscard]] bool is_expecting(const Endpoint& address) const {
-        return expected_.contains(address);
+        return expected_.contains(address) || is_unsettled(address);
     }
 
     void restart();
@@ -63,7 +65,7 @@ public:
 private:
     enum class Stage : std::uint8_t { offered, draining, handed };
     struct Giving {
-        BrokerId owner;
+        LogId owner;
         Stage stage;
         Instant since;
         bool contested;  // the owner serves it as well
@@ -77,14 +79,19 @@ private:
     void begin(Effects& effects, const Endpoint& address, const Membership& membership,
                const View& view);
     void hand_over(Effects& effects, const Endpoint& address, Giving& giving);
-    [[nodiscard]] std::optional<BrokerId> owner_of(const Endpoint& address,
-                                                   const Membership& membership,
-                                                   const View& view) const;
+    [[nodiscard]] std::optional<LogId> owner_of(const Endpoint& address,
+                                                const Membership& membership,
+                                                const View& view) const;
 
     BrokerId self_;
     Duration patience_;
     std::set<Endpoint> contested_;  // served by another broker, to whom they belong
     std::map<Endpoint, Giving> giving_;
+    struct Rival {
+        Instant since;
+        bool is_settled;  // handed over, or waited for in vain
+    };
+    std::map<Endpoint, Rival> rivals_;      // of own addresses, that others serve as well
     std::map<Endpoint, Getting> taking_;    // offered to us, being bound
     std::map<Endpoint, Getting> expected_;  // bound, the sessions not here yet
 };

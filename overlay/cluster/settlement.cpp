@@ -23,7 +23,8 @@ void Settlement::compare(const Effects& effects, const PeerLogs& logs, const Vie
     }
 }
 
-void Settlement::carry_on(Effects& effects, const Logs& logs, const Membership& membership) {
+void Settlement::carry_on(Effects& effects, const Logs& logs, const Membership& membership,
+                          const HandBack& moving) {
     std::erase_if(leaving_, [&](const auto& entry) {
         const Leaving& leaving = entry.second;
         const Peer* peer = membership.find(leaving.to);
@@ -42,15 +43,17 @@ void Settlement::carry_on(Effects& effects, const Logs& logs, const Membership& 
         });
         const auto image = effects.broker.image(client);
         if (!held_there || !image) return true;
+        if (moving.is_silent(image->header.via)) return false;
         effects.peers.push_back({peer, SessionClaim{image->header}});
         return false;
     });
 }
 
-void Settlement::on_claim(Effects& effects, BrokerId from, const SessionClaim& claim) {
+void Settlement::on_claim(Effects& effects, BrokerId from, const SessionClaim& claim,
+                          const HandBack& moving) {
     const broker::ClientId& client = claim.header.client_id;
     auto own = effects.broker.image(client);
-    if (!own) return;
+    if (!own || moving.is_silent(own->header.via)) return;
     const bool stays = broker::outranks(own->header, claim.header) ||
                        (!broker::outranks(claim.header, own->header) && self_ > from);
     if (stays) {
@@ -60,9 +63,10 @@ void Settlement::on_claim(Effects& effects, BrokerId from, const SessionClaim& c
     give_way(effects, from, *std::move(own));
 }
 
-void Settlement::on_request(Effects& effects, BrokerId from, const SessionRequest& request) {
+void Settlement::on_request(Effects& effects, BrokerId from, const SessionRequest& request,
+                            const HandBack& moving) {
     auto own = effects.broker.image(request.client_id);
-    if (!own) return;
+    if (!own || moving.is_silent(own->header.via)) return;
     ++own->header.epoch;  // both agreed: as good as being heard there
     give_way(effects, from, *std::move(own));
 }

@@ -13,6 +13,7 @@
 
 #include "overlay/cluster/adoption.h"
 #include "overlay/cluster/effects.h"
+#include "overlay/cluster/hand_back.h"
 #include "overlay/cluster/membership.h"
 #include "overlay/cluster/peer_log.h"
 
@@ -28,10 +29,14 @@ public:
     void compare(const Effects& effects, const PeerLogs& logs, const View& view);
 
     /// Claims what both hold, from time to time.
-    void carry_on(Effects& effects, const Logs& logs, const Membership& membership);
-    void on_claim(Effects& effects, BrokerId from, const SessionClaim& claim);
+    /// Sessions of an address that is on its way (`moving`) are settled by the address's owner.
+    void carry_on(Effects& effects, const Logs& logs, const Membership& membership,
+                  const HandBack& moving);
+    void on_claim(Effects& effects, BrokerId from, const SessionClaim& claim,
+                  const HandBack& moving);
     /// The client came to another broker: hand its session over.
-    void on_request(Effects& effects, BrokerId from, const SessionRequest& request);
+    void on_request(Effects& effects, BrokerId from, const SessionRequest& request,
+                    const HandBack& moving);
     void on_ack(BrokerId from, const HandoffAck& ack);
     [[nodiscard]] bool is_settled() const { return conflicts_.empty(); }
     void restart();

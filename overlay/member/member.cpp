@@ -79,6 +79,7 @@ private:
     HeldOutput held_;
     WaitingInput waiting_;
 
+    bool has_left_ = false;
     std::optional<Instant> stalled_until_;  // peers are listened to until then
 
     Instant next_status_ = Instant::min();
@@ -98,6 +99,7 @@ broker::BrokerOptions Member::State::broker_options() const {
 
 void Member::State::on_datagram(Instant now, const Endpoint& via, const Endpoint& from,
                                 Bytes datagram, MemberActions& out) {
+    if (has_left_) return;
     notice_stall(now);
     if (cluster_.is_silent(via)) return;  // its sessions are with another broker by now
     Effects acting = effects(now, out);
@@ -110,6 +112,7 @@ void Member::State::on_datagram(Instant now, const Endpoint& via, const Endpoint
 }
 
 void Member::State::on_peer_message(Instant now, const Envelope& envelope, MemberActions& out) {
+    if (has_left_) return;
     notice_stall(now);
     Effects acting = effects(now, out);
     cluster_.on_message(acting, envelope);
@@ -125,6 +128,7 @@ void Member::State::on_address(Instant now, const Endpoint& address, bool served
 }
 
 void Member::State::on_tick(Instant now, MemberActions& out) {
+    if (has_left_) return;
     notice_stall(now);
     if (stalled_until_) {
         if (now < *stalled_until_) return;
@@ -140,6 +144,7 @@ void Member::State::on_tick(Instant now, MemberActions& out) {
 }
 
 Instant Member::State::next_wakeup() const {
+    if (has_left_) return never;
     if (stalled_until_) return *stalled_until_;
     return std::min(broker_.next_wakeup(), cluster_.next_wakeup());
 }
@@ -148,6 +153,7 @@ void Member::State::leave(Instant now, MemberActions& out) {
     Effects acting = effects(now, out);
     cluster_.leave(acting);
     carry_out(now, out);
+    has_left_ = true;  // whatever it said now would call it back
 }
 
 // --- after a stall

@@ -64,7 +64,7 @@ public:
     /// What the transport has carried so far: told to people in $SYS/brokers/<name>.
     void on_transport_octets(std::uint64_t sent, std::uint64_t received);
 
-    /// An orderly stop: the last beacon; the peers take over at once.
+    /// An orderly stop: the last beacon; the peers take over at once. Nothing is done after it.
     void leave(Instant now, MemberActions& out);
 
     /// The own log as it is now: a member that was replaced while it stood still begins a new one.

@@ -20,8 +20,8 @@ std::optional<cluster::ClusterMessage> decode(const proto::ClusterMessage& messa
     return codec.decode(as_octets(message.SerializeAsString()));
 }
 
-// Whoever adds a field adds it to the .proto file, to its conversions and to random_message.cpp, and
-// then here.
+// Whoever adds a field adds it to the .proto file, to its conversions and to random_message.cpp,
+// and then here.
 static_assert(field_count<Endpoint>() == 4);
 static_assert(field_count<broker::Message>() == 6);
 static_assert(field_count<broker::SessionHeader>() == 10);

@@ -439,6 +439,31 @@ TEST(Member, P2_ClientsThatGoWithTheirAddressGetWhatBothSidesPublished) {
     EXPECT_THAT(brokers.sessions_at(1), UnorderedElementsAre("far", "left"));
 }
 
+TEST(Member, P4_AClientThatBothSidesHeardKeepsOneSessionAfterTheHeal) {
+    // It stands beside 2 and goes there in the partition: 2's copy is newer, and its address 1's.
+    Brokers brokers;
+    start(brokers, {1, 2});
+    Robot& robot = brokers.robot("robot", 2);
+    robot.move_to(broker_address(1));
+    robot.connect();
+    robot.subscribe("pose", Qos::exactly_once);
+    brokers.run_for(200ms);
+    brokers.cut(1, 2);
+    brokers.run_for(settling);
+    robot.publish("pose", "1", Qos::exactly_once);
+    brokers.run_for(300ms);
+    brokers.heal();
+    for (const auto& text : numbers(2, 20)) {
+        robot.publish("pose", text, Qos::exactly_once);
+        brokers.run_for(30ms);
+    }
+    brokers.run_for(2s);
+    EXPECT_EQ(robot.received(), numbers(1, 20));
+    EXPECT_THAT(brokers.sessions_at(1), ElementsAre("robot"));
+    EXPECT_THAT(brokers.sessions_at(2), IsEmpty());
+    expect_unnoticed(robot);
+}
+
 TEST(Member, ADeadPeerBlocksNobodyLongerThanOneDetectionTime) {
     Brokers brokers;
     start(brokers, {1, 2});
