@@ -149,6 +149,7 @@ std::optional<Figure> around_a_fault_figure(Configurations all, double fault_aft
                     .series = {},
                     .log_y = true,
                     .ticks_at_points = false,
+                    .y_from = 0.01,
                     .marked_x = fault_after_s,
                     .marked_label = std::string{name_of(shown->cell.fault)}};
     for (int qos = 0; qos <= 2; ++qos) {

@@ -145,7 +145,8 @@ std::string gnuplot_script(const Plot& plot) {
         << "set encoding utf8\nset border 3 lc rgb '#666666'\nset tics nomirror out\n"
         << "set grid ytics lc rgb '#dddddd' lt 1 lw 0.6\nset style data points\n"
         << "set key outside bottom center horizontal reverse Left samplen 1 spacing 1.15\n"
-        << "set offsets graph 0, graph 0, graph 0.06, graph 0.02\nset errorbars 0.6\n";
+        << "set bmargin 5.5\nset offsets graph 0, graph 0, graph 0.06, graph 0.02\nset errorbars "
+           "0.6\n";
     for (std::size_t i = 0; i < plot.panels.size(); ++i) write_blocks(plot.panels[i], i, out);
     if (plot.panels.size() > 1) {
         out << "set multiplot layout 1," << plot.panels.size() << "\n";

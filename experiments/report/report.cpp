@@ -105,6 +105,15 @@ std::string failures_of(std::span<const RunRow> rows) {
     return html.empty() ? html : "<h2>Runs that failed</h2>\n<ul>\n" + html + "</ul>\n";
 }
 
+/// Beyond a few milliseconds the machine was too busy for its numbers to mean much.
+std::string worst_lag_of(std::span<const RunRow> rows) {
+    std::vector<double> lags;
+    for (const RunRow& row : rows) {
+        if (row.publish_lag_max_ms) lags.push_back(*row.publish_lag_max_ms);
+    }
+    return number_text(Percentiles{std::move(lags)}.max(), 1) + " ms behind schedule";
+}
+
 std::string setting(const char* name, const std::string& value) {
     return std::string{"<dt>"} + name + "</dt><dd>" + html_text(value) + "</dd>\n";
 }
@@ -151,6 +160,8 @@ std::string report_of(const Sweep& sweep, const Manifest& manifest, std::span<co
     html << "<h2>Machine and build</h2>\n<dl>\n"
          << setting("CPU", machine.cpu) << setting("Cores", std::to_string(machine.cores))
          << setting("Memory", number_text(Measured{machine.memory_gib}, 1) + " GiB")
+         << setting("Load average before", number_text(Measured{machine.load_average}, 2))
+         << setting("Load generator's worst delay", worst_lag_of(rows))
          << setting("System", machine.system + ", " + machine.kernel)
          << setting("Commit", std::string{manifest.build.commit})
          << setting("Compiler",

@@ -61,7 +61,9 @@ std::vector<const TrafficTopic*> Traffic::published_by(RobotNumber client) const
 
 Traffic::Step Traffic::step(RobotNumber publisher, std::uint32_t sequence) const {
     assert(publishes(publisher));
-    const std::uint8_t qos = qos_.level(sequence);
+    // Every publisher begins at another place, or all would send the same level at the same time.
+    const std::uint32_t turn = sequence + publisher;
+    const std::uint8_t qos = qos_.level(turn);
     switch (pattern_) {
         case Pattern::common:
             return {topics_.front(), qos};
@@ -71,7 +73,7 @@ Traffic::Step Traffic::step(RobotNumber publisher, std::uint32_t sequence) const
             break;
     }
     // The stream changes after a whole round of levels, so that each stream has all levels.
-    const bool to_group = (sequence / qos_.size()) % 2 == 1;
+    const bool to_group = (turn / qos_.size()) % 2 == 1;
     return {topics_[to_group ? robots_ + publisher / group_ : publisher], qos};
 }
 

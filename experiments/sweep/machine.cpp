@@ -3,6 +3,7 @@
 #include <sys/sysinfo.h>
 #include <sys/utsname.h>
 
+#include <cstdlib>
 #include <fstream>
 #include <string_view>
 #include <thread>
@@ -37,6 +38,7 @@ Machine this_machine() {
         machine.memory_gib =
             static_cast<double>(memory.totalram) * memory.mem_unit / (1024.0 * 1024 * 1024);
     }
+    if (::getloadavg(&machine.load_average, 1) < 1) machine.load_average = 0;
     utsname kernel{};
     if (::uname(&kernel) == 0) {
         machine.kernel = std::string{kernel.sysname} + " " + kernel.release + " " + kernel.machine;

@@ -10,7 +10,8 @@ struct Machine {
     unsigned cores = 0;  // that this process may use
     double memory_gib = 0;
     std::string kernel;
-    std::string system;  // the distribution's own name
+    std::string system;       // the distribution's own name
+    double load_average = 0;  // of the last minute: what else it had to do
 };
 
 [[nodiscard]] Machine this_machine();

@@ -26,6 +26,7 @@ std::string to_json(const Manifest& manifest, const Sweep& sweep) {
          {{"cpu", manifest.machine.cpu},
           {"cores", manifest.machine.cores},
           {"memory_gib", manifest.machine.memory_gib},
+          {"load_average_1_min", manifest.machine.load_average},
           {"kernel", manifest.machine.kernel},
           {"system", manifest.machine.system}}},
         {"sweep_file", manifest.sweep_file},

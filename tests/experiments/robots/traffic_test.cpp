@@ -18,7 +18,7 @@ TEST(SwarmTraffic, GoesToOneOtherRobotAndToTheOwnGroup) {
     std::set<std::string> topics;
     for (std::uint32_t i = 0; i < 12; ++i) topics.insert(traffic.step(3, i).topic.name);
     EXPECT_THAT(topics, ElementsAre("groups/0", "robots/3"));
-    EXPECT_THAT(traffic.step(3, 0).topic.subscribers, ElementsAre(4u));
+    EXPECT_THAT(traffic.step(3, 3).topic.subscribers, ElementsAre(4u));
     EXPECT_THAT(traffic.step(6, 0).topic.subscribers, ElementsAre(0u));
     EXPECT_THAT(traffic.step(6, 3).topic.subscribers, ElementsAre(5u, 6u));
 }
@@ -33,6 +33,11 @@ TEST(SwarmTraffic, HasEveryLevelOfQosInEachStream) {
         }
         EXPECT_EQ(seen.size(), 2 * mix.size());
     }
+}
+
+TEST(SwarmTraffic, OfTwoPublishersIsNotInStep) {
+    const Traffic traffic{Pattern::swarm, 4, 2, all_levels};
+    EXPECT_NE(traffic.step(0, 0).qos, traffic.step(1, 0).qos);
 }
 
 TEST(SwarmTraffic, IsHeardAndPublishedByEveryRobot) {
