@@ -42,8 +42,7 @@ std::size_t size_of_all(const Items& items) {
 
 template <typename Items>
 void move_behind(Items& to, Items& from) {
-    to.insert(to.end(), std::make_move_iterator(from.begin()),
-              std::make_move_iterator(from.end()));
+    to.insert(to.end(), std::make_move_iterator(from.begin()), std::make_move_iterator(from.end()));
 }
 
 // One overload a kind that can be joined: true when `late` now stands in `early`.

@@ -14,7 +14,9 @@ struct AnyField {
 
 template <typename T, std::size_t... I>
 consteval bool takes(std::index_sequence<I...>) {
-    return requires { T{(static_cast<void>(I), AnyField{})...}; };
+    return requires {
+        T{(static_cast<void>(I), AnyField{})...};
+    };
 }
 
 template <typename T, std::size_t Count = 0>
