@@ -4,6 +4,7 @@
 //     build/release/bin/romano_core_bench
 
 #include <benchmark/benchmark.h>
+#include <malloc.h>
 
 #include <chrono>
 #include <cstdint>
@@ -200,6 +201,24 @@ void pingreq_of_20000_sessions(benchmark::State& state) {
     state.SetItemsProcessed(state.iterations());
 }
 BENCHMARK(pingreq_of_20000_sessions);
+
+/// Heap of a session that has connected, registered a topic and subscribed to two.
+void quiet_session_memory(benchmark::State& state) {
+    constexpr std::uint32_t sessions = 20'000;
+    for (auto _ : state) {
+        const auto before = mallinfo2().uordblks;
+        Bench bench;
+        for (std::uint32_t i = 0; i < sessions; ++i) {
+            bench.connects(i);
+            bench.registers(i, "robot/" + std::to_string(i) + "/pose");
+            bench.subscribes(i, "robot/" + std::to_string(i) + "/command", Qos::at_least_once);
+            bench.subscribes(i, "common", Qos::at_least_once);
+        }
+        state.counters["octets_a_session"] =
+            static_cast<double>(mallinfo2().uordblks - before) / sessions;
+    }
+}
+BENCHMARK(quiet_session_memory)->Unit(benchmark::kMillisecond)->Iterations(1);
 
 }  // namespace
 

@@ -39,35 +39,36 @@ struct Exchange {
     [[nodiscard]] bool is_open() const { return kind != Kind::none; }
 };
 
-struct Session {
+/// What every datagram touches stands first and close together: among thousands of sessions each
+/// line of memory costs more than the work on it.
+struct alignas(64) Session {
     explicit Session(SessionNumber own_number) : number(own_number) {}
 
-    const SessionNumber number;
     SessionHeader header;  // client_id never changes: tables refer to it
-    std::optional<Will> will;
-    std::vector<Subscription> subscriptions;
-    TopicRegistry topics;
-    DeliveryQueue queue;
-    std::vector<mqttsn::MsgId> unreleased;
-    /// From an adopted image that was ahead of this broker: its part of these logs is done.
-    std::vector<LogPosition> worked_ahead;
 
-    Exchange exchange;
-    std::uint16_t last_msg_id = 0;  // of the broker's requests to this client
-    Seq output_floor = 0;           // no datagram to the client leaves before this is safe
-
-    Instant heard_at{};           // restarts keep-alive and the sleep timer
-    Instant probe_at = never;     // the next PINGREQ of ours (G6)
-    Instant departed_at = never;  // when it became disconnected or lost
-    Instant paused_until{};       // after "congestion" in a REGACK (G16)
-
+    const SessionNumber number;
     bool reachable = false;         // its address is in the table and leads here
     bool fresh = false;             // nothing came since its CONNACK
     bool fresh_will = false;        // and that CONNACK ended the will prompts
     bool ignores_register = false;  // G14
+    std::uint16_t last_msg_id = 0;  // of the broker's requests to this client
 
-    std::uint64_t matched_in = 0;  // the fan-out that visited it last, and where it stands in it
-    std::uint32_t matched_at = 0;
+    std::uint32_t matched_at = 0;  // where it stands in the fan-out that visited it last,
+    std::uint64_t matched_in = 0;  // and which one that was
+    Instant heard_at{};            // restarts keep-alive and the sleep timer
+    Instant probe_at = never;      // the next PINGREQ of ours (G6)
+    Seq output_floor = 0;          // no datagram to the client leaves before this is safe
+    Exchange exchange;
+    /// From an adopted image that was ahead of this broker: its part of these logs is done.
+    std::vector<LogPosition> worked_ahead;
+    DeliveryQueue queue;
+    TopicRegistry topics;
+
+    std::vector<Subscription> subscriptions;
+    std::vector<mqttsn::MsgId> unreleased;
+    std::optional<Will> will;
+    Instant departed_at = never;  // when it became disconnected or lost
+    Instant paused_until{};       // after "congestion" in a REGACK (G16)
 
     [[nodiscard]] bool is_connected() const {
         return header.state == SessionState::active || header.state == SessionState::asleep ||

@@ -35,24 +35,25 @@ Session* SessionTable::find(std::string_view client_id) const {
 }
 
 Session* SessionTable::find(const ClientAddress& address) const {
-    const auto found = by_address_.find(address);
-    return found == by_address_.end() ? nullptr : found->second;
+    return by_address_.find(ClientAddressHash{}(address), [&](const Session& session) {
+        return session.header.address == address;
+    });
 }
 
 Session* SessionTable::map(Session& session, const ClientAddress& address) {
     if (session.reachable && session.header.address == address) return nullptr;
     unmap(session);
-    const auto [place, is_new] = by_address_.try_emplace(address, &session);
-    Session* previous = is_new ? nullptr : std::exchange(place->second, &session);
-    if (previous != nullptr) previous->reachable = false;
+    Session* previous = find(address);
+    if (previous != nullptr) unmap(*previous);
     session.header.address = address;
+    by_address_.insert(ClientAddressHash{}(address), &session);
     session.reachable = true;
     return previous;
 }
 
 void SessionTable::unmap(Session& session) {
     if (!session.reachable) return;
-    by_address_.erase(session.header.address);
+    by_address_.erase(ClientAddressHash{}(session.header.address), &session);
     session.reachable = false;
 }
 

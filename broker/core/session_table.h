@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "broker/core/pointer_table.h"
 #include "broker/core/session.h"
 
 namespace romano::broker {
@@ -54,7 +55,7 @@ private:
     std::vector<std::unique_ptr<Session>> slots_;
     std::vector<SessionNumber> free_;
     std::unordered_map<std::string_view, Session*> by_id_;  // views of the headers' client ids
-    std::unordered_map<ClientAddress, Session*, ClientAddressHash> by_address_;
+    PointerTable<Session> by_address_;
     std::set<std::pair<Instant, SessionNumber>> departed_;
 };
 

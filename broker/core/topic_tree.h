@@ -16,6 +16,8 @@
 #include <utility>
 #include <vector>
 
+#include "broker/core/pointer_table.h"
+
 namespace romano::broker {
 
 /// For a tree whose subscribers have nothing to remember about their subscription.
@@ -40,9 +42,9 @@ public:
     /// False when there was no such subscription.
     bool remove(std::string_view filter, const Subscriber& subscriber) {
         if (is_plain(filter)) {
-            const auto found = plain_.find(filter);
-            if (found == plain_.end() || !erase_from(found->second, subscriber)) return false;
-            if (found->second.empty()) plain_.erase(found);
+            Plain* plain = find_plain(filter);
+            if (plain == nullptr || !erase_from(plain->entries, subscriber)) return false;
+            if (plain->entries.empty()) forget(*plain);
             return true;
         }
         return remove_below(root_, filter, subscriber);
@@ -52,8 +54,7 @@ public:
     [[nodiscard]] Grant* find(std::string_view filter, const Subscriber& subscriber) {
         Entries* entries = nullptr;
         if (is_plain(filter)) {
-            const auto found = plain_.find(filter);
-            if (found != plain_.end()) entries = &found->second;
+            if (Plain* plain = find_plain(filter)) entries = &plain->entries;
         } else if (Level* level = find_level(filter)) {
             entries = ends_open(filter) ? &level->open : &level->here;
         }
@@ -66,9 +67,7 @@ public:
     /// overlapping filters is visited more than once.
     template <typename Visitor>
     void match(std::string_view name, Visitor&& visit) const {
-        if (const auto found = plain_.find(name); found != plain_.end()) {
-            visit_all(found->second, visit);
-        }
+        if (const Plain* plain = find_plain(name)) visit_all(plain->entries, visit);
         if (root_.is_bare()) return;
         const bool hidden = name.starts_with('$');  // from filters that begin with a wildcard
         match_below(root_, name, hidden, visit);
@@ -90,6 +89,13 @@ private:
         [[no_unique_address]] Grant grant;
     };
     using Entries = std::vector<Entry>;  // sorted by subscriber
+
+    /// A filter without wildcards.
+    struct Plain {
+        Entries entries;
+        std::string filter;
+        std::size_t place;  // in plains_
+    };
 
     struct TextHash {
         using is_transparent = void;
@@ -142,10 +148,24 @@ private:
         return true;
     }
 
+    Plain* find_plain(std::string_view filter) const {
+        return plain_.find(TextHash{}(filter),
+                           [filter](const Plain& plain) { return plain.filter == filter; });
+    }
+
     Entries& plain_entries(std::string_view filter) {
-        const auto found = plain_.find(filter);
-        return found != plain_.end() ? found->second
-                                     : plain_.emplace(filter, Entries{}).first->second;
+        if (Plain* plain = find_plain(filter)) return plain->entries;
+        plains_.push_back(std::make_unique<Plain>(Plain{{}, std::string{filter}, plains_.size()}));
+        plain_.insert(TextHash{}(filter), plains_.back().get());
+        return plains_.back()->entries;
+    }
+
+    void forget(Plain& plain) {
+        plain_.erase(TextHash{}(plain.filter), &plain);
+        const std::size_t place = plain.place;
+        std::swap(plains_[place], plains_.back());
+        plains_[place]->place = place;
+        plains_.pop_back();
     }
 
     Entries& tree_entries(std::string_view filter) {
@@ -223,7 +243,8 @@ private:
         if (level.any != nullptr && !hidden) descend(*level.any);
     }
 
-    std::unordered_map<std::string, Entries, TextHash, std::equal_to<>> plain_;
+    std::vector<std::unique_ptr<Plain>> plains_;
+    PointerTable<Plain> plain_;  // by filter
     Level root_;
     std::size_t size_ = 0;
 };
