@@ -31,11 +31,15 @@ void ClientNetwork::send(Node sender, const Endpoint& from, const Endpoint& to, 
     trace_.note(events_.now(), from, dropped ? "-x" : "->", to, datagram);
     if (dropped) return;
     const int copies = random_.happens(quality_.duplication_ppm) ? 2 : 1;
-    events_.after(quality_.delay(random_),
-                  [this, sender, from, to, copies,
-                   octets = std::vector<std::uint8_t>(datagram.begin(), datagram.end())] {
-                      for (int i = 0; i < copies; ++i) arrive(sender, from, to, octets);
-                  });
+    Instant arrival = events_.now() + quality_.delay(random_);
+    if (!quality_.overtaking) {
+        Instant& last = last_arrival_[{from, to}];
+        arrival = last = std::max(last, arrival);
+    }
+    events_.at(arrival, [this, sender, from, to, copies,
+                         octets = std::vector<std::uint8_t>(datagram.begin(), datagram.end())] {
+        for (int i = 0; i < copies; ++i) arrive(sender, from, to, octets);
+    });
 }
 
 void ClientNetwork::arrive(Node sender, const Endpoint& from, const Endpoint& to, Bytes datagram) {

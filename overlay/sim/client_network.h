@@ -1,6 +1,8 @@
 // UDP between robots and service addresses: datagrams are lost, delayed, doubled and overtaken.
 //
-// A copy comes right behind its original, as radios make them. One that came behind the next step
+// Overtaking is a link's option: between two hosts of one radio cell there is none, and a PUBREL
+// that overtakes the PUBLISH which a new home repeats at once is a new message to any receiver. A
+// copy comes right behind its original, as radios make them. One that came behind the next step
 // of its exchange would be a new QoS 2 message to any receiver, because PUBREL frees the message id
 // (MQTT-SN 1.2 section 6.6): no broker and no client can keep P3 on such a network.
 //
@@ -12,6 +14,7 @@
 #include <cstdint>
 #include <functional>
 #include <map>
+#include <utility>
 #include <vector>
 
 #include "overlay/sim/event_queue.h"
@@ -61,6 +64,7 @@ private:
     Filter filter_;
     std::uint64_t last_binding_ = 0;
     std::map<Endpoint, std::vector<Bound>> bound_;  // oldest first
+    std::map<std::pair<Endpoint, Endpoint>, Instant> last_arrival_;
 };
 
 }  // namespace romano::sim

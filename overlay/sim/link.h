@@ -18,7 +18,8 @@ enum class Node : std::uint32_t {};
 
 struct LinkQuality {
     Duration delay_min{std::chrono::microseconds{50}};
-    Duration delay_max{std::chrono::microseconds{300}};  // above delay_min: things overtake
+    Duration delay_max{std::chrono::microseconds{300}};
+    bool overtaking = false;  // a datagram may come before one that was sent earlier
     std::uint32_t loss_ppm = 0;
     std::uint32_t duplication_ppm = 0;
 

@@ -140,6 +140,7 @@ void RandomFaults::spoil_links() {
     clients.loss_ppm = random_.below(200'000);
     clients.duplication_ppm = random_.below(50'000);
     clients.delay_max += random_.between(0ms, 20ms);
+    clients.overtaking = options_.kinds == std::vector{Fault::bad_links};
     LinkQuality peers = good_peers_;
     peers.loss_ppm = random_.below(100'000);
     peers.delay_max += random_.between(0ms, 5ms);
