@@ -84,7 +84,9 @@ std::vector<Assignment> assign(const Answers& answers, const std::map<LogId, Seq
     auto load = loads(answers, membership);
     std::map<Endpoint, BrokerId> chosen;  // one heir an address, however many logs named it
     std::vector<Assignment> assignments;
-    for (const auto& [log, address] : left) {
+    for (const auto& log_and_address : left) {
+        const LogId& log = log_and_address.first;
+        const Endpoint& address = log_and_address.second;
         const auto end = ends.find(log);
         if (end == ends.end()) continue;
         std::optional<BrokerId> heir = present_server(answers, membership, address);
@@ -108,7 +110,9 @@ std::vector<Assignment> assign(const Answers& answers, const std::map<LogId, Seq
 std::vector<std::pair<BrokerId, TailRequest>> missing_tails(const Answers& answers,
                                                             const std::map<LogId, Seq>& ends) {
     std::vector<std::pair<BrokerId, TailRequest>> requests;
-    for (const auto& [log, end] : ends) {
+    for (const auto& log_and_end : ends) {
+        const LogId& log = log_and_end.first;
+        const Seq end = log_and_end.second;
         const auto best = std::ranges::find_if(
             answers.holdings, [&](const auto& entry) { return held_of(entry.second, log) == end; });
         for (const auto& [member, holdings] : answers.holdings) {

@@ -36,8 +36,7 @@ std::vector<BrokerId> Interest::interested_in(std::string_view topic) const {
     std::vector<BrokerId> peers;
     tree_.match(topic, [&peers](BrokerId peer, std::uint32_t) { peers.push_back(peer); });
     std::ranges::sort(peers);
-    const auto repeated = std::ranges::unique(peers);
-    peers.erase(repeated.begin(), repeated.end());
+    peers.erase(std::unique(peers.begin(), peers.end()), peers.end());
     return peers;
 }
 

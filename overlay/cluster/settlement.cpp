@@ -36,7 +36,8 @@ void Settlement::carry_on(Effects& effects, const Logs& logs, const Membership& 
     if (effects.now < next_claims_) return;
     next_claims_ = effects.now + patience_;
     std::erase_if(conflicts_, [&](const auto& conflict) {
-        const auto& [client, peer] = conflict;
+        const broker::ClientId& client = conflict.first;
+        const BrokerId peer = conflict.second;
         const bool held_there = std::ranges::any_of(logs.peers, [&](const auto& entry) {
             return entry.first.broker == peer && !entry.second.is_frozen() &&
                    entry.second.mirror().contains(client);

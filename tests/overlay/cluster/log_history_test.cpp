@@ -49,7 +49,8 @@ TEST(LogHistory, EventsAndPublishesAreForgottenApart) {
 TEST(LogHistory, P2_PublishesStayForAWhileAfterAllCursorsPassedThem) {
     LogHistory history = history_of(10, 100);
     const Duration step = LogHistory::kept_on / 4;
-    for (int i = 0; i < 4; ++i) history.forget_publishes(Instant{} + i * step, 3 + i);
+    for (int i = 0; i < 4; ++i)
+        history.forget_publishes(Instant{} + i * step, static_cast<Seq>(3 + i));
     EXPECT_EQ(history.publishes_kept(), 10U);
     history.forget_publishes(Instant{LogHistory::kept_on}, 10);
     EXPECT_EQ(history.publishes_kept(), 7U);
@@ -65,7 +66,7 @@ TEST(LogHistory, OnlyPublishesAreKeptAsPublishes) {
 
 TEST(LogHistory, GoesOnAfterASnapshot) {
     LogHistory history(100);
-    const auto kept = std::get<broker::Published>(published(log, 7)).message;
+    const auto kept = std::get<broker::Published>(published(log, Seq{7})).message;
     history.restart(9, {kept});
     EXPECT_EQ(history.last(), 9U);
     EXPECT_TRUE(history.reaches_back_to(9));
