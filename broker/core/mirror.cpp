@@ -15,7 +15,7 @@ std::vector<Delivery>::iterator delivery_at(SessionImage& image, const LogPositi
 
 }  // namespace
 
-Mirror::Mirror(LogPosition as_of, std::vector<SessionImage> sessions,
+Mirror::Mirror(LogPosition as_of, const std::vector<SessionImage>& sessions,
                std::span<const LogPosition> cursors)
     : log_(as_of.log), applied_(as_of.seq) {
     for (const SessionImage& image : sessions) put(image);

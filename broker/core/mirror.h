@@ -25,7 +25,7 @@ public:
     explicit Mirror(LogId log) : log_(log) {}
 
     /// Of this log from a snapshot on: its home's state as of `as_of.seq`.
-    Mirror(LogPosition as_of, std::vector<SessionImage> sessions,
+    Mirror(LogPosition as_of, const std::vector<SessionImage>& sessions,
            std::span<const LogPosition> cursors);
 
     /// The event after the last one; `seq` says which, and must be applied() + 1.
