@@ -36,7 +36,7 @@ struct SweepSettings {
     std::chrono::duration<double> duration{10};      // of the load
     std::chrono::duration<double> fault_after{4};    // from the start of the load
     std::chrono::duration<double> pause{2};          // SIGSTOP to SIGCONT
-    std::chrono::duration<double> drain{5};          // at most, for the last deliveries
+    std::chrono::duration<double> drain{15};         // at most, for the last deliveries
     std::chrono::duration<double> start_within{15};  // for all brokers to be in one view
     std::chrono::duration<double> retry{1};          // the robots' Tretry
     std::uint32_t group = 5;                         // robots that share a group topic

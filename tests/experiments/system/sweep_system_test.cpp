@@ -25,7 +25,7 @@ protected:
 
     void write_sweep(const std::string& axes) const {
         std::ofstream(folder_ / "small.toml")
-            << "duration = 1.5\nfault_after = 0.5\nretry = 0.3\nport = " << own_port()
+            << "duration = 2\nfault_after = 0.5\nretry = 0.3\nport = " << own_port()
             << "\nstart_within = 60\ndrain = 20\ndomain_base = " << 40 + ::getpid() % 40
             << "\noutput = \"" << (folder_ / "out").string() << "\"\n"
             << axes;
@@ -65,6 +65,29 @@ TEST_F(SmallSweep, OfOneBrokerDeliversEverything) {
     EXPECT_THAT(read("report.html"), HasSubstr("<svg"));
     EXPECT_THAT(read("manifest.json"), HasSubstr("--cell 2"));
     EXPECT_FALSE(read("samples/cell-0001.csv").empty());
+}
+
+TEST_F(SmallSweep, OfTwoBrokersOutlivesTheDeathOfEither) {
+    write_sweep(
+        "[axes]\nbrokers = 2\nrobots = 4\nrate = 10\nqos = \"0+1+2\"\n"
+        "fault = [\"kill-leader\", \"kill-home\"]\n");
+    const Ran ran = sweep();
+    EXPECT_EQ(ran.exit_code, 0) << ran.output;
+    ASSERT_THAT(rows(), SizeIs(2));
+    for (const RunRow& row : rows()) {
+        EXPECT_EQ(row.status, "ok");
+        EXPECT_EQ(row.acknowledged_but_lost_qos1, 0);
+        EXPECT_EQ(row.acknowledged_but_lost_qos2, 0);
+        EXPECT_EQ(row.duplicates_qos2, 0);
+        EXPECT_EQ(row.failover_clients, 2);
+        EXPECT_EQ(row.failover_recovered_clients, 2);
+        EXPECT_EQ(row.connects_after_fault, 0);
+        EXPECT_EQ(row.registers_after_fault, 0);
+        EXPECT_EQ(row.subscribes_after_fault, 0);
+        EXPECT_GT(row.interbroker_octets_per_s, 0);
+    }
+    EXPECT_TRUE(rows()[0].without_leader_ms);
+    EXPECT_THAT(read("report.html"), HasSubstr("Failover time against the number of brokers"));
 }
 
 TEST_F(SmallSweep, GoesOnBehindTheCellsThatAreDone) {
