@@ -66,7 +66,6 @@ std::vector<PlotSeries> series_over(const Number& x, Configurations all, Value y
         std::erase_if(series, [&](const PlotSeries& one) { return !reaches(one); });
     }
     std::erase_if(series, [](const PlotSeries& one) { return one.points.empty(); });
-    if (series.size() == 1) series.front().label.clear();  // nothing to tell it from
     return series;
 }
 
