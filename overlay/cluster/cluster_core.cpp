@@ -170,6 +170,9 @@ void ClusterCore::on_view(Effects& effects, const ViewAnnouncement& announcement
     std::string text = "view " + std::to_string(view().number.term) + " of " +
                        std::to_string(view().members.size());
     effects.local.push_back(Notice{std::move(text)});
+    // An heir whose own detector is a little slower must not take the dead for a rival, and fall
+    // silent, at the very moment at which it takes the address over.
+    for (const LogPosition& end : announcement.ends) membership_.on_left_out(effects.now, end.log);
     std::erase_if(frozen_since_, [&](const auto& entry) {
         const auto log = logs_.find(entry.first);
         return log == logs_.end() || !log->second.is_frozen();

@@ -75,6 +75,14 @@ void Membership::on_leader(Instant now, BrokerId leader, election::Term term) {
     elector_->on_claim(now, claim);
 }
 
+void Membership::on_left_out(Instant now, const LogId& log) {
+    const Peer* peer = find(log.broker);
+    if (peer == nullptr || peer->beacon.log != log) return;
+    heard_->on_gone(now, node_of(log.broker));
+    linked_->on_gone(now, node_of(log.broker));
+    bury_suspects(now);
+}
+
 void Membership::on_ballot(Instant now, BrokerId from, const election::Ballot& ballot) {
     elector_->on_ballot(now, node_of(from), ballot);
 }

@@ -43,6 +43,8 @@ public:
     bool on_beacon(Instant now, const Beacon& beacon);
     /// The leader's claim comes with its proposals too, and may come there before its beacon.
     void on_leader(Instant now, BrokerId leader, election::Term term);
+    /// A view left it out, perhaps before the own detectors noticed: gone until its next beacon.
+    void on_left_out(Instant now, const LogId& log);
     void on_ballot(Instant now, BrokerId from, const election::Ballot& ballot);
     void on_tick(Instant now, Outbox& out);
     [[nodiscard]] Instant next_wakeup() const;

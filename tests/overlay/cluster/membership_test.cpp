@@ -62,6 +62,17 @@ TEST(Membership, SilenceEndsALife) {
     EXPECT_FALSE(observer.membership.is_alive(peer));
 }
 
+TEST(Membership, WhoWasLeftOutOfAViewIsGoneUntilItsNextBeacon) {
+    Observer observer;
+    observer.hear({self.broker});
+    observer.membership.on_left_out(observer.now, peer);
+    EXPECT_FALSE(observer.membership.is_alive(peer));
+    EXPECT_FALSE(observer.membership.is_heard(peer.broker));
+    observer.hear({self.broker});
+    EXPECT_TRUE(observer.membership.is_alive(peer));
+    EXPECT_TRUE(observer.membership.is_heard(peer.broker));
+}
+
 TEST(Membership, TheLastBeaconOfAnOrderlyStopEndsItAtOnce) {
     Observer observer;
     observer.hear({self.broker});
