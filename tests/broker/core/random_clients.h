@@ -10,10 +10,14 @@
 
 namespace romano::broker {
 
+/// Whether messages of other brokers come too.
+enum class Peers : std::uint8_t { none, some };
+
 class RandomClients {
 public:
-    RandomClients(ScriptedBroker& broker, std::uint64_t seed, std::size_t count)
-        : broker_(broker), random_(seed) {
+    RandomClients(ScriptedBroker& broker, std::uint64_t seed, std::size_t count,
+                  Peers peers = Peers::some)
+        : broker_(broker), random_(seed), peers_(peers) {
         for (std::size_t i = 0; i < count; ++i) {
             clients_.push_back(std::make_unique<ScriptedClient>(
                 broker, "c" + std::to_string(i), static_cast<std::uint16_t>(30'000 + i)));
@@ -66,7 +70,7 @@ public:
                 client.address.endpoint.port = static_cast<std::uint16_t>(30'000 + pick(20));
                 break;
             case 15:
-                hears_from_a_peer();
+                if (peers_ == Peers::some) hears_from_a_peer();
                 break;
             default:
                 answers(client);
@@ -147,6 +151,7 @@ private:
 
     ScriptedBroker& broker_;
     Random random_;
+    Peers peers_;
     std::vector<std::unique_ptr<ScriptedClient>> clients_;
     std::map<LogId, Seq> peer_seq_;
 };
