@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <string>
 #include <utility>
 #include <variant>
 #include <vector>
@@ -47,7 +48,18 @@ struct Forward {
     MessagePtr message;
 };
 
-using Action = std::variant<Send, Multicast, Append, Forward>;
+/// A client of this broker published on one of BrokerOptions::observed_topics: for what the owner
+/// runs beside the broker.
+struct Observation {
+    ClientId publisher;
+    std::string topic;
+    std::vector<std::uint8_t> payload;
+};
+struct Observed {
+    std::unique_ptr<Observation> what;
+};
+
+using Action = std::variant<Send, Multicast, Append, Forward, Observed>;
 
 class Actions {
 public:

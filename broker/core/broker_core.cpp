@@ -355,6 +355,11 @@ std::optional<SessionImage> BrokerCore::image(std::string_view client_id) const 
     return image_of(*session, state_->tables);
 }
 
+const SessionHeader* BrokerCore::header(std::string_view client_id) const {
+    const Session* session = state_->tables.sessions.find(client_id);
+    return session == nullptr ? nullptr : &session->header;
+}
+
 std::vector<SessionImage> BrokerCore::images() const {
     std::vector<SessionImage> all;
     for (const Session* session : state_->tables.sessions.by_client_id()) {
@@ -375,6 +380,27 @@ void BrokerCore::set_system_topic(Instant now, std::string_view topic, Bytes pay
                                   Actions& out) {
     Turn turn{now, out};
     state_->router.set_system_topic(topic, payload, turn);
+}
+
+void BrokerCore::publish(Instant now, std::string_view topic, Bytes payload, mqttsn::Qos qos,
+                         bool retain, Actions& out) {
+    Turn turn{now, out};
+    state_->router.publish({topic, payload, qos, retain}, turn);
+}
+
+std::vector<MessagePtr> BrokerCore::retained(std::string_view filter) const {
+    std::vector<MessagePtr> found;
+    state_->tables.retained.match(filter,
+                                  [&](const MessagePtr& message) { found.push_back(message); });
+    return found;
+}
+
+void BrokerCore::hold(Instant now, std::string_view client_id, bool held, Actions& out) {
+    Session* session = state_->tables.sessions.find(client_id);
+    if (session == nullptr || session->held == held) return;
+    session->held = held;
+    Turn turn{now, out};
+    state_->deliveries.go_on(*session, turn);
 }
 
 void BrokerCore::set_congested(bool congested) {

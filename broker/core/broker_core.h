@@ -70,11 +70,25 @@ public:
     [[nodiscard]] bool serves(const Endpoint& from, Bytes datagram) const;
 
     [[nodiscard]] std::optional<SessionImage> image(std::string_view client_id) const;
+    /// Of the session that is homed here; null when there is none. Valid until the next input.
+    [[nodiscard]] const SessionHeader* header(std::string_view client_id) const;
     [[nodiscard]] std::vector<SessionImage> images() const;  // by client id
     [[nodiscard]] std::vector<SessionImage> images_via(const Endpoint& via) const;
 
     /// Sets a retained message of the broker itself under $SYS; neither logged nor forwarded.
     void set_system_topic(Instant now, std::string_view topic, Bytes payload, Actions& out);
+
+    // --- for what its owner runs beside it (BrokerOptions::observed_topics)
+    // -------------------------------------------------------------------------
+
+    /// Publishes as the broker itself: like a client's publish, for the peers as well.
+    void publish(Instant now, std::string_view topic, Bytes payload, mqttsn::Qos qos, bool retain,
+                 Actions& out);
+    /// The retained messages whose topics match, by topic.
+    [[nodiscard]] std::vector<MessagePtr> retained(std::string_view filter) const;
+    /// While held, no new message is sent to the client: they wait in its queue, those of QoS 0
+    /// too. A session that comes from elsewhere, or is begun anew, is not held.
+    void hold(Instant now, std::string_view client_id, bool held, Actions& out);
 
     /// While set, whatever would have to be promised is answered by "congestion": CONNECT,
     /// SUBSCRIBE, PUBLISH of QoS 1 and 2.

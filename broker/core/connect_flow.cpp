@@ -95,7 +95,7 @@ void ConnectFlow::on_willtopic(const Origin& origin, const mqttsn::Willtopic& me
     prompt.has_topic = true;
     prompt.will = {std::string{message.topic}, {}, message.qos, message.retain};
     if (message.qos == Qos::without_connection || !mqttsn::is_valid_topic_name(message.topic) ||
-        message.topic.starts_with("$SYS/")) {
+        message.topic.starts_with('$')) {
         prompt.refusal = ReturnCode::not_supported;
     }
     outbox_.answer(origin.via, origin.from, mqttsn::Willmsgreq{}, turn);
@@ -179,7 +179,7 @@ void ConnectFlow::on_willtopicupd(Session& session, const mqttsn::Willtopicupd& 
     const bool deletes = message.topic.empty();  // topic and message (6.4b)
     if (!deletes &&
         (message.qos == Qos::without_connection || !mqttsn::is_valid_topic_name(message.topic) ||
-         message.topic.starts_with("$SYS/"))) {
+         message.topic.starts_with('$'))) {
         tables_.count(Drop::invalid_topic);
         outbox_.send(session, mqttsn::Willtopicresp{ReturnCode::not_supported}, Gate::open, turn);
         return;

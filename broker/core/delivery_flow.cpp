@@ -34,7 +34,7 @@ void DeliveryFlow::enqueue(Session& session, Delivery delivery, Turn& turn) {
 
 bool DeliveryFlow::can_send_at_once(Session& session, WireTopic& topic, std::string_view name) {
     if (session.header.state != SessionState::active || !session.reachable) return false;
-    if (session.queue.unlogged() != 0) return false;
+    if (session.held || session.queue.unlogged() != 0) return false;
     if (topic.type != TopicIdType::normal) return true;
     if (topic.id == mqttsn::no_topic_id) {
         topic.id = session.topics.find(name);
@@ -79,8 +79,8 @@ DeliveryFlow::Readiness DeliveryFlow::prepare(Session& session, WireTopic& topic
 }
 
 void DeliveryFlow::go_on(Session& session, Turn& turn) {
-    while (session.is_listening() && !session.exchange.is_open() && !session.queue.empty() &&
-           session.paused_until <= turn.now) {
+    while (session.is_listening() && !session.held && !session.exchange.is_open() &&
+           !session.queue.empty() && session.paused_until <= turn.now) {
         if (open_front(session, turn)) break;
     }
     if (session.header.state == SessionState::awake && !session.exchange.is_open()) {

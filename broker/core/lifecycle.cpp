@@ -26,6 +26,7 @@ void Lifecycle::wipe(Session& session) {
     session.exchange = {};
     session.paused_until = {};
     session.ignores_register = false;
+    session.held = false;
 }
 
 void Lifecycle::erase(Session& session, Actions& out) {

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <map>
 #include <string>
+#include <vector>
 
 #include "broker/core/log_position.h"
 #include "romano/base/time.h"
@@ -40,6 +41,7 @@ struct BrokerOptions {
     Duration clean_session_kept_for{std::chrono::minutes{10}};  // after disconnection; see G11
     Duration deletions_kept_for{std::chrono::hours{1}};  // of retained messages, for late peers
     std::map<mqttsn::TopicId, std::string> predefined_topics;
+    std::vector<std::string> observed_topics;  // what clients publish there is told as Observed
     Limits limits;
 };
 

@@ -1,6 +1,7 @@
 #include "broker/core/publish_flow.h"
 
 #include <algorithm>
+#include <memory>
 
 #include "romano/base/bytes.h"
 #include "romano/mqttsn/topic.h"
@@ -50,7 +51,7 @@ ReturnCode PublishFlow::judge(const mqttsn::Publish& message, std::string_view t
         message.topic_type == TopicIdType::predefined ||
         (message.topic_type == TopicIdType::normal && message.qos != Qos::without_connection);
     const bool valid = has_id || mqttsn::is_valid_topic_name(topic);  // checked when it got the id
-    if (!valid || topic.starts_with("$SYS/")) {
+    if (!valid || topic.starts_with('$')) {
         return refused(Drop::invalid_topic, ReturnCode::not_supported);
     }
     if (message.data.size() > tables_.limits().payload_octets) {
@@ -95,6 +96,15 @@ void PublishFlow::on_publish(Session& session, const mqttsn::Publish& message, T
             break;
     }
     router_.deliver(publication, turn);
+    observe(session, publication, turn);
+}
+
+void PublishFlow::observe(const Session& session, const Publication& publication, Turn& turn) {
+    if (std::ranges::count(tables_.options.observed_topics, publication.topic) == 0) return;
+    turn.out.push(Observed{std::make_unique<Observation>(
+        Observation{session.header.client_id,
+                    std::string{publication.topic},
+                    {publication.payload.begin(), publication.payload.end()}})});
 }
 
 /// A client has one exchange open (6.6c): what stands there for long was abandoned, and is the

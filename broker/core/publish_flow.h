@@ -26,6 +26,7 @@ private:
     [[nodiscard]] mqttsn::ReturnCode judge(const mqttsn::Publish& message, std::string_view topic);
     /// The topic's name, held in `name_`; empty when the id is unknown.
     [[nodiscard]] std::string_view name_of(Session* session, const mqttsn::Publish& message);
+    void observe(const Session& session, const Publication& publication, Turn& turn);
     void remember_unreleased(Session& session, mqttsn::MsgId msg_id, Turn& turn);
 
     Tables& tables_;

@@ -3,6 +3,7 @@
 #include <random>
 
 #include "broker/net/clock.h"
+#include "overlay/member/carried_server.h"
 
 namespace romano::daemon {
 
@@ -14,6 +15,7 @@ broker::BrokerOptions broker_options(const Settings& settings) {
     out.gateway_id = settings.gateway_id;
     if (settings.discovery_groups.empty()) out.advertise_every = Duration{0};
     out.predefined_topics = settings.predefined_topics;
+    if (settings.romano) out.observed_topics = overlay::CarriedServer::observed_topics();
     return out;
 }
 

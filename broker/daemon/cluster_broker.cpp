@@ -32,6 +32,7 @@ overlay::MemberOptions member_options(const Settings& settings) {
     overlay::MemberOptions out;
     out.broker = broker_options(settings);
     out.cluster = settings.cluster->options;
+    out.romano = settings.romano;
     out.name = settings.name;
     out.incarnation = out.broker.log.incarnation;
     return out;

@@ -47,6 +47,9 @@ void add_options(CLI::App& app, SettingTexts& texts) {
                    "\"default\" means 225.1.1.1:1883 and [ff02::225:1:1:1]:1883")
         ->type_name("ADDR:PORT");
 
+    app.add_flag("--no-romano", texts.no_romano,
+                 "Carry no ROMANO server: robots' connection requests go unanswered");
+
     const std::string cluster = "Cluster";
     app.add_option("--domain", texts.domain,
                    "Be a member of the cluster on this DDS domain (without it: alone)")

@@ -23,6 +23,7 @@ struct SettingTexts {
     std::string gateway_id = "1";
     std::vector<std::string> predefined = {};
     std::vector<std::string> discovery_group = {};
+    bool no_romano = false;
     std::string log_level = "info";
 };
 

@@ -26,6 +26,7 @@ LoneBroker::LoneBroker(boost::asio::io_context& io, const Settings& settings,
       name_(settings.name),
       options_(broker_options(settings)),
       core_(options_, random_seed()),
+      server_(settings.name, options_.unix_time_at_zero),
       udp_(io, *this),
       core_timer_(io, [this] { on_core_wakeup(); }),
       status_timer_(io, [this] { on_status_wakeup(); }) {
@@ -60,6 +61,8 @@ void LoneBroker::on_core_wakeup() {
 
 void LoneBroker::on_status_wakeup() {
     publish_status();
+    server_.on_tick(net::now(), core_, {}, actions_);
+    on_batch_end();
     status_timer_.arm(net::now() + status_every);
 }
 
@@ -84,6 +87,7 @@ void LoneBroker::publish_status() {
 }
 
 void LoneBroker::send() {
+    server_.answer(net::now(), core_, actions_);
     udp_.carry_out(actions_);
     actions_.clear();
 }

@@ -10,6 +10,7 @@
 #include "broker/daemon/running_broker.h"
 #include "broker/net/core_timer.h"
 #include "broker/net/udp_service.h"
+#include "overlay/member/carried_server.h"
 
 namespace romano::daemon {
 
@@ -31,6 +32,7 @@ private:
     std::string name_;
     broker::BrokerOptions options_;
     broker::BrokerCore core_;
+    overlay::CarriedServer server_;
     broker::Actions actions_;
     net::UdpService udp_;
     net::CoreTimer core_timer_;

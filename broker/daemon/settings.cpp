@@ -209,6 +209,7 @@ Settings check(const SettingTexts& texts) {
     out.discovery_groups = check_groups(texts.discovery_group, out.listen);
     out.gateway_id = number_in<std::uint8_t>("gateway-id", texts.gateway_id, 1, 255);
     out.predefined_topics = check_predefined(texts.predefined);
+    out.romano = !texts.no_romano;
     out.cluster = check_cluster(texts);
     out.log_level = one_of("log-level", texts.log_level, levels);
     return out;

@@ -27,6 +27,7 @@ struct Settings {
     std::vector<Endpoint> discovery_groups;
     std::uint8_t gateway_id = 1;
     std::map<mqttsn::TopicId, std::string> predefined_topics;
+    bool romano = true;  // carries the ROMANO server
     std::optional<ClusterSettings> cluster;
     std::string log_level;
 };

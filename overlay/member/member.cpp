@@ -5,9 +5,11 @@
 #include <chrono>
 #include <map>
 #include <optional>
+#include <span>
 #include <utility>
 
 #include "overlay/cluster/cluster_core.h"
+#include "overlay/member/carried_server.h"
 #include "overlay/member/held_output.h"
 #include "overlay/member/status_topic.h"
 #include "overlay/member/waiting_input.h"
@@ -33,6 +35,7 @@ public:
           seed_(seed),
           log_{broker::broker_id_of(options.name), options.incarnation},
           broker_(broker_options(), seed),
+          server_(options.name, options.broker.unix_time_at_zero),
           cluster_(options.cluster, {options.name, log_, options.home_addresses}, seed + 1) {}
 
     void on_datagram(Instant now, const Endpoint& via, const Endpoint& from, Bytes datagram,
@@ -64,16 +67,19 @@ private:
 
     // --- the broker core's actions
     void carry_out(Instant now, MemberActions& out);
-    void absorb(MemberActions& out);
+    void absorb(Instant now, MemberActions& out);
     void send(const broker::Send& send, broker::Seq safe, MemberActions& out);
     void serve_waiting(Instant now, MemberActions& out);
 
+    /// Of the view that this broker leads; none when it leads none.
+    [[nodiscard]] std::span<const LogId> led_members() const;
     void tell_status(Instant now);
 
     MemberOptions options_;
     std::uint64_t seed_;
     LogId log_;
     BrokerCore broker_;
+    CarriedServer server_;
     ClusterCore cluster_;
     broker::Actions work_;
     HeldOutput held_;
@@ -92,6 +98,7 @@ broker::BrokerOptions Member::State::broker_options() const {
     broker::BrokerOptions options = options_.broker;
     options.log = log_;
     options.writes_log = true;
+    if (options_.romano) options.observed_topics = CarriedServer::observed_topics();
     return options;
 }
 
@@ -136,7 +143,10 @@ void Member::State::on_tick(Instant now, MemberActions& out) {
     }
     broker_.set_congested(cluster_.is_short_of_peers());
     broker_.on_tick(now, work_);
-    absorb(out);  // what it appended stands in the log before the cluster looks at it
+    if (options_.romano && cluster_.is_in_view()) {
+        server_.on_tick(now, broker_, led_members(), work_);
+    }
+    absorb(now, out);  // what it appended stands in the log before the cluster looks at it
     Effects acting = effects(now, out);
     cluster_.on_tick(acting, held_.addresses());
     tell_status(now);
@@ -145,7 +155,7 @@ void Member::State::on_tick(Instant now, MemberActions& out) {
 
 Instant Member::State::next_wakeup() const {
     if (has_left_) return never;
-    if (stalled_until_) return *stalled_until_;
+    if (stalled_until_) return *stalled_until_;  // (the server's turns come with the beacons')
     return std::min(broker_.next_wakeup(), cluster_.next_wakeup());
 }
 
@@ -195,7 +205,7 @@ void Member::State::restart(Instant now, MemberActions& out) {
 // --- the broker core's actions
 
 void Member::State::carry_out(Instant now, MemberActions& out) {
-    absorb(out);
+    absorb(now, out);
     serve_waiting(now, out);
     if (stalled_until_) return;
     const auto fate_of = [this](const Endpoint& via) {
@@ -205,7 +215,8 @@ void Member::State::carry_out(Instant now, MemberActions& out) {
     held_.release(cluster_.safe(), fate_of, out.clients);
 }
 
-void Member::State::absorb(MemberActions& out) {
+void Member::State::absorb(Instant now, MemberActions& out) {
+    server_.answer(now, broker_, work_);
     for (broker::Action& action : work_.list()) {
         if (auto* append = std::get_if<broker::Append>(&action)) {
             cluster_.append(append->seq, std::move(*append->event));
@@ -251,11 +262,17 @@ void Member::State::serve_waiting(Instant now, MemberActions& out) {
     });
     for (const auto& [via, from, octets] : ready) {
         broker_.on_datagram(now, via, from, octets, work_);
-        absorb(out);
+        absorb(now, out);
     }
 }
 
-// --- for people
+// --- for robots and for people
+
+std::span<const LogId> Member::State::led_members() const {
+    const cluster::View& view = cluster_.view();
+    if (view.number.leader != log_.broker) return {};
+    return view.members;
+}
 
 void Member::State::tell_status(Instant now) {
     const bool news =

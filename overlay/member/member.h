@@ -1,4 +1,5 @@
-// One broker of a cluster, composed of its cores and still without I/O: broker core, cluster core.
+// One broker of a cluster, composed of its cores and still without I/O: broker core, cluster core,
+// ROMANO server.
 //
 // It holds back what clients may not see before peers hold the events behind it (Send::after),
 // carries log batches between the broker core and the peers, and turns view changes into adopted
@@ -45,6 +46,7 @@ struct MemberOptions {
     std::string name;
     std::uint64_t incarnation = 0;  // higher at each start: the wall clock in nanoseconds
     std::vector<Endpoint> home_addresses;
+    bool romano = true;  // carries the ROMANO server
 };
 
 class Member {

@@ -106,6 +106,8 @@ public:
             } else if (auto* append = std::get_if<Append>(&action)) {
                 EXPECT_EQ(append->seq, log.size() + 1);
                 log.push_back(std::move(*append->event));
+            } else if (auto* observed = std::get_if<Observed>(&action)) {
+                observations.push_back(std::move(*observed->what));
             } else {
                 forwards.push_back(std::get<Forward>(action).message);
             }
@@ -144,6 +146,7 @@ public:
     std::vector<Octets> multicasts;
     std::vector<LogEvent> log;  // event n at n - 1
     std::vector<MessagePtr> forwards;
+    std::vector<Observation> observations;
     Seq last_after = 0;
     Mirror mirror;
 };

@@ -73,6 +73,7 @@ detection-timeout-ms = 200
 gateway-id = 9
 predefined = ["1=robots/pose", "2=a topic, with comma"]
 discovery-group = ["225.1.1.1:1883"]
+no-romano = true
 log-level = "warn"
 )");
     const auto read = texts({"--config", file.path()});
@@ -89,6 +90,7 @@ log-level = "warn"
     EXPECT_EQ(read.gateway_id, "9");
     EXPECT_THAT(read.predefined, ElementsAre("1=robots/pose", "2=a topic, with comma"));
     EXPECT_THAT(read.discovery_group, ElementsAre("225.1.1.1:1883"));
+    EXPECT_TRUE(read.no_romano);
     EXPECT_EQ(read.log_level, "warn");
 }
 

@@ -26,6 +26,7 @@ public:
         : name_(std::move(name)), self_(self), broker_(broker), sender_(std::move(sender)) {}
 
     void connect(bool clean = true);
+    void disconnect() { send(mqttsn::Disconnect{}); }
     void subscribe(const std::string& topic, mqttsn::Qos qos);
     void publish(const std::string& topic, const std::string& text, mqttsn::Qos qos,
                  bool retain = false);

@@ -1,0 +1,79 @@
+#include "overlay/member/carried_server.h"
+
+#include <algorithm>
+#include <memory>
+#include <utility>
+
+namespace romano::overlay {
+namespace {
+
+using broker::SessionState;
+
+class BrokerHost final : public server::Host {
+public:
+    BrokerHost(Instant now, broker::BrokerCore& broker, std::span<const broker::LogId> led,
+               broker::Actions& actions)
+        : now_(now), broker_(broker), led_(led), actions_(actions) {}
+
+    [[nodiscard]] std::optional<server::Standing> standing(std::string_view client) const override {
+        const broker::SessionHeader* header = broker_.header(client);
+        if (header == nullptr) return std::nullopt;
+        const bool departed =
+            header->state == SessionState::disconnected || header->state == SessionState::lost;
+        return server::Standing{.connected = !departed, .kept = !header->clean};
+    }
+
+    [[nodiscard]] std::vector<server::NodeEntry> entries() const override {
+        std::vector<server::NodeEntry> found;
+        for (const auto& message : broker_.retained(server::entries_filter)) {
+            auto entry = server::parse_entry(message->topic, as_text(message->payload));
+            if (entry) found.push_back(std::move(*entry));
+        }
+        return found;
+    }
+
+    [[nodiscard]] bool tidies_up_after(std::string_view home) const override {
+        const auto id = broker::broker_id_of(home);
+        return !led_.empty() && std::ranges::count(led_, id, &broker::LogId::broker) == 0;
+    }
+
+    void publish(std::string_view topic, Bytes data, bool retain) override {
+        // A node gets what is for it at the QoS of its own subscription.
+        const auto qos = retain ? mqttsn::Qos::at_least_once : mqttsn::Qos::exactly_once;
+        broker_.publish(now_, topic, data, qos, retain, actions_);
+    }
+    void hold(std::string_view client, bool held) override {
+        broker_.hold(now_, client, held, actions_);
+    }
+
+private:
+    Instant now_;
+    broker::BrokerCore& broker_;
+    std::span<const broker::LogId> led_;
+    broker::Actions& actions_;
+};
+
+}  // namespace
+
+std::vector<std::string> CarriedServer::observed_topics() {
+    return {server::observed_topics.begin(), server::observed_topics.end()};
+}
+
+void CarriedServer::answer(Instant now, broker::BrokerCore& broker, broker::Actions& actions) {
+    BrokerHost host{now, broker, {}, actions};
+    for (std::size_t i = 0; i < actions.list().size(); ++i) {  // answers are added to it
+        auto* observed = std::get_if<broker::Observed>(&actions.list()[i]);
+        if (observed == nullptr || observed->what == nullptr) continue;
+        const std::unique_ptr<broker::Observation> what = std::move(observed->what);
+        core_.on_publish(now, what->publisher, what->topic, what->payload, host);
+    }
+}
+
+void CarriedServer::on_tick(Instant now, broker::BrokerCore& broker,
+                            std::span<const broker::LogId> led, broker::Actions& actions) {
+    if (now < core_.next_wakeup()) return;
+    BrokerHost host{now, broker, led, actions};
+    core_.on_tick(now, host);
+}
+
+}  // namespace romano::overlay

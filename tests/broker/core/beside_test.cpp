@@ -1,0 +1,116 @@
+// What the broker core does for services that its owner runs beside it: told publishes, own
+// publishes, and clients that are held back.
+
+#include <gtest/gtest.h>
+
+#include "tests/broker/core/scripted_client.h"
+
+namespace romano::broker {
+namespace {
+
+BrokerOptions observing_options() {
+    BrokerOptions options = logging_options();
+    options.observed_topics = {"init"};
+    return options;
+}
+
+class Beside : public ::testing::Test {
+protected:
+    Beside() {
+        robot.connects();
+        watcher.connects();
+    }
+    void hold(bool held) {
+        broker.core.hold(broker.now, "watcher", held, broker.actions);
+        broker.drain();
+    }
+    void publish(std::string_view topic, std::string_view payload, bool retain) {
+        broker.core.publish(broker.now, topic, as_octets(payload), Qos::at_least_once, retain,
+                            broker.actions);
+        broker.drain();
+    }
+
+    ScriptedBroker broker{observing_options()};
+    ScriptedClient robot{broker, "robot"};
+    ScriptedClient watcher{broker, "watcher"};
+};
+
+TEST_F(Beside, WhatAClientPublishesOnAnObservedTopicIsToldOnceWithItsPublisher) {
+    const TopicId init = robot.registers("init");
+    const TopicId other = robot.registers("other");
+    for (const Qos qos : {Qos::at_most_once, Qos::at_least_once, Qos::exactly_once}) {
+        robot.publishes(init, "hello", qos);
+        robot.publishes(other, "hello", qos);
+    }
+    ASSERT_EQ(broker.observations.size(), 3u);
+    for (const Observation& told : broker.observations) {
+        EXPECT_EQ(told.publisher, "robot");
+        EXPECT_EQ(told.topic, "init");
+        EXPECT_EQ(told.payload, octets_of("hello"));
+    }
+}
+
+TEST_F(Beside, ARepeatedQos2PublishIsNotToldAgain) {
+    const TopicId init = robot.registers("init");
+    Publish publish{false, Qos::exactly_once, false, TopicIdType::normal, init, MsgId{9}, {}};
+    robot.says(publish);
+    publish.dup = true;
+    robot.says(publish);
+    EXPECT_EQ(broker.observations.size(), 1u);
+}
+
+TEST_F(Beside, TheBrokersOwnPublishIsLoggedDeliveredAndRetained) {
+    watcher.subscribes("$ROMANO/nodes/7");
+    publish("$ROMANO/nodes/7", "here", true);
+    watcher.hears_publish("here", Qos::at_least_once);
+    ASSERT_TRUE(std::holds_alternative<Published>(broker.log.at(broker.log.size() - 3)));
+    ASSERT_EQ(broker.core.retained("$ROMANO/nodes/+").size(), 1u);
+    EXPECT_EQ(broker.core.retained("$ROMANO/nodes/+")[0]->topic, "$ROMANO/nodes/7");
+    publish("$ROMANO/nodes/7", "", true);
+    EXPECT_TRUE(broker.core.retained("$ROMANO/nodes/+").empty());
+    broker.expects_mirror_to_agree();
+}
+
+TEST_F(Beside, WhatAHeldClientShouldHearWaitsInOrderAtEveryQos) {
+    watcher.subscribes("a");
+    const TopicId a = robot.registers("a");
+    hold(true);
+    robot.publishes(a, "1", Qos::at_least_once);
+    robot.publishes(a, "2", Qos::exactly_once);
+    robot.publishes(a, "3", Qos::at_most_once);
+    watcher.hears_nothing();
+    hold(false);
+    watcher.hears_publish("1", Qos::at_least_once);
+    watcher.hears_publish("2", Qos::exactly_once);
+    watcher.hears_publish("3");
+    watcher.hears_nothing();
+    broker.expects_mirror_to_agree();
+}
+
+TEST_F(Beside, AnOpenExchangeWithAClientThatIsHeldIsFinishedAndNotBegunAnew) {
+    watcher.subscribes("a");
+    const TopicId a = robot.registers("a");
+    robot.publishes(a, "1", Qos::exactly_once);
+    const MsgId msg_id = watcher.hears<Publish>().msg_id;
+    hold(true);
+    robot.publishes(a, "2", Qos::exactly_once);
+    watcher.says(Pubrec{msg_id});
+    EXPECT_EQ(watcher.hears<Pubrel>().msg_id, msg_id);
+    watcher.says(Pubcomp{msg_id});
+    watcher.hears_nothing();
+    hold(false);
+    watcher.hears_publish("2", Qos::exactly_once);
+    watcher.hears_nothing();
+}
+
+TEST_F(Beside, ACleanConnectEndsTheHold) {
+    watcher.subscribes("b");  // or its second CONNECT would be a repetition of the first
+    hold(true);
+    watcher.connects();
+    watcher.subscribes("a");
+    robot.publishes(robot.registers("a"), "1");
+    watcher.hears_publish("1");
+}
+
+}  // namespace
+}  // namespace romano::broker
