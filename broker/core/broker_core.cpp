@@ -329,6 +329,13 @@ std::optional<SessionImage> BrokerCore::release(std::string_view client_id, Acti
     return state_->adoption.release(client_id, out);
 }
 
+void BrokerCore::send_again(Instant now, const Endpoint& via, Actions& out) {
+    Turn turn{now, out};
+    for (Session* session : state_->tables.sessions.by_client_id()) {
+        if (session->header.via == via) state_->deliveries.send_again(*session, turn);
+    }
+}
+
 bool BrokerCore::serves(const Endpoint& from, Bytes datagram) const {
     auto decoded = mqttsn::decode(datagram);
     if (!decoded) return false;

@@ -66,6 +66,9 @@ public:
     /// unknown.
     std::optional<SessionImage> release(std::string_view client_id, Actions& out);
 
+    /// What was sent from `via` lately reached nobody: what is in flight goes out once more.
+    void send_again(Instant now, const Endpoint& via, Actions& out);
+
     /// True when a datagram from there would reach a session that is homed here.
     [[nodiscard]] bool serves(const Endpoint& from, Bytes datagram) const;
 

@@ -194,10 +194,14 @@ bool DeliveryFlow::send_publish(Session& session, const Delivery& delivery, cons
 void DeliveryFlow::supervise(Session& session, Turn& turn) {
     Exchange& exchange = session.exchange;
     if (++exchange.sendings > 1) ++tables_.counters.retransmissions;
-    const Duration t_retry = tables_.options.t_retry;
-    exchange.retry_at =
-        turn.now + (names_known_id(session) ? std::min(t_retry, courtesy) : t_retry);
+    exchange.retry_at = turn.now + patience_with(session);
     schedule(tables_, session);
+}
+
+/// From one sending to the next.
+Duration DeliveryFlow::patience_with(Session& session) {
+    const Duration t_retry = tables_.options.t_retry;
+    return names_known_id(session) ? std::min(t_retry, courtesy) : t_retry;
 }
 
 /// REGISTER is open for a name that the client subscribed to without wildcards.
@@ -330,6 +334,13 @@ void DeliveryFlow::resume(Session& session, Turn& turn) {
 
 bool DeliveryFlow::repeat(Session& session, Turn& turn) {
     return session.exchange.is_open() && send_open(session, true, turn);
+}
+
+void DeliveryFlow::send_again(Session& session, Turn& turn) {
+    const Exchange& exchange = session.exchange;
+    if (!exchange.is_open() || exchange.stalled || !session.is_listening()) return;
+    if (exchange.retry_at == turn.now + patience_with(session)) return;
+    if (!send_open(session, true, turn)) go_on(session, turn);
 }
 
 void DeliveryFlow::on_retry(Session& session, Turn& turn) {

@@ -50,6 +50,9 @@ public:
     /// Sends the open message again, because the client asks for it (G10). False: none is open.
     bool repeat(Session& session, Turn& turn);
 
+    /// Sends the open message again, unless it went out in this very turn.
+    void send_again(Session& session, Turn& turn);
+
 private:
     enum class Readiness { ready, must_register, impossible };
     /// Completes `topic` for this client; why it cannot be used is counted.
@@ -70,6 +73,7 @@ private:
     void end_front(Session& session, Turn& turn);
     void drop_front(Session& session, Drop reason, Turn& turn);
     void supervise(Session& session, Turn& turn);
+    [[nodiscard]] Duration patience_with(Session& session);
     [[nodiscard]] bool names_known_id(Session& session);
     void give_up(Session& session, Turn& turn);
     void fall_asleep(Session& session, Turn& turn);

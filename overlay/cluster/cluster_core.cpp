@@ -113,9 +113,21 @@ void ClusterCore::after_input(Effects& effects) {
     if (const auto installed = view_change_.take_installed()) on_view(effects, *installed);
     take_over_.carry_on(effects, logs(), membership_, view(), addresses_);
     handoffs_.carry_on(effects, safe());
+    break_silence(effects);
     // Others wait for these news.
     const bool news = leadership() != last_leadership_ || view().number != last_view_;
     if (news && !listens_only_) send_beacon(effects);
+}
+
+void ClusterCore::break_silence(Effects& effects) {
+    std::erase_if(silent_, [this](const Endpoint& it) { return !addresses_.is_serving(it); });
+    for (const Endpoint& address : addresses_.serving()) {
+        if (hand_back_.is_silent(address)) {
+            silent_.insert(address);
+        } else if (silent_.erase(address) != 0) {
+            effects.broker.send_again(effects.now, address, effects.clients);
+        }
+    }
 }
 
 // --- membership and views
@@ -468,19 +480,8 @@ void ClusterCore::on(Effects& effects, BrokerId from, const AddressBound& bound)
 
 void ClusterCore::on(Effects& effects, BrokerId from, const SessionHandoff& part) {
     if (!handoffs_.on_handoff(effects, logs(), from, part)) return;
-    if (hand_back_.is_unsettled(part.address)) speak_again(effects, part.address);
     hand_back_.on_handed_over(part.address);
     for (const auto& image : part.sessions) roaming_.on_handed_over(image.header.client_id);
-}
-
-/// What our sessions had to say while the address was silent went nowhere: send it again.
-void ClusterCore::speak_again(Effects& effects, const Endpoint& address) {
-    for (auto& image : effects.broker.images_via(address)) {
-        const bool is_in_flight = std::ranges::any_of(image.deliveries, [](const auto& delivery) {
-            return delivery.stage != broker::DeliveryStage::queued;
-        });
-        if (is_in_flight && !image.header.provisional) adopt(effects, logs(), std::move(image));
-    }
 }
 
 void ClusterCore::on(Effects& effects, BrokerId from, const HandoffAck& ack) {

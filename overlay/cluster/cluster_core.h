@@ -62,7 +62,11 @@ public:
     /// who is asked for it if need be.
     bool must_wait(Effects& effects, const Endpoint& via, const Endpoint& from, Bytes datagram);
     [[nodiscard]] bool must_still_wait(const Endpoint& via, const Endpoint& from) const;
-    /// Its sessions are about to leave: neither hear nor speak.
+    /// Its sessions are about to leave: what comes for them is theirs no more.
+    [[nodiscard]] bool is_deaf(const Endpoint& address) const {
+        return hand_back_.is_deaf(address);
+    }
+    /// Nothing may be said from there.
     [[nodiscard]] bool is_silent(const Endpoint& address) const {
         return hand_back_.is_silent(address);
     }
@@ -130,7 +134,8 @@ private:
     void after_input(Effects& effects);
     void on_view(Effects& effects, const ViewAnnouncement& announcement);
     void send_beacon(Effects& effects);
-    void speak_again(Effects& effects, const Endpoint& address);
+    /// What was said from an address while it was silent went nowhere: says it again.
+    void break_silence(Effects& effects);
     void reset_tables(BrokerId peer, const PeerLog& log);
     /// Tries again for addresses that should be served here and are served by nobody.
     void seek_addresses(Effects& effects);
@@ -156,6 +161,7 @@ private:
     HandoffReceiver handoffs_;
     Settlement settlement_;
     Roaming roaming_;
+    std::set<Endpoint> silent_;  // of those that are served
 
     bool listens_only_ = false;
     Instant next_tick_ = Instant::min();

@@ -130,10 +130,14 @@ void HandBack::on_ack(Effects& effects, BrokerId from, const HandoffAck& ack,
     addresses.give_up(effects, ack.address);
 }
 
-bool HandBack::is_silent(const Endpoint& address) const {
-    if (contested_.contains(address) || is_unsettled(address)) return true;
+bool HandBack::is_deaf(const Endpoint& address) const {
+    if (contested_.contains(address)) return true;
     const auto found = giving_.find(address);
     return found != giving_.end() && found->second.stage == Stage::handed;
+}
+
+bool HandBack::is_silent(const Endpoint& address) const {
+    return is_deaf(address) || (is_unsettled(address) && !expected_.contains(address));
 }
 
 // --- the owner's side
@@ -159,6 +163,9 @@ void HandBack::expect(Instant now, const Endpoint& address, BrokerId from) {
 
 void HandBack::on_handed_over(const Endpoint& address) {
     expected_.erase(address);
+    // The former holder's next beacons may still name the address; it is silent there by now.
+    const auto rival = rivals_.find(address);
+    if (rival != rivals_.end()) rival->second.is_settled = true;
 }
 
 void HandBack::restart() {

@@ -43,7 +43,10 @@ public:
     /// Looks who else serves our addresses.
     void compare(Instant now, const Membership& membership, const ServiceAddresses& addresses);
     /// The address's sessions are on their way, or it belongs to another broker that serves it:
-    /// nothing is said or heard for them here.
+    /// nothing is heard for them here.
+    [[nodiscard]] bool is_deaf(const Endpoint& address) const;
+    /// Nor said; and the owner, too, says nothing before it has what its rival had, but it hears:
+    /// that waits.
     [[nodiscard]] bool is_silent(const Endpoint& address) const;
 
     // --- the owner's side

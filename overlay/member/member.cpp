@@ -108,7 +108,7 @@ void Member::State::on_datagram(Instant now, const Endpoint& via, const Endpoint
                                 Bytes datagram, MemberActions& out) {
     if (has_left_) return;
     notice_stall(now);
-    if (cluster_.is_silent(via)) return;  // its sessions are with another broker by now
+    if (cluster_.is_deaf(via)) return;  // its sessions are with another broker by now
     Effects acting = effects(now, out);
     if (stalled_until_ || cluster_.must_wait(acting, via, from, datagram)) {
         waiting_.hold(via, from, datagram);
@@ -191,6 +191,7 @@ void Member::State::restart(Instant now, MemberActions& out) {
     out.local.push_back(Notice{"was replaced while it stood still: joins again"});
     stalled_until_.reset();
     held_.clear();
+    waiting_.clear();  // of sessions that have lived on elsewhere since
     work_.clear();
     ++log_.incarnation;
     const auto retained = broker_.retained();

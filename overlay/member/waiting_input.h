@@ -42,6 +42,10 @@ public:
         return taken;
     }
 
+    void clear() {
+        waiting_.clear();
+        octets_ = 0;
+    }
     [[nodiscard]] bool empty() const { return waiting_.empty(); }
 
 private:

@@ -19,7 +19,7 @@ ClusterBrokerOptions broker_options(const ClusterWorldOptions& world, std::size_
     options.home_addresses = {World::service_address(index)};
     options.cluster = world.cluster;
     options.cluster.rank = world.cluster.rank + random.below(3);
-    options.broker.t_retry = 500ms;
+    options.broker.t_retry = world.t_retry;
     options.broker.n_retry = 20;  // bad links must not make it drop a message
     options.broker.t_wait = 1s;
     options.wall_clock_error =

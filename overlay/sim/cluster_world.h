@@ -19,6 +19,7 @@ struct ClusterWorldOptions {
     std::size_t brokers = 3;
     cluster::ClusterOptions cluster;
     BrokerNetworkOptions peers;
+    Duration t_retry{std::chrono::milliseconds{500}};  // of the brokers
     Duration wall_clock_error_max{std::chrono::milliseconds{20}};
 };
 

@@ -1,16 +1,9 @@
-// A cluster of shipped members and robots that know one address each: the faults that the design
-// names, one by one, by script. What a robot noticed is told by connects(): 1 means nothing.
+// Brokers that crash, leave and come back, one after the other, by script.
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
-#include <string>
-
-#include "overlay/sim/cluster_world.h"
-#include "overlay/sim/promises.h"
-#include "overlay/sim/settlement.h"
 #include "romano/mqttsn/codec.h"
-#include "tests/overlay/sim/traced.h"
+#include "tests/overlay/sim/cluster_scenario.h"
 
 namespace romano::sim {
 namespace {
@@ -18,60 +11,6 @@ namespace {
 using namespace std::chrono_literals;
 using mqttsn::MsgType;
 using mqttsn::Qos;
-
-class ClusterScenario : public testing::Test {
-protected:
-    ClusterScenario() { trace_if_asked(world); }
-
-    Robot& add(const std::string& name, std::size_t home, const std::string& topic,
-               const std::string& filter, std::vector<Qos> qos = {Qos::exactly_once}) {
-        RobotOptions options;
-        options.name = name;
-        options.broker = World::service_address(home);
-        if (!topic.empty()) options.topics = {topic};
-        if (!filter.empty()) options.subscriptions = {{filter, Qos::exactly_once}};
-        options.qos = std::move(qos);
-        options.publish_every_min = 10ms;
-        options.publish_every_max = 30ms;
-        return world.add_robot(options);
-    }
-
-    /// Brokers and robots are up, agree and are idle.
-    void begin() {
-        world.start_brokers();
-        ASSERT_TRUE(world.run_until([&] { return !disagreement(world); }, 5s))
-            << *disagreement(world);
-        for (std::size_t i = 0; i < world.robot_count(); ++i) world.robot(i).start();
-        ASSERT_TRUE(world.run_until([&] { return world.robots_are_idle(); }, 5s));
-    }
-
-    void publish(bool on) {
-        for (std::size_t i = 0; i < world.robot_count(); ++i) {
-            on ? world.robot(i).begin_publishing() : world.robot(i).end_publishing();
-        }
-    }
-
-    /// Publishing ends, all comes to rest, and every promise was kept.
-    void expect_all_promises_kept() {
-        publish(false);
-        EXPECT_TRUE(
-            world.run_until([&] { return world.robots_are_idle() && !disagreement(world); }, 20s));
-        world.run_for(5s);
-        Violations violations = world.violations();
-        judge_safety(world.ledger(), {}, violations);
-        judge_completeness(world.ledger(), violations);
-        judge_settlement(world, violations);
-        EXPECT_EQ(to_text(violations), "");
-    }
-
-    void expect_nobody_noticed() {
-        for (std::size_t i = 0; i < world.robot_count(); ++i) {
-            EXPECT_EQ(world.robot(i).connects(), 1U) << world.robot(i).name();
-        }
-    }
-
-    ClusterWorld world{ClusterWorldOptions{}};  // three brokers
-};
 
 TEST_F(ClusterScenario, PublishesCrossBrokers) {
     add("talker", 0, "pose", "", {Qos::at_least_once, Qos::exactly_once});
@@ -99,9 +38,7 @@ TEST_F(ClusterScenario, HomeDiesWhileQos1IsInFlight) {
 }
 
 TEST_F(ClusterScenario, LeaderDies) {
-    for (std::size_t home : {0U, 1U, 2U}) {
-        add("robot" + std::to_string(home), home, "pose", "pose");
-    }
+    add_one_each({Qos::exactly_once});
     begin();
     publish(true);
     world.run_for(1s);
@@ -173,10 +110,7 @@ TEST_F(ClusterScenario, BrokerIsRestartedBeforeItsPeersMissedIt) {
 }
 
 TEST_F(ClusterScenario, OneAfterAnotherDiesUntilOneIsLeft) {
-    for (std::size_t home : {0U, 1U, 2U}) {
-        add("robot" + std::to_string(home), home, "pose", "pose",
-            {Qos::at_least_once, Qos::exactly_once});
-    }
+    add_one_each({Qos::at_least_once, Qos::exactly_once});
     begin();
     publish(true);
     for (std::size_t victim : {0U, 2U}) {
@@ -189,10 +123,7 @@ TEST_F(ClusterScenario, OneAfterAnotherDiesUntilOneIsLeft) {
 }
 
 TEST_F(ClusterScenario, RollingRestartUnderLoad) {
-    for (std::size_t home : {0U, 1U, 2U}) {
-        add("robot" + std::to_string(home), home, "pose", "pose",
-            {Qos::at_least_once, Qos::exactly_once});
-    }
+    add_one_each({Qos::at_least_once, Qos::exactly_once});
     begin();
     publish(true);
     for (std::size_t victim : {0U, 1U, 2U}) {
@@ -237,28 +168,6 @@ TEST_F(ClusterScenario, NoWillIsPublishedBecauseAHomeDied) {
     world.run_for(10s);
     EXPECT_TRUE(world.ledger().wills.empty());
     expect_nobody_noticed();
-}
-
-TEST_F(ClusterScenario, RetainedMessagesAreTheSameEverywhereAfterAHeal) {
-    Robot& left = add("left", 0, "", "");
-    Robot& right = add("right", 1, "", "");
-    begin();
-    world.part({{0}, {1, 2}}, true);
-    world.run_for(1s);
-    left.publish("pose", Qos::at_least_once, true);
-    left.publish("only left", Qos::at_least_once, true);
-    world.run_for(1s);
-    right.publish("pose", Qos::at_least_once, true);
-    right.publish("only right", Qos::at_least_once, true);
-    world.run_for(1s);
-    world.heal();
-    world.run_for(3s);
-    expect_all_promises_kept();
-    const auto retained = world.broker(0).member().broker().retained();
-    ASSERT_EQ(retained.size(), 3U);
-    const auto pose =
-        std::ranges::find(retained, "pose", [](const broker::MessagePtr& m) { return m->topic; });
-    EXPECT_EQ((*pose)->position.log.broker, world.broker(1).id());
 }
 
 }  // namespace

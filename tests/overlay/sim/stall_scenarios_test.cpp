@@ -1,0 +1,53 @@
+// Brokers that stand still for a while (SIGSTOP, SIGCONT, a starved machine), by script. The times
+// for repeating are those of the specification, so that nothing is mended by luck in time.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "tests/overlay/sim/cluster_scenario.h"
+
+namespace romano::sim {
+namespace {
+
+using namespace std::chrono_literals;
+using mqttsn::Qos;
+
+ClusterWorldOptions with_patient_brokers() {
+    ClusterWorldOptions options;
+    options.t_retry = 10s;
+    return options;
+}
+
+class StallScenario : public ClusterScenario {
+protected:
+    StallScenario() : ClusterScenario(with_patient_brokers()) {}
+
+    /// The longest way of a message that was asked for since, to whomever.
+    [[nodiscard]] Duration longest_delay(Instant since) const {
+        Duration longest{0};
+        for (const Reception& reception : world.ledger().receptions) {
+            const Sent& sent = world.ledger().sent.at({reception.publisher, reception.number});
+            if (sent.at >= since) longest = std::max(longest, reception.at - sent.at);
+        }
+        return longest;
+    }
+};
+
+TEST_F(StallScenario, AnAddressIsHandedBackWithoutAPauseInItsQueues) {
+    add_one_each({Qos::at_least_once, Qos::exactly_once});
+    begin();
+    publish(true);
+    world.run_for(1s);
+    world.broker(1).stop();
+    world.run_for(2s);
+    const Instant resumed = world.now();
+    world.broker(1).go_on();
+    world.run_for(3s);
+    expect_all_promises_kept();
+    expect_nobody_noticed();
+    EXPECT_LT(longest_delay(resumed - 500ms), 1s);
+}
+
+}  // namespace
+}  // namespace romano::sim
