@@ -30,8 +30,13 @@ std::string describe(const Sent& sent) {
            (sent.acknowledged ? ", acknowledged at " + seconds(*sent.acknowledged) : "") + ")";
 }
 
+bool is_parted(const Judgement& judgement, Instant at) {
+    return std::ranges::any_of(
+        judgement.parted, [at](const Span& span) { return span.from <= at && at <= span.until; });
+}
+
 /// P3: exactly-once messages come once.
-void judge_duplicates(const Ledger& ledger, Violations& out) {
+void judge_duplicates(const Ledger& ledger, const Judgement& judgement, Violations& out) {
     std::map<DeliveryKey, Instant> first;
     for (const Reception& r : ledger.receptions) {
         if (r.qos != Qos::exactly_once || r.retain) continue;
@@ -39,6 +44,10 @@ void judge_duplicates(const Ledger& ledger, Violations& out) {
         const auto [seen, is_new] = first.try_emplace({r.subscriber, message}, r.at);
         if (is_new) continue;
         const auto sent = ledger.sent.find(message);
+        if (is_parted(judgement, r.at) || is_parted(judgement, seen->second) ||
+            (sent != ledger.sent.end() && is_parted(judgement, sent->second.at))) {
+            continue;
+        }
         out.push_back(
             {Promise::exactly_once,
              r.subscriber + " got twice, at " + seconds(seen->second) + " and at " + seconds(r.at) +
@@ -51,6 +60,9 @@ void judge_duplicates(const Ledger& ledger, Violations& out) {
 void judge_order(const Ledger& ledger, const Judgement& judgement, Violations& out) {
     std::set<DeliveryKey> seen;
     std::map<std::tuple<std::string, std::string, std::string, Qos>, const Sent*> last;
+    const auto is_excused = [&](const Sent& sent, Instant at) {
+        return is_parted(judgement, sent.at) || is_parted(judgement, at);
+    };
     for (const Reception& r : ledger.receptions) {
         if (r.retain) continue;
         const MessageKey message{r.publisher, r.number};
@@ -59,7 +71,7 @@ void judge_order(const Ledger& ledger, const Judgement& judgement, Violations& o
         const Sent& sent = found->second;
         if (r.qos != sent.qos) continue;  // granted less
         if (sent.qos == Qos::at_most_once && !judgement.links_keep_order) continue;
-        if (!seen.insert({r.subscriber, message}).second) continue;
+        if (!seen.insert({r.subscriber, message}).second || is_excused(sent, r.at)) continue;
         const Sent*& before = last[{r.subscriber, r.publisher, sent.topic, sent.qos}];
         if (before != nullptr && before->number > sent.number) {
             out.push_back({Promise::in_order, r.subscriber + " got at " + seconds(r.at) + " " +
@@ -102,7 +114,7 @@ std::string to_text(const Violations& violations) {
 }
 
 void judge_safety(const Ledger& ledger, const Judgement& judgement, Violations& out) {
-    judge_duplicates(ledger, out);
+    judge_duplicates(ledger, judgement, out);
     judge_order(ledger, judgement, out);
     judge_needless_wills(ledger, out);
 }

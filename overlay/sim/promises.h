@@ -34,9 +34,18 @@ using Violations = std::vector<Violation>;
 /// "P2 robot1 never got robot0's message 17 ...", a line each.
 [[nodiscard]] std::string to_text(const Violations& violations);
 
+/// From the first cut to the settled cluster after the heal.
+struct Span {
+    Instant from;
+    Instant until;
+};
+
 struct Judgement {
     /// QoS 0 may be overtaken on links whose delay varies.
     bool links_keep_order = false;
+    /// Brokers were parted and their clients were not: both sides spoke to a client, so that what
+    /// it got then, or sent then, may come twice and out of order (overlay/cluster, known limits).
+    std::vector<Span> parted{};
 };
 
 /// P3, P5, and that no will was published without reason (P7): true at any time.

@@ -25,7 +25,7 @@ void RandomFaults::begin() {
 
 void RandomFaults::end() {
     active_ = false;
-    world_.heal();
+    heal();
     world_.clients().set_quality(good_clients_);
     world_.peers().set_quality(good_peers_);
     for (std::size_t i = 0; i < world_.broker_count(); ++i) {
@@ -49,7 +49,9 @@ bool RandomFaults::is_calm() {
         return false;
     }
     if (calm_since_ == never) calm_since_ = world_.now();
-    return world_.now() - calm_since_ >= options_.calm_before_crash;
+    if (world_.now() - calm_since_ < options_.calm_before_crash) return false;
+    if (!parted_.empty()) parted_.back().until = std::min(parted_.back().until, world_.now());
+    return true;
 }
 
 void RandomFaults::happen(Fault fault) {
@@ -123,16 +125,28 @@ void RandomFaults::part() {
     std::vector<std::set<std::size_t>> sides(2);
     for (std::size_t i = 0; i < world_.broker_count(); ++i) sides[random_.below(2)].insert(i);
     if (sides[0].empty() || sides[1].empty()) return;
-    world_.part(sides, random_.below(2) == 0);
-    for_a_while([this] { world_.heal(); });
+    const bool clients_too = random_.below(2) == 0;
+    if (!clients_too) parted_.push_back({world_.now(), never});
+    world_.part(sides, clients_too);
+    for_a_while([this] { heal(); });
+}
+
+void RandomFaults::heal() {
+    world_.peers().join_all();
+    ++structural_;
+    world_.events().after(100ms, [this] {
+        --structural_;
+        world_.clients().cuts().join_all();
+    });
 }
 
 void RandomFaults::cut_one_way() {
     const std::size_t from = some_broker();
     const std::size_t to = some_broker();
     if (from == to) return;
+    parted_.push_back({world_.now(), never});
     world_.cut(from, to);
-    for_a_while([this] { world_.heal(); });
+    for_a_while([this] { heal(); });
 }
 
 void RandomFaults::spoil_links() {

@@ -1,5 +1,9 @@
 // Faults at random times: brokers crash, stop and leave, links are cut and grow bad.
 //
+// Brokers that are parted with their clients meet again before the clients hear both sides: a
+// beacon time is enough for brokers to fall silent, and who hears a stale home before that may get
+// a message twice (overlay/cluster, known limits).
+//
 // It keeps to what P2 is about: brokers crash (at most `acks` at once) only when the cluster has
 // been calm for a while, so that what was acknowledged has reached the peers that promise it.
 #pragma once
@@ -35,6 +39,8 @@ public:
     /// All faults end: brokers run, links are good.
     void end();
 
+    /// While brokers were parted and their clients were not.
+    [[nodiscard]] const std::vector<Span>& parted() const { return parted_; }
     /// How often each kind happened.
     [[nodiscard]] const std::array<std::uint32_t, fault_kinds>& counts() const { return counts_; }
 
@@ -48,6 +54,7 @@ private:
     void cut_one_way();
     void spoil_links();
     void for_a_while(EventQueue::Event undo);
+    void heal();
     [[nodiscard]] std::size_t some_broker();
     [[nodiscard]] bool is_calm();
 
@@ -60,6 +67,7 @@ private:
     bool active_ = false;
     std::uint32_t structural_ = 0;  // faults that last now and keep brokers apart or down
     Instant calm_since_ = never;
+    std::vector<Span> parted_;
 };
 
 }  // namespace romano::sim

@@ -107,7 +107,8 @@ private:
         world_.run_for(options_.faults_last);
         storm.end();
         for (const std::uint32_t count : storm.counts()) result_.faults += count;
-        judge_safety(world_.ledger(), {}, result_.violations);
+        judgement_.parted = storm.parted();
+        judge_safety(world_.ledger(), judgement_, result_.violations);
         // The storm's last timers still refer to it.
         world_.run_for(faults.lasts_max + faults.pause_max);
     }
@@ -117,6 +118,7 @@ private:
         for (std::size_t i = 0; i < world_.robot_count(); ++i) world_.robot(i).end_publishing();
         expect_idle("after the faults");
         if (!result_.is_good()) return;
+        for (Span& span : judgement_.parted) span.until = std::min(span.until, world_.now());
         (void)world_.run_until(
             [this] {
                 Violations missing;
@@ -125,7 +127,7 @@ private:
                 return missing.empty();
             },
             deliveries_within, 500ms);
-        judge_safety(world_.ledger(), {}, result_.violations);
+        judge_safety(world_.ledger(), judgement_, result_.violations);
         judge_completeness(world_.ledger(), result_.violations);
         judge_settlement(world_, result_.violations);
     }
@@ -167,6 +169,7 @@ private:
 
     RunOptions options_;
     ClusterWorld world_;
+    Judgement judgement_;
     RunResult result_;
 };
 
