@@ -56,7 +56,7 @@ void ViewChange::on_tick(Instant now, Surroundings around, Outbox& out) {
     if (proposal_) {
         give_up_on_silent(now, around.membership);
         auto desired = desired_members(around.membership);
-        if (desired != proposal_->message.view.members) {
+        if (desired != proposal_->message.view.members || is_outnumbered(around.membership)) {
             propose(now, std::move(desired), around, out);
         } else if (now >= proposal_->asked_at + beacon_every_) {
             ask(now, out);
@@ -64,7 +64,7 @@ void ViewChange::on_tick(Instant now, Surroundings around, Outbox& out) {
         return;
     }
     auto desired = desired_members(around.membership);
-    if (needs_change(now, desired, around.membership)) {
+    if (needs_change(now, desired, around)) {
         propose(now, std::move(desired), around, out);
     }
 }
@@ -86,8 +86,17 @@ std::vector<LogId> ViewChange::desired_members(const Membership& membership) {
 }
 
 bool ViewChange::needs_change(Instant now, const std::vector<LogId>& desired,
-                              const Membership& membership) const {
+                              Surroundings around) const {
     if (desired != view_.members || view_.number.leader != self_.broker) return true;
+    // A proposal of ours or of another leader came to nothing: logs that it froze must live on.
+    if (promised_ > view_.number) return true;
+    const Membership& membership = around.membership;
+    // A broker died that was in no view of ours: somebody must go on for it, too.
+    const bool has_orphans = std::ranges::any_of(around.logs, [&](const auto& entry) {
+        return !entry.second.is_frozen() && !contains(entry.first) &&
+               !membership.is_alive(entry.first);
+    });
+    if (has_orphans) return true;
     if (now < installed_at_ + 2 * patience_) return false;
     // A member that did not hear the announcement is asked into the view again.
     return std::ranges::any_of(membership.peers(), [this](const auto& entry) {
@@ -98,12 +107,7 @@ bool ViewChange::needs_change(Instant now, const std::vector<LogId>& desired,
 
 void ViewChange::propose(Instant now, std::vector<LogId> members, Surroundings around,
                          Outbox& out) {
-    const auto& leadership = around.membership.leadership();
-    ViewNumber number{.term = leadership.term, .leader = self_.broker, .count = 1};
-    const ViewNumber& newest = std::max(promised_, view_.number);
-    if (newest.term == number.term && newest.leader == number.leader) {
-        number.count = newest.count + 1;
-    }
+    const ViewNumber number = next_number(around.membership);
     promised_ = number;
     promised_at_ = now;
 
@@ -119,6 +123,35 @@ void ViewChange::propose(Instant now, std::vector<LogId> members, Surroundings a
     proposal_->answers.emplace(self_, holdings(view, around));
     ask(now, out);
     conclude(now, around, out);
+}
+
+/// Higher than all that was proposed here, and than the views that the others are in: one of them
+/// may have been in a view of its own while it was out of sight.
+ViewNumber ViewChange::next_number(const Membership& membership) const {
+    ViewNumber newest = std::max(promised_, view_.number);
+    for (const auto& [id, peer] : membership.peers()) {
+        if (peer.alive) newest = std::max(newest, peer.beacon.view.number);
+    }
+    ViewNumber number{.term = std::max(membership.leadership().term, newest.term),
+                      .leader = self_.broker,
+                      .count = 1};
+    if (number.term > newest.term) return number;
+    if (newest.leader == number.leader) {
+        number.count = newest.count + 1;
+    } else if (newest.leader > number.leader) {
+        ++number.term;
+    }
+    return number;
+}
+
+/// Nobody may follow the proposal any more: it is of an earlier term, or a member's view is newer.
+bool ViewChange::is_outnumbered(const Membership& membership) const {
+    const View& proposed = proposal_->message.view;
+    if (membership.leadership().term > proposed.number.term) return true;
+    return std::ranges::any_of(membership.peers(), [&](const auto& entry) {
+        const Beacon& beacon = entry.second.beacon;
+        return has(proposed, beacon.log) && beacon.view.number > proposed.number;
+    });
 }
 
 void ViewChange::ask(Instant now, Outbox& out) {

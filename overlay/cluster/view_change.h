@@ -57,8 +57,10 @@ private:
 
     [[nodiscard]] std::vector<LogId> desired_members(const Membership& membership);
     [[nodiscard]] bool needs_change(Instant now, const std::vector<LogId>& desired,
-                                    const Membership& membership) const;
+                                    Surroundings around) const;
     void propose(Instant now, std::vector<LogId> members, Surroundings around, Outbox& out);
+    [[nodiscard]] ViewNumber next_number(const Membership& membership) const;
+    [[nodiscard]] bool is_outnumbered(const Membership& membership) const;
     void ask(Instant now, Outbox& out);
     void give_up_on_silent(Instant now, const Membership& membership);
     void conclude(Instant now, Surroundings around, Outbox& out);

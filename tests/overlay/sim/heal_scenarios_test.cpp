@@ -3,6 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <set>
+#include <utility>
+#include <vector>
 
 #include "tests/overlay/sim/cluster_scenario.h"
 
@@ -12,7 +15,61 @@ namespace {
 using namespace std::chrono_literals;
 using mqttsn::Qos;
 
-using HealScenario = ClusterScenario;
+class HealScenario : public ClusterScenario {
+protected:
+    /// Brokers fall silent as soon as they hear of each other; then clients may hear them all.
+    void heal_brokers_first() {
+        world.peers().join_all();
+        world.run_for(100ms);
+        world.heal();
+    }
+};
+
+TEST_F(HealScenario, ACutThatOnlyOneSideNoticedEndsInOneView) {
+    add("talker", 0, "pose", "");
+    add("listener", 1, "", "pose");
+    begin();
+    for (const Duration length : {95ms, 120ms, 150ms, 180ms, 210ms}) {
+        for (const auto& [from, to] : {std::pair{0U, 1U}, {1U, 0U}, {0U, 2U}, {2U, 0U}}) {
+            world.cut(from, to);
+            world.run_for(length);
+            world.heal();
+            ASSERT_TRUE(world.run_until([&] { return !disagreement(world); }, 2s))
+                << *disagreement(world);
+            world.run_for(300ms);
+        }
+    }
+    publish(true);
+    world.run_for(1s);
+    expect_all_promises_kept();
+}
+
+TEST_F(HealScenario, TwoPartitionsInARow) {
+    add_one_each({Qos::at_least_once, Qos::exactly_once});
+    begin();
+    publish(true);
+    for (const auto& sides : {std::vector<std::set<std::size_t>>{{0}, {1, 2}}, {{0, 1}, {2}}}) {
+        world.part(sides, true);
+        world.run_for(700ms);
+        heal_brokers_first();
+        world.run_for(700ms);
+    }
+    expect_all_promises_kept();
+}
+
+TEST_F(HealScenario, ABrokerDiesSoonAfterTheyMetAgain) {
+    add_one_each({Qos::at_least_once, Qos::exactly_once});
+    begin();
+    publish(true);
+    world.part({{0}, {1}, {2}}, true);
+    world.run_for(500ms);
+    heal_brokers_first();
+    ASSERT_TRUE(world.run_until([&] { return !disagreement(world); }, 2s));
+    world.run_for(100ms);  // what each promised alone has come to the others
+    world.broker(1).crash();
+    world.run_for(2s);
+    expect_all_promises_kept();
+}
 
 TEST_F(HealScenario, RetainedMessagesAreTheSameEverywhereAfterAHeal) {
     Robot& left = add("left", 0, "", "");

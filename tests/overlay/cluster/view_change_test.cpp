@@ -1,0 +1,137 @@
+#include "overlay/cluster/view_change.h"
+
+#include <gmock/gmock.h>
+
+#include "tests/overlay/cluster/events.h"
+
+namespace romano::cluster {
+namespace {
+
+using namespace std::chrono_literals;
+
+const LogId self = test::log_of("self");
+const LogId peer = test::log_of("peer");
+const LogId high = test::log_of("high");
+
+// A leader and its peers, which it knows by their beacons.
+struct Leader {
+    ClusterOptions options{.rank = 5};
+    Membership membership{options, self.broker, 1};
+    ViewChange change{self, 100ms, 10ms};
+    PeerLogs logs;
+    std::vector<Endpoint> none;
+    Outbox out;
+    Instant now{1s};
+    std::uint64_t ticks = 0;
+
+    Surroundings around() {
+        return {.membership = membership, .logs = logs, .serving = none, .home = none};
+    }
+    void hear(const LogId& from, const LogId& follows, election::Term term, std::uint32_t rank) {
+        Beacon beacon{.log = from, .tick = ++ticks, .hears = {self.broker}};
+        beacon.view = change.view();
+        beacon.claim = {.rank = {.capability = rank, .id = node_of(from.broker)},
+                        .term = term,
+                        .leader = node_of(follows.broker)};
+        membership.on_beacon(now, beacon);
+        logs.try_emplace(from, from, 1'000);
+    }
+    void wait(Duration time) {
+        for (const Instant end = now + time; now < end;) {
+            now += 10ms;
+            membership.on_tick(now, out);
+            change.on_tick(now, around(), out);
+        }
+    }
+    [[nodiscard]] election::Term term() { return membership.leadership().term; }
+    /// Every member answers what it was asked last.
+    void answer(const LogId& member) {
+        std::optional<ViewNumber> asked;
+        for (const auto& outgoing : out) {
+            const auto* proposal = std::get_if<ViewProposal>(&outgoing.message);
+            if (proposal != nullptr && outgoing.to == member.broker) asked = proposal->view.number;
+        }
+        if (asked) change.on_holdings(now, member, {.number = *asked}, around(), out);
+    }
+    /// In a view with the peer.
+    void begin() {
+        wait(200ms);
+        hear(peer, self, term(), 1);
+        wait(20ms);
+        answer(peer);
+        ASSERT_EQ(change.view().members.size(), 2U);
+    }
+};
+
+TEST(ViewChange, AProposalThatCameToNothingLeavesNoLogFrozen) {
+    Leader leader;
+    leader.begin();
+    // The peer is missed while another one has just come; that one then takes the lead, and dies.
+    leader.hear(high, self, leader.term(), 9);
+    leader.membership.on_left_out(leader.now, peer);
+    leader.wait(10ms);
+    ASSERT_TRUE(leader.logs.at(peer).is_frozen());
+    leader.hear(high, high, leader.term() + 1, 9);
+    leader.hear(peer, high, leader.term() + 1, 1);
+    leader.wait(10ms);
+    ASSERT_FALSE(leader.membership.leads());
+    leader.membership.on_left_out(leader.now, high);
+    for (int i = 0; i < 50; ++i) {
+        leader.hear(peer, self, leader.term(), 1);
+        leader.wait(10ms);
+        leader.answer(peer);
+    }
+    ASSERT_TRUE(leader.membership.leads());
+    EXPECT_EQ(leader.change.view().members.size(), 2U);
+    EXPECT_FALSE(leader.logs.at(peer).is_frozen());
+}
+
+TEST(ViewChange, AProposalOutnumbersTheViewsOfAllWhomItAsks) {
+    Leader leader;
+    leader.begin();
+    // The peer was in a view of its own for a moment, and follows us again.
+    Beacon beacon{.log = peer, .tick = ++leader.ticks, .hears = {self.broker}};
+    beacon.view = {.number = {leader.term() + 1, BrokerId{~0ULL}, 1}, .members = {peer}};
+    beacon.claim = {.rank = {.capability = 1, .id = node_of(peer.broker)},
+                    .term = leader.term(),
+                    .leader = node_of(self.broker)};
+    leader.membership.on_beacon(leader.now, beacon);
+    leader.out.clear();
+    for (int i = 0; i < 30; ++i) {
+        beacon.tick = ++leader.ticks;
+        leader.membership.on_beacon(leader.now, beacon);
+        leader.wait(10ms);
+    }
+    ASSERT_FALSE(leader.out.empty());
+    const auto& proposal = std::get<ViewProposal>(leader.out.back().message);
+    EXPECT_GT(proposal.view.number, beacon.view.number);
+}
+
+TEST(ViewChange, AProposalGoesWithItsLeadersTerm) {
+    Leader leader;
+    leader.begin();
+    leader.hear(high, self, leader.term(), 1);  // a newcomer, who does not answer yet
+    leader.wait(20ms);
+    const election::Term before = leader.term();
+    leader.hear(high, high, before + 1, 1);  // it led, out of our sight: our term grows
+    leader.hear(high, self, before + 1, 1);
+    leader.wait(20ms);
+    ASSERT_GT(leader.term(), before);
+    const auto& proposal = std::get<ViewProposal>(leader.out.back().message);
+    EXPECT_EQ(proposal.view.number.term, leader.term());
+}
+
+TEST(ViewChange, SomebodyGoesOnForABrokerThatDiedOutsideOfTheView) {
+    Leader leader;
+    leader.begin();
+    leader.logs.try_emplace(high, high, 1'000);  // it followed somebody else, and is gone
+    leader.wait(10ms);
+    leader.answer(peer);
+    const auto installed = leader.change.take_installed();
+    ASSERT_TRUE(installed);
+    EXPECT_TRUE(leader.logs.at(high).is_frozen());
+    EXPECT_THAT(installed->ends, testing::ElementsAre(LogPosition{high, 0}));
+}
+
+}  // namespace
+}  // namespace romano::cluster
