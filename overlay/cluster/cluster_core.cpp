@@ -18,12 +18,10 @@ constexpr Duration trim_every = 100ms;
 constexpr Duration addresses_every = 500ms;
 constexpr Duration removed_kept_for = 30s;  // logs of removed brokers: they may come back
 
-/// How far the peer's last beacon says that it applied the log.
-Seq applied_by(const Peer* peer, const LogId& log) {
-    if (peer == nullptr) return 0;
-    const auto& applied = peer->beacon.applied;
-    const auto found = std::ranges::find(applied, log, &LogPosition::log);
-    return found == applied.end() ? 0 : found->seq;
+/// How far the beacon says that its sender applied the log.
+Seq applied_by(const Beacon& beacon, const LogId& log) {
+    const auto found = std::ranges::find(beacon.applied, log, &LogPosition::log);
+    return found == beacon.applied.end() ? 0 : found->seq;
 }
 
 }  // namespace
@@ -143,9 +141,7 @@ void ClusterCore::heed(const Beacon& beacon) {
     PeerLog& log = log_of(beacon.log);
     log.heard_end(beacon.last_seq);
     log.heard_serving(beacon.serving);
-    for (const LogPosition& applied : beacon.applied) {
-        if (applied.log == own_.id()) watermark_.on_ack(beacon.log, applied.seq);
-    }
+    watermark_.on_beacon(beacon.log, applied_by(beacon, own_.id()));
     for (auto& [id, held] : logs_) {
         if (!held.is_frozen() || id.broker == beacon.log.broker) continue;
         for (const Endpoint& address : beacon.serving) held.mark_served(address);
@@ -185,13 +181,8 @@ void ClusterCore::on_view(Effects& effects, const ViewAnnouncement& announcement
     // An heir whose own detector is a little slower must not take the dead for a rival, and fall
     // silent, at the very moment at which it takes the address over.
     for (const LogPosition& end : announcement.ends) membership_.on_left_out(effects.now, end.log);
-    std::erase_if(frozen_since_, [&](const auto& entry) {
-        const auto log = logs_.find(entry.first);
-        return log == logs_.end() || !log->second.is_frozen();
-    });
     for (const auto& [id, log] : logs_) {
         if (!log.is_frozen()) continue;
-        frozen_since_.try_emplace(id, effects.now);
         interest_.forget(id.broker);
         homes_.forget(id.broker);
     }
@@ -207,10 +198,12 @@ void ClusterCore::on_view(Effects& effects, const ViewAnnouncement& announcement
         }
     }
     take_over_.on_view(effects.now, announcement);
+    ask_for_gaps(effects);
     settlement_.compare(effects, logs_, view());
 }
 
 bool ClusterCore::was_replaced() const {
+    if (watermark_.has_promised_alone()) return false;  // then it comes back with its log, as in a heal
     return std::ranges::any_of(membership_.peers(), [this](const auto& entry) {
         const Beacon& beacon = entry.second.beacon;
         return view_change_.contains(beacon.log) && beacon.view.number > view().number &&
@@ -429,18 +422,20 @@ void ClusterCore::ask_for_gaps(Effects& effects) {
 }
 
 void ClusterCore::trim(Instant now) {
-    // Logs of removed brokers go once their sessions have new homes and they did not come back.
+    // Logs of brokers that are gone are kept for a while: they may come back, and until then what
+    // is held of them may be all that there is.
     std::erase_if(logs_, [&](const auto& entry) {
-        const auto since = frozen_since_.find(entry.first);
-        if (since == frozen_since_.end() || now < since->second + removed_kept_for) return false;
-        watermark_.forget(entry.first);
-        frozen_since_.erase(since);
+        const LogId& id = entry.first;
+        const bool is_gone =
+            entry.second.is_frozen() || (!view_change_.contains(id) && !membership_.is_alive(id));
+        if (!is_gone) {
+            gone_since_.erase(id);
+            return false;
+        }
+        if (now < gone_since_.try_emplace(id, now).first->second + removed_kept_for) return false;
+        watermark_.forget(id);
+        gone_since_.erase(id);
         return true;
-    });
-    // A peer that went away before it ever came into a view.
-    std::erase_if(logs_, [&](const auto& entry) {
-        return !entry.second.is_frozen() && !view_change_.contains(entry.first) &&
-               !membership_.is_alive(entry.first);
     });
 
     constexpr Seq all = std::numeric_limits<Seq>::max();
@@ -461,7 +456,8 @@ void ClusterCore::trim(Instant now) {
             if (other == id || (held.is_frozen() && !held.has_sessions_left())) continue;
             passed_by_all = std::min(passed_by_all, held.mirror().cursor(id));
             if (held.is_frozen()) continue;
-            held_by_all = std::min(held_by_all, applied_by(membership_.find(other.broker), id));
+            const Peer* peer = membership_.find(other.broker);
+            held_by_all = std::min(held_by_all, peer == nullptr ? 0 : applied_by(peer->beacon, id));
         }
         log.history().forget_events(held_by_all);
         log.history().forget_publishes(now, passed_by_all);

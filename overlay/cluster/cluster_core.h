@@ -76,7 +76,7 @@ public:
     }
     /// With acks_strict: there are fewer peers than must hold what is promised to clients.
     [[nodiscard]] bool is_short_of_peers() const;
-    /// Members of our view made a newer one without us.
+    /// Members of our view made a newer one without us, and hold all that we promised to clients.
     [[nodiscard]] bool was_replaced() const;
     [[nodiscard]] const View& view() const { return view_change_.view(); }
     [[nodiscard]] election::Leadership leadership() const { return membership_.leadership(); }
@@ -151,7 +151,7 @@ private:
     ServiceAddresses addresses_;
     std::vector<Endpoint> claimed_;  // addresses_.claimed(), for the surroundings
     PeerLogs logs_;
-    std::map<LogId, Instant> frozen_since_;
+    std::map<LogId, Instant> gone_since_;
     Interest interest_;
     Homes homes_;
     Watermark watermark_;

@@ -123,8 +123,11 @@ void PeerLog::freeze() {
 }
 
 void PeerLog::thaw() {
+    if (!frozen_) return;
     frozen_ = false;
     left_.clear();
+    asked_at_ = Instant::min();  // what was missed meanwhile is asked for at once
+    asked_after_ = applied();
 }
 
 std::vector<broker::SessionImage> PeerLog::sessions_left(const Endpoint& address) const {

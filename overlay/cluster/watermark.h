@@ -19,13 +19,15 @@ public:
     explicit Watermark(std::uint32_t acks) : acks_(acks) {}
 
     void on_ack(const broker::LogId& peer, broker::Seq through) {
-        broker::Seq& held = held_[peer];
-        held = std::max(held, through);
+        hold(peer, std::max(held_by(peer), through));
     }
+    /// The peer's beacon tells all that it holds: less than it once had, when it let our log go
+    /// while we were out of its sight.
+    void on_beacon(const broker::LogId& peer, broker::Seq holds) { hold(peer, holds); }
     void forget(const broker::LogId& peer) { held_.erase(peer); }
     void restart() {
         held_.clear();
-        safe_ = 0;
+        most_held_ = safe_ = 0;
     }
 
     /// Never falls: what was once shown to clients stays shown.
@@ -45,14 +47,22 @@ public:
     }
 
     [[nodiscard]] broker::Seq safe() const { return safe_; }
+    /// Clients were told of something that no peer ever held.
+    [[nodiscard]] bool has_promised_alone() const { return safe_ > most_held_; }
     [[nodiscard]] broker::Seq held_by(const broker::LogId& peer) const {
         const auto found = held_.find(peer);
         return found == held_.end() ? 0 : found->second;
     }
 
 private:
+    void hold(const broker::LogId& peer, broker::Seq through) {
+        held_[peer] = through;
+        most_held_ = std::max(most_held_, through);
+    }
+
     std::uint32_t acks_;
     std::map<broker::LogId, broker::Seq> held_;
+    broker::Seq most_held_ = 0;
     broker::Seq safe_ = 0;
 };
 

@@ -143,5 +143,16 @@ TEST(PeerLog, AFrozenLogAsksItsWriterForNothing) {
     EXPECT_FALSE(held.log.ask(start + 1s, 20ms));
 }
 
+TEST(PeerLog, WhatAFrozenLogMissedIsAskedForAsSoonAsItsWriterIsBack) {
+    Held held;
+    held.take(1, {session("a")});
+    held.log.freeze();
+    EXPECT_FALSE(held.log.ask(start, 20ms));
+    held.log.heard_end(3);
+    held.log.thaw();
+    EXPECT_TRUE(held.log.ask(start + 1ms, 20ms));
+    EXPECT_FALSE(held.log.ask(start + 2ms, 20ms)) << "once";
+}
+
 }  // namespace
 }  // namespace romano::cluster

@@ -55,5 +55,25 @@ TEST(Watermark, AnAckBeyondTheOwnLogIsCut) {
     EXPECT_EQ(watermark.advance(10, peers), 10U);
 }
 
+TEST(Watermark, APeerThatLetOurLogGoDoesNotHoldIt) {
+    Watermark watermark = after_acks(1);
+    EXPECT_EQ(watermark.advance(7, peers), 7U);
+    for (const auto& peer : peers) watermark.on_beacon(peer, 0);
+    EXPECT_EQ(watermark.advance(10, peers), 7U);
+    watermark.on_beacon(peers[0], 9);
+    EXPECT_EQ(watermark.advance(10, peers), 9U);
+}
+
+TEST(Watermark, KnowsWhenSomethingWasPromisedThatNobodyHolds) {
+    Watermark watermark = after_acks(1);
+    (void)watermark.advance(10, peers);
+    for (const auto& peer : peers) watermark.on_beacon(peer, 0);
+    EXPECT_FALSE(watermark.has_promised_alone()) << "they held it once, and know its end";
+    (void)watermark.advance(10, {});
+    EXPECT_TRUE(watermark.has_promised_alone());
+    watermark.on_ack(peers[0], 10);
+    EXPECT_FALSE(watermark.has_promised_alone());
+}
+
 }  // namespace
 }  // namespace romano::cluster
