@@ -33,6 +33,17 @@ std::size_t put_source(MutableBytes room, const Endpoint& source) {
     return put_control(room, IPPROTO_IP, IP_PKTINFO, info);
 }
 
+/// For the rare datagram that the path does not take in one piece, on a socket that asks for whole
+/// ones (ServiceSocket).
+bool send_in_fragments(int socket, const msghdr& datagram) {
+    const int cut = IP_PMTUDISC_WANT;
+    const int whole = IP_PMTUDISC_DO;
+    (void)setsockopt(socket, IPPROTO_IP, IP_MTU_DISCOVER, &cut, sizeof cut);
+    const auto sent = sendmsg(socket, &datagram, MSG_DONTWAIT);
+    (void)setsockopt(socket, IPPROTO_IP, IP_MTU_DISCOVER, &whole, sizeof whole);
+    return sent >= 0;
+}
+
 }  // namespace
 
 SendBatch::SendBatch() {
@@ -44,16 +55,21 @@ SendBatch::SendBatch() {
     }
 }
 
-void SendBatch::add(const Endpoint& to, Bytes octets) {
+msghdr& SendBatch::append(Bytes octets) {
     assert(!full());
-    receivers_[size_] = to_socket_address(to);
     // sendmmsg takes octets as not const, and leaves them alone.
     vectors_[size_] = {const_cast<std::uint8_t*>(octets.data()), octets.size()};
-    msghdr& header = headers_[size_].msg_hdr;
-    header.msg_namelen = receivers_[size_].size;
+    msghdr& header = headers_[size_++].msg_hdr;
+    header.msg_namelen = 0;
     header.msg_control = nullptr;
     header.msg_controllen = 0;
-    ++size_;
+    return header;
+}
+
+void SendBatch::add(const Endpoint& to, Bytes octets) {
+    receivers_[size_] = to_socket_address(to);
+    const socklen_t size = receivers_[size_].size;
+    append(octets).msg_namelen = size;
 }
 
 void SendBatch::add_from(const Endpoint& source, const Endpoint& to, Bytes octets) {
@@ -63,6 +79,10 @@ void SendBatch::add_from(const Endpoint& source, const Endpoint& to, Bytes octet
     header.msg_control = room.data();
     header.msg_controllen =
         put_source({reinterpret_cast<std::uint8_t*>(room.data()), room.size()}, source);
+}
+
+void SendBatch::add_to_peer(Bytes octets) {
+    append(octets);
 }
 
 void SendBatch::flush(int socket, NetCounters& counters) {
@@ -76,6 +96,9 @@ void SendBatch::flush(int socket, NetCounters& counters) {
         } else if (errno == EAGAIN || errno == EWOULDBLOCK || errno == ENOBUFS) {
             counters.send_buffer_full += size_ - done;
             break;
+        } else if (errno == EMSGSIZE && send_in_fragments(socket, headers_[done].msg_hdr)) {
+            ++counters.sent;
+            ++done;
         } else if (errno != EINTR) {  // this one cannot be sent; those behind it may
             ++counters.send_failed;
             ++done;

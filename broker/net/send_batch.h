@@ -29,11 +29,15 @@ public:
     void add(const Endpoint& to, Bytes octets);
     /// As add(), leaving from the address `source` of a socket that is bound to all addresses.
     void add_from(const Endpoint& source, const Endpoint& to, Bytes octets);
+    /// As add(), to the address that the socket is connected to.
+    void add_to_peer(Bytes octets);
 
     /// Sends all and is empty again.
     void flush(int socket, NetCounters& counters);
 
 private:
+    msghdr& append(Bytes octets);
+
     struct alignas(cmsghdr) Control {
         std::array<char, 64> octets;
     };

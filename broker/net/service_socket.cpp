@@ -57,6 +57,10 @@ boost::system::error_code ServiceSocket::create(const Endpoint& address) {
     const int fd = socket_.native_handle();
     // [::] means IPv6 alone, so that 0.0.0.0 can be served beside it.
     if (v6) return set_option(fd, IPPROTO_IPV6, IPV6_V6ONLY, 1);
+    // A datagram that may not be cut up needs no id from the kernel's table of destinations, which
+    // costs more than all that the broker does with a message. SendBatch sends the longer ones.
+    error = set_option(fd, IPPROTO_IP, IP_MTU_DISCOVER, IP_PMTUDISC_DO);
+    if (error) return error;
     // Multicasts leave by the interface of the address, not by the default route.
     if (wildcard_ || is_multicast(address)) return {};
     return set_option(fd, IPPROTO_IP, IP_MULTICAST_IF, to_socket_address(address).v4.sin_addr);
