@@ -6,6 +6,7 @@
 
 #include "experiments/cli/broker_options.h"
 #include "experiments/cli/brokers.h"
+#include "experiments/cli/load.h"
 #include "experiments/cli/pub.h"
 #include "experiments/cli/sub.h"
 #include "experiments/cli/sweep.h"
@@ -25,11 +26,13 @@ int main(int argc, char** argv) {
     add_pub(program, exit_code);
     add_sub(program, exit_code);
     add_brokers(program, exit_code);
+    add_load(program, exit_code);
     add_sweep(program, exit_code);
     try {
         program.parse(argc, argv);
         if (program.get_subcommands().empty()) {
-            throw CommandError("a subcommand is needed: pub, sub, brokers or sweep (see --help)");
+            throw CommandError(
+                "a subcommand is needed: pub, sub, brokers, load or sweep (see --help)");
         }
     } catch (const CLI::Success& asked) {  // --help, --version
         return program.exit(asked);

@@ -1,0 +1,184 @@
+#include "experiments/cli/load.h"
+
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <boost/asio/io_context.hpp>
+#include <chrono>
+#include <csignal>
+#include <cstdio>
+#include <cstring>
+#include <memory>
+#include <string>
+
+#include "broker/net/socket_address.h"
+#include "experiments/cli/broker_options.h"
+#include "experiments/load/load_run.h"
+#include "experiments/load/mqttsn_clients.h"
+
+namespace romano::experiments {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr const char* examples = R"(Examples:
+  romano load                                       (closed loop, one publisher, one subscriber)
+  romano load -h 192.168.1.5 --rate 10000           (10,000 messages a second: what is the latency?)
+  romano load --subscribers 50                      (fan-out: each message goes to 50)
+  romano load --publishers 20 --subscribers 20 --topics 20 -q 1
+  romano load -h ::1 -p 1884 --rate 200 -q 2 --payload 200 --duration 60 --json
+  romano load --publishers 5000 --subscribers 5000 --topics 10000 --one-socket
+In a closed loop --in-flight messages are on their way; where one has arrived, the next leaves.
+Publisher i publishes on topic i mod N, or on each N-th topic; subscribers likewise.
+Exit code: 0; 1 when something was lost, doubled at QoS 2, or refused; 2 when nothing was measured.
+)";
+
+volatile std::sig_atomic_t interrupted = 0;
+
+struct LoadOptions {
+    BrokerOptions broker;
+    LoadPlan plan;
+    int qos = 0;
+    double rate_per_s = 0;
+    double warm_up_s = 1;
+    double duration_s = 5;
+    double drain_s = 5;
+    bool one_socket = false;
+    bool never_sleep = false;
+    bool json = false;
+};
+
+Duration in_time(double seconds) {
+    return std::chrono::duration_cast<Duration>(std::chrono::duration<double>{seconds});
+}
+
+Endpoint endpoint_of(const BrokerOptions& options) {
+    boost::asio::io_context io{1};
+    const BrokerAddress found = resolve_broker(io, options.host, options.port);
+    net::SocketAddress address;
+    std::memcpy(&address.any, found.data(), found.size());
+    return net::to_endpoint(address);
+}
+
+/// On a terminal, in one line that is redrawn; else silent.
+class Progress {
+public:
+    explicit Progress(bool shown) : shown_(shown) {}
+    ~Progress() { erase(); }
+    Progress(const Progress&) = delete;
+    Progress& operator=(const Progress&) = delete;
+
+    void show(const std::string& phase, double share) {
+        const auto now = std::chrono::steady_clock::now();
+        if (!shown_ || now - last_ < 100ms) return;
+        last_ = now;
+        std::fprintf(stderr, "\r\033[K%s: %.0f %%", phase.c_str(), 100 * share);
+        std::fflush(stderr);
+    }
+    void erase() const {
+        if (shown_) std::fputs("\r\033[K", stderr);
+    }
+
+private:
+    bool shown_;
+    std::chrono::steady_clock::time_point last_{};
+};
+
+int run(const LoadOptions& options) {
+    MqttsnOptions mqttsn{.broker = endpoint_of(options.broker),
+                         .sockets = options.one_socket ? SocketUse::shared : SocketUse::one_each,
+                         .timing = options.broker.timing(),
+                         .keep_alive = std::chrono::seconds{options.broker.keep_alive_s},
+                         .id_prefix = options.broker.id_or("load")};
+    mqttsn.timing.t_wait = 1s;
+    MqttsnClients clients{options.plan, mqttsn};
+    Progress progress{::isatty(STDERR_FILENO) != 0};
+    std::signal(SIGINT, [](int) { interrupted = 1; });
+    LoadRun run{options.plan,
+                clients,
+                {.on_progress = [&](const std::string& phase,
+                                    double share) { progress.show(phase, share); },
+                 .on_measuring = {},
+                 .on_measured = {},
+                 .is_stopped = [] { return interrupted != 0; },
+                 .never_sleeps = options.never_sleep}};
+    const LoadFigures figures = run.run();
+    progress.erase();
+    const std::string report =
+        options.json ? json_of(options.plan, figures) + "\n" : text_of(options.plan, figures);
+    std::fputs(report.c_str(), stdout);
+    const bool doubled = options.plan.qos == mqttsn::Qos::exactly_once && figures.duplicates != 0;
+    const bool whole = figures.lost() == 0 && figures.refused == 0 && figures.lost_clients == 0;
+    return whole && !doubled ? 0 : 1;
+}
+
+}  // namespace
+
+void add_load(CLI::App& program, int& exit_code) {
+    auto options = std::make_shared<LoadOptions>();
+    CLI::App& command = *program.add_subcommand(
+        "load", "Load any MQTT-SN broker or gateway; measure throughput, latency and loss");
+    options->broker.add_to(command);
+    options->broker.timeout_s = 10;
+    LoadPlan& plan = options->plan;
+    command.add_option("--publishers", plan.publishers, "Clients that publish")
+        ->check(CLI::Range(1, 100'000))
+        ->capture_default_str();
+    command.add_option("--subscribers", plan.subscribers, "Clients that subscribe")
+        ->check(CLI::Range(0, 100'000))
+        ->capture_default_str();
+    command.add_option("--topics", plan.topics, "Topics, dealt to publishers and subscribers")
+        ->check(CLI::Range(1, 100'000))
+        ->capture_default_str();
+    command.add_option("-q,--qos", options->qos, "0, 1 or 2")
+        ->check(CLI::Range(0, 2))
+        ->capture_default_str();
+    command.add_option("--payload", plan.payload_octets, "Octets of a message")
+        ->check(CLI::Range(int{LoadPlan::least_payload_octets}, 65'000))
+        ->capture_default_str();
+    CLI::Option* rate =
+        command
+            .add_option("--rate", options->rate_per_s,
+                        "Messages a second, of all publishers together (else a closed loop)")
+            ->check(CLI::Range(0.001, 1e7));
+    command
+        .add_option("--in-flight", plan.in_flight,
+                    "Messages on their way at the same time, in the closed loop")
+        ->check(CLI::Range(1, 100'000))
+        ->capture_default_str()
+        ->excludes(rate);
+    command.add_option("--warm-up", options->warm_up_s, "Seconds of load before measuring")
+        ->check(CLI::Range(0.0, 3600.0))
+        ->capture_default_str();
+    command.add_option("--duration", options->duration_s, "Seconds to measure")
+        ->check(CLI::Range(0.05, 86'400.0))
+        ->capture_default_str();
+    command
+        .add_option("--drain", options->drain_s,
+                    "Seconds without an arrival after which the rest is taken for lost")
+        ->check(CLI::Range(0.1, 600.0))
+        ->capture_default_str();
+    command.add_option("--topic", plan.topic_prefix, "The topics are NAME/0, NAME/1...")
+        ->type_name("NAME")
+        ->capture_default_str();
+    command.add_flag("--one-socket", options->one_socket,
+                     "All clients on one socket, each with an address of its own (127.1.0.0 and "
+                     "up): the generator needs less CPU. For brokers on 127.0.0.0/8");
+    command.add_flag(
+        "--never-sleep", options->never_sleep,
+        "Poll without waiting: takes a core, and keeps this program's own wake-ups out "
+        "of the latency");
+    command.add_flag("--json", options->json, "Print the figures as JSON");
+    command.footer(examples);
+    command.callback([options, rate, &exit_code] {
+        LoadPlan& chosen = options->plan;
+        chosen.qos = static_cast<mqttsn::Qos>(options->qos);
+        if (rate->count() > 0) chosen.rate_per_s = options->rate_per_s;
+        chosen.warm_up = in_time(options->warm_up_s);
+        chosen.duration = in_time(options->duration_s);
+        chosen.drain = in_time(options->drain_s);
+        exit_code = run(*options);
+    });
+}
+
+}  // namespace romano::experiments

@@ -1,0 +1,87 @@
+// The UDP side of many clients of one broker: datagrams in and out by client number, in batches.
+//
+// A broker tells its clients by their addresses, so each has a socket of its own; or, on the
+// loopback network, all share one socket and each has an address of its own (127.1.0.0 and up),
+// which costs the load generator far fewer system calls.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "broker/net/net_counters.h"
+#include "broker/net/receive_batch.h"
+#include "broker/net/send_batch.h"
+#include "romano/base/bytes.h"
+#include "romano/base/endpoint.h"
+#include "romano/base/time.h"
+
+namespace romano::experiments {
+
+enum class SocketUse : std::uint8_t { one_each, shared };
+
+class ClientSockets {
+public:
+    using Number = std::uint32_t;
+
+    class Listener {
+    public:
+        virtual ~Listener() = default;
+        /// Soon this client gets a datagram: what it needs in memory may come nearer meanwhile.
+        virtual void expect(Number client) = 0;
+        /// It was read at `now`. The octets live until the call returns.
+        virtual void on_datagram(Instant now, Number client, Bytes octets) = 0;
+    };
+
+    /// Throws std::runtime_error with a sentence. `shared` needs a broker in 127.0.0.0/8.
+    ClientSockets(const Endpoint& broker, Number clients, SocketUse use);
+    ~ClientSockets();
+    ClientSockets(const ClientSockets&) = delete;
+    ClientSockets& operator=(const ClientSockets&) = delete;
+
+    /// Goes out with the next flush(), at the latest. Copies the octets.
+    void queue(Number from, Bytes octets);
+    void flush();
+    /// Hands over what has come; waits for it until `until` at most.
+    void receive(Instant until, Listener& listener);
+
+    /// The kernel was told that nobody listens at the broker's address (ICMP).
+    [[nodiscard]] bool was_refused() const { return was_refused_; }
+    [[nodiscard]] std::uint64_t not_sent() const {
+        return counters_.send_buffer_full + counters_.send_failed;
+    }
+    /// Datagrams that came and found no room at our sockets.
+    [[nodiscard]] std::uint64_t dropped() const;
+
+private:
+    struct Waiting {
+        Number from;
+        std::uint32_t offset;
+        std::uint32_t size;
+    };
+
+    void open_one_each();
+    void open_shared();
+    int open();
+    void watch(int socket, Number number);
+    void read(Number socket, Listener& listener);
+    [[nodiscard]] Number receiver_of(Number socket, std::size_t slot) const;
+    [[nodiscard]] Endpoint source_of(Number client) const;
+
+    Endpoint broker_;
+    Number clients_;
+    SocketUse use_;
+    int epoll_ = -1;
+    std::vector<int> sockets_;  // by client; or the one
+    Endpoint shared_at_;
+    std::unique_ptr<net::ReceiveBatch> incoming_ = std::make_unique<net::ReceiveBatch>();
+    std::array<Number, net::ReceiveBatch::capacity> receivers_{};  // of what was read last
+    std::unique_ptr<net::SendBatch> outgoing_ = std::make_unique<net::SendBatch>();
+    std::vector<Waiting> waiting_;
+    std::vector<std::uint8_t> octets_;  // of what waits
+    net::NetCounters counters_;
+    bool was_refused_ = false;
+};
+
+}  // namespace romano::experiments

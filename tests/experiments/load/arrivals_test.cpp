@@ -1,0 +1,34 @@
+#include "experiments/load/arrivals.h"
+
+#include <gtest/gtest.h>
+
+namespace romano::experiments {
+namespace {
+
+TEST(Arrivals, ACopyIsADuplicateHoweverLateItComes) {
+    Arrivals arrivals{1, 1};
+    for (std::uint32_t i = 0; i < 1000; ++i) EXPECT_TRUE(arrivals.note(0, 0, i));
+    EXPECT_FALSE(arrivals.note(0, 0, 0));
+    EXPECT_EQ(arrivals.delivered(), 1000U);
+    EXPECT_EQ(arrivals.duplicates(), 1U);
+    EXPECT_EQ(arrivals.out_of_order(), 0U);
+}
+
+TEST(Arrivals, AMessageBehindALaterOneIsOutOfOrderAndDelivered) {
+    Arrivals arrivals{1, 1};
+    for (const std::uint32_t sequence : {0U, 2U, 1U, 3U}) arrivals.note(0, 0, sequence);
+    EXPECT_EQ(arrivals.delivered(), 4U);
+    EXPECT_EQ(arrivals.out_of_order(), 1U);
+}
+
+TEST(Arrivals, StreamsAndReceiversAreApart) {
+    Arrivals arrivals{2, 2};
+    EXPECT_TRUE(arrivals.note(0, 0, 5));
+    EXPECT_TRUE(arrivals.note(0, 1, 5));
+    EXPECT_TRUE(arrivals.note(1, 0, 5));
+    EXPECT_FALSE(arrivals.note(1, 0, 5));
+    EXPECT_EQ(arrivals.delivered(), 3U);
+}
+
+}  // namespace
+}  // namespace romano::experiments

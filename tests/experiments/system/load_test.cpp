@@ -1,0 +1,68 @@
+// `romano load` as people call it, against a real broker: what it says about deliveries, not times.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "tests/experiments/system/processes.h"
+
+namespace romano::experiments {
+namespace {
+
+using ::testing::HasSubstr;
+
+class Load : public ::testing::Test {
+protected:
+    nlohmann::json load(const std::string& arguments) {
+        const Ran ran = run_romano("load -h " + address_ + " -p " + own_port() +
+                                   " --warm-up 0.05 --duration 0.2 --json " + arguments);
+        EXPECT_EQ(ran.exit_code, 0) << ran.output;
+        return nlohmann::json::parse(ran.output);
+    }
+
+    const std::string address_ = "127.40.250.1";
+    ServingBroker broker_{address_};
+};
+
+TEST_F(Load, DeliversEverythingOnceAndInOrderAtEachQos) {
+    for (const char* qos : {"0", "1", "2"}) {
+        for (const char* sockets : {"", " --one-socket"}) {
+            const auto figures =
+                load(std::string{"--publishers 3 --subscribers 6 --topics 3 --in-flight 6 -q "} +
+                     qos + sockets);
+            EXPECT_GT(figures.at("published_messages"), 0);
+            EXPECT_EQ(figures.at("delivered"), 2 * figures.at("published_messages").get<int>());
+            EXPECT_EQ(figures.at("lost"), 0);
+            EXPECT_EQ(figures.at("duplicates"), 0);
+            EXPECT_EQ(figures.at("out_of_order"), 0);
+            EXPECT_EQ(figures.at("unacknowledged_messages"), 0);
+        }
+    }
+}
+
+TEST_F(Load, KeepsToItsRate) {
+    const auto figures = load("--rate 500 --payload 100");
+    EXPECT_GE(figures.at("published_messages"), 124);
+    EXPECT_LE(figures.at("published_messages"), 126);
+    EXPECT_EQ(figures.at("lost"), 0);
+}
+
+TEST_F(Load, TellsPeopleTheSameInAFewLines) {
+    const Ran ran = run_romano("load -h " + address_ + " -p " + own_port() +
+                               " --warm-up 0 --duration 0.1 -q 1 --in-flight 2");
+    EXPECT_EQ(ran.exit_code, 0);
+    for (const char* word :
+         {"throughput", "latency", "acknowledgement", "lost", "acknowledged", "this generator"}) {
+        EXPECT_THAT(ran.output, HasSubstr(word));
+    }
+}
+
+TEST(LoadWithoutABroker, SaysSoInOneSentence) {
+    const Ran ran = run_romano("load -h 127.40.250.9 -p 9 --broker-timeout 0.2");
+    EXPECT_EQ(ran.exit_code, 2);
+    EXPECT_THAT(ran.output, HasSubstr("no broker serves at 127.40.250.9:9: nobody listens there"));
+}
+
+}  // namespace
+}  // namespace romano::experiments
