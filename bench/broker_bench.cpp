@@ -1,0 +1,138 @@
+// How near is the lone broker to what this machine can do? Reflector, broker and mosquitto carry
+// the same messages in turn, in one run; see README.md.
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <fstream>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "bench/contestant.h"
+#include "bench/scenarios.h"
+#include "bench/summary.h"
+#include "experiments/load/load_run.h"
+
+namespace {
+
+using namespace romano;
+using namespace romano::bench;
+
+constexpr const char* examples = R"(Examples:
+  romano_broker_bench                                          (all, about four minutes)
+  romano_broker_bench --only qos0_1_to_1 --only rate_10000_per_s --repetitions 7
+  romano_broker_bench --csv runs.csv --json summary.json
+  romano_broker_bench --small --seconds 0.05 --repetitions 1   (does everything work?)
+It is worth something on a quiet machine only, with two cores or more.
+Exit code: 0; 1 when messages were lost in a closed loop; 2 when something could not be run.
+)";
+
+struct Options {
+    double seconds = 1;
+    unsigned repetitions = 5;
+    bool small = false;
+    bool without_mosquitto = false;
+    std::vector<std::string> only;
+    std::string csv;
+    std::string json;
+};
+
+Row run(const Scenario& scenario, Kind kind, unsigned repetition) {
+    Contestant contestant{kind};
+    Row row{.scenario = scenario.name, .contestant = kind, .repetition = repetition};
+    row.resident_start_kib = contestant.resident_kib();
+    row.sessions = scenario.plan.clients();
+    double cpu_before = 0;
+    double cpu_after = 0;
+    const auto clients = contestant.clients(scenario.plan);
+    experiments::LoadRun load{scenario.plan,
+                              *clients,
+                              {.on_progress =
+                                   [&](const std::string& phase, double) {
+                                       contestant.check();
+                                       if (phase == "joining")
+                                           row.resident_joined_kib = contestant.resident_kib();
+                                   },
+                               .on_measuring = [&] { cpu_before = contestant.cpu_s(); },
+                               .on_measured = [&] { cpu_after = contestant.cpu_s(); },
+                               .is_stopped = {},
+                               .never_sleeps = scenario.is_about_latency()}};
+    const experiments::LoadFigures figures = load.run();
+    row.deliveries_per_s = figures.delivered_per_s();
+    row.p50_us = static_cast<double>(figures.latency.at(0.5).count()) * 1e-3;
+    row.p99_us = static_cast<double>(figures.latency.at(0.99).count()) * 1e-3;
+    row.cpu_us_a_message = (cpu_after - cpu_before) * 1e6 /
+                           static_cast<double>(std::max<std::uint64_t>(figures.published, 1));
+    row.generator_cpu_percent = figures.generator_cpu_percent;
+    row.lost = static_cast<double>(figures.lost());
+    row.duplicates = static_cast<double>(figures.duplicates);
+    return row;
+}
+
+std::vector<Row> run_all(const Options& options) {
+    const auto measured =
+        std::chrono::duration_cast<Duration>(std::chrono::duration<double>{options.seconds});
+    const std::set<std::string> only(options.only.begin(), options.only.end());
+    std::vector<Row> rows;
+    take_first_core();
+    for (unsigned repetition = 1; repetition <= options.repetitions; ++repetition) {
+        for (const Scenario& scenario : scenarios(measured, options.small)) {
+            if (!only.empty() && !only.contains(scenario.name)) continue;
+            for (const Kind kind : {Kind::reflector, Kind::broker, Kind::mosquitto}) {
+                if (kind == Kind::mosquitto &&
+                    (!scenario.with_mosquitto || options.without_mosquitto)) {
+                    continue;
+                }
+                rows.push_back(run(scenario, kind, repetition));
+                std::fprintf(stderr, "%u/%u %-18s %-10s %9.0f deliveries/s  p99 %8.1f us\n",
+                             repetition, options.repetitions, scenario.name.c_str(), name_of(kind),
+                             rows.back().deliveries_per_s, rows.back().p99_us);
+            }
+        }
+    }
+    return rows;
+}
+
+int report(const Options& options, const std::vector<Row>& rows) {
+    const std::vector<Target> targets = judge(rows);
+    std::printf("%s\n%s", table_of(rows).c_str(), table_of(targets).c_str());
+    if (!options.csv.empty()) std::ofstream(options.csv) << csv_of(rows);
+    if (!options.json.empty()) std::ofstream(options.json) << json_of(rows, targets);
+    for (const Row& row : rows) {
+        const bool lossless = row.scenario.starts_with("rate_") || row.lost == 0;
+        if (row.contestant == Kind::broker && !lossless) return 1;
+    }
+    return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    Options options;
+    CLI::App program{
+        "How near the lone broker is to the machine's limit: reflector, broker and "
+        "mosquitto carry the same messages.",
+        "romano_broker_bench"};
+    program.add_option("--seconds", options.seconds, "Measured seconds of each run")
+        ->check(CLI::Range(0.02, 3600.0))
+        ->capture_default_str();
+    program.add_option("--repetitions", options.repetitions, "Of everything, in turn")
+        ->check(CLI::Range(1, 1000))
+        ->capture_default_str();
+    program.add_option("--only", options.only, "Run this scenario (repeatable); see the table");
+    program.add_flag("--without-mosquitto", options.without_mosquitto,
+                     "Reflector and broker alone");
+    program.add_flag("--small", options.small, "A hundred sessions instead of ten thousand");
+    program.add_option("--csv", options.csv, "Write each run there, one row a run");
+    program.add_option("--json", options.json, "Write medians and targets there");
+    program.footer(examples);
+    try {
+        program.parse(argc, argv);
+        return report(options, run_all(options));
+    } catch (const CLI::ParseError& asked) {
+        return program.exit(asked) == 0 ? 0 : 2;
+    } catch (const std::exception& error) {
+        std::fprintf(stderr, "romano_broker_bench: %s\n", error.what());
+        return 2;
+    }
+}

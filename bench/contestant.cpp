@@ -1,0 +1,162 @@
+#include "bench/contestant.h"
+
+#include <sched.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <filesystem>
+#include <fstream>
+#include <stdexcept>
+#include <thread>
+
+#include "bench/mosquitto_clients.h"
+#include "broker/net/endpoint_text.h"
+#include "experiments/load/mqttsn_clients.h"
+
+namespace romano::bench {
+namespace {
+
+using namespace std::chrono_literals;
+namespace fs = std::filesystem;
+
+fs::path own_folder() {
+    return fs::read_symlink("/proc/self/exe").parent_path();
+}
+
+/// Files of this process, gone with it.
+fs::path scratch(const std::string& name) {
+    return fs::temp_directory_path() / ("romano-bench-" + std::to_string(::getpid()) + "-" + name);
+}
+
+std::vector<int> own_cores() {
+    static const std::vector<int> cores = [] {
+        std::vector<int> found;
+        cpu_set_t set;
+        if (::sched_getaffinity(0, sizeof set, &set) != 0) return found;
+        for (int core = 0; core < CPU_SETSIZE; ++core) {
+            if (CPU_ISSET(core, &set)) found.push_back(core);
+        }
+        return found;
+    }();
+    return cores;
+}
+
+void pin(pid_t process, std::size_t which) {
+    if (own_cores().size() < 2) return;
+    cpu_set_t set;
+    CPU_ZERO(&set);
+    CPU_SET(own_cores()[which], &set);
+    (void)::sched_setaffinity(process, sizeof set, &set);
+}
+
+/// mosquitto as Debian ships it, without its files, and without limits that lose messages.
+std::string mosquitto_configuration(const std::string& host, int port) {
+    return "listener " + std::to_string(port) + " " + host +
+           "\nallow_anonymous true\npersistence false\nlog_type error\nset_tcp_nodelay true\n"
+           "max_queued_messages 0\nmax_inflight_messages 0\nuser root\n";
+}
+
+double status_field_kib(pid_t process, const std::string& field) {
+    std::ifstream status("/proc/" + std::to_string(process) + "/status");
+    for (std::string word; status >> word;) {
+        double kib = 0;
+        if (word == field && status >> kib) return kib;
+    }
+    return 0;
+}
+
+}  // namespace
+
+const char* name_of(Kind kind) {
+    switch (kind) {
+        case Kind::reflector:
+            return "reflector";
+        case Kind::broker:
+            return "broker";
+        case Kind::mosquitto:
+            return "mosquitto";
+    }
+    return "";
+}
+
+void take_first_core() {
+    (void)own_cores();  // as they are before
+    pin(0, 0);
+    (void)::setpriority(PRIO_PROCESS, 0, -20);
+}
+
+Contestant::Contestant(Kind kind) : kind_(kind) {
+    // A port of its own each time: nothing of an earlier run finds its way here.
+    static int started = 0;
+    host_ = "127.40." + std::to_string(::getpid() % 250) + ".1";
+    port_ = 18'830 + started++ % 1000;
+    const std::string address = host_ + ":" + std::to_string(port_);
+    const fs::path trace = scratch("trace");
+    switch (kind) {
+        case Kind::reflector:
+            process_ = std::make_unique<experiments::BrokerProcess>(
+                "reflector", own_folder() / "romano_reflector", std::vector{address}, trace);
+            break;
+        case Kind::broker:
+            process_ = std::make_unique<experiments::BrokerProcess>(
+                "broker", own_folder() / "romano-broker",
+                std::vector<std::string>{"--listen", address, "--name", "bench"}, trace);
+            break;
+        case Kind::mosquitto:
+            std::ofstream(scratch("mosquitto.conf")) << mosquitto_configuration(host_, port_);
+            process_ = std::make_unique<experiments::BrokerProcess>(
+                "mosquitto", "/usr/sbin/mosquitto",
+                std::vector<std::string>{"-c", scratch("mosquitto.conf").string()}, trace);
+            break;
+    }
+    pin(process_->pid(), 1);
+    // The two of ours say when they serve; mosquitto's clients try until it does.
+    const auto deadline = std::chrono::steady_clock::now() + 20s;
+    while (kind != Kind::mosquitto && fs::file_size(trace) == 0) {
+        check();
+        if (std::chrono::steady_clock::now() > deadline) {
+            throw std::runtime_error(std::string{name_of(kind)} + " does not begin to serve");
+        }
+        std::this_thread::sleep_for(2ms);
+    }
+}
+
+Contestant::~Contestant() {
+    process_.reset();
+    std::error_code ignored;
+    fs::remove(scratch("trace"), ignored);
+    fs::remove(scratch("mosquitto.conf"), ignored);
+}
+
+std::unique_ptr<experiments::LoadClients> Contestant::clients(
+    const experiments::LoadPlan& plan) const {
+    if (kind_ == Kind::mosquitto) return std::make_unique<MosquittoClients>(plan, host_, port_);
+    client::Timing timing;
+    timing.t_retry = 500ms;
+    timing.n_retry = 20;
+    timing.t_wait = 500ms;
+    return std::make_unique<experiments::MqttsnClients>(
+        plan, experiments::MqttsnOptions{
+                  .broker = *net::parse_endpoint(host_ + ":" + std::to_string(port_)),
+                  .sockets = experiments::SocketUse::shared,
+                  .timing = timing});
+}
+
+double Contestant::cpu_s() const {
+    std::ifstream stat("/proc/" + std::to_string(process_->pid()) + "/schedstat");
+    double ns = 0;  // of its one thread
+    stat >> ns;
+    return ns * 1e-9;
+}
+
+double Contestant::resident_kib() const {
+    return status_field_kib(process_->pid(), "VmRSS:");
+}
+
+void Contestant::check() {
+    if (!process_->has_ended()) return;
+    throw std::runtime_error(std::string{name_of(kind_)} + " ended: " + process_->how_it_ended());
+}
+
+}  // namespace romano::bench

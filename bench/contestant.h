@@ -1,0 +1,47 @@
+// Whom a bench measures: a program that carries messages, running as a process of its own, and the
+// clients that speak its protocol.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "experiments/load/load_clients.h"
+#include "experiments/load/load_plan.h"
+#include "experiments/process/broker_process.h"
+
+namespace romano::bench {
+
+enum class Kind { reflector, broker, mosquitto };
+
+[[nodiscard]] const char* name_of(Kind kind);
+
+class Contestant {
+public:
+    /// Starts the program on a free address of 127.40.0.0/16, on a core of its own if there is one.
+    explicit Contestant(Kind kind);
+    ~Contestant();
+
+    [[nodiscard]] std::unique_ptr<experiments::LoadClients> clients(
+        const experiments::LoadPlan& plan) const;
+
+    /// CPU time in seconds that it has used so far, all threads.
+    [[nodiscard]] double cpu_s() const;
+    /// Resident memory now.
+    [[nodiscard]] double resident_kib() const;
+    /// Throws std::runtime_error when it has ended by itself.
+    void check();
+
+private:
+    Kind kind_;
+    std::string host_;
+    int port_;
+    std::unique_ptr<experiments::BrokerProcess> process_;
+};
+
+/// This process, which is the load generator, takes the first core that it may use and leaves the
+/// second to the contestants; and it goes before what else runs here, if it may (contestants, its
+/// children, likewise).
+void take_first_core();
+
+}  // namespace romano::bench
