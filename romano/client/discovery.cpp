@@ -65,9 +65,10 @@ void Discovery::note(Instant now, std::uint8_t id, const Endpoint& address, Dura
 }
 
 Gateway* Discovery::find(std::uint8_t id) {
-    const auto found = std::find_if(gateways_.begin(), gateways_.end(),
-                                    [id](const Gateway& gateway) { return gateway.id == id; });
-    return found == gateways_.end() ? nullptr : found;
+    for (Gateway& gateway : gateways_) {
+        if (gateway.id == id) return &gateway;
+    }
+    return nullptr;
 }
 
 void Discovery::forget_expired(Instant now) {

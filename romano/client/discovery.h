@@ -39,7 +39,7 @@ struct Gateway {
 
 class Discovery {
 public:
-    static constexpr std::size_t most_gateways = 8;  // further ones are not noted
+    static constexpr std::size_t most_gateways = 4;  // further ones are not noted
     static constexpr std::size_t largest_datagram = 21;
 
     Discovery(const DiscoveryOptions& options, std::uint64_t seed)

@@ -41,8 +41,9 @@ void ClientCore::answer_publish(const mqttsn::Publish& message, ReturnCode code,
 /// True when the id is new. When the table is full the oldest goes: a broker has one exchange open
 /// per client, so it is one that the broker gave up.
 bool ClientCore::remember_unreleased(mqttsn::MsgId msg_id) {
-    const auto ids = unreleased_.first(unreleased_count_);
-    if (std::find(ids.begin(), ids.end(), msg_id) != ids.end()) return false;
+    for (const mqttsn::MsgId known : unreleased_.first(unreleased_count_)) {
+        if (known == msg_id) return false;
+    }
     if (unreleased_count_ == unreleased_.size()) forget_unreleased(unreleased_[0]);
     unreleased_[unreleased_count_++] = msg_id;
     return true;

@@ -17,7 +17,9 @@
 extern "C" {
 #endif
 
-#define ROMANO_MAILBOX_COMMANDS 8U   /* that wait; a power of two */
+#ifndef ROMANO_MAILBOX_COMMANDS    /* smaller where memory is scarce, in all files alike */
+#define ROMANO_MAILBOX_COMMANDS 8U /* that wait; a power of two */
+#endif
 #define ROMANO_COMMAND_ARGUMENTS 32U /* octets; a longer command is refused */
 
 /* A movement of ROMANO: octets 2-3 of the message, and the arguments behind them as they came. */

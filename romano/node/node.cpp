@@ -2,12 +2,28 @@
 
 #include <algorithm>
 #include <array>
+#include <cassert>
 
 namespace romano::node {
 
 using client::Event;
 using message::Message;
 using mqttsn::Qos;
+
+namespace {
+
+/// The others say that something went as it should.
+bool is_heeded(const Event& event) {
+    return std::holds_alternative<client::Received>(event) ||
+           std::holds_alternative<client::Connected>(event) ||
+           std::holds_alternative<client::Subscribed>(event) ||
+           std::holds_alternative<client::Failed>(event) ||
+           std::holds_alternative<client::Lost>(event) ||
+           std::holds_alternative<client::Refused>(event) ||
+           std::holds_alternative<client::Disconnected>(event);
+}
+
+}  // namespace
 
 Node::Node(client::ClientCore& client, client::Output& scratch, romano_mailbox& mailbox,
            const NodeOptions& options)
@@ -37,7 +53,7 @@ void Node::on_tick(Instant now, Port& port) {
     }
     if (heartbeat_due_ <= now) {
         heartbeat_due_ = now + options_.heartbeat_every;
-        publish(now, common_topic, message::Heartbeat{options_.id}, Qos::at_most_once, port);
+        publish_id(now, common_topic, message::Heartbeat{options_.id}, Qos::at_most_once, port);
     }
 }
 
@@ -50,22 +66,35 @@ void Node::connect(Instant now, Port& port) {
     subscription_.reset();
     due_ = never;
     heartbeat_due_ = never;
-    client_.connect(
-        now,
-        {.client_id = options_.id.text(), .clean_session = true, .keep_alive = options_.keep_alive},
-        scratch_);
+    client_.connect(now,
+                    {.client_id = options_.id.text(),
+                     .clean_session = !options_.keep_session,
+                     .keep_alive = options_.keep_alive},
+                    scratch_);
     flush(now, port);
 }
 
-/// Sends what the client wants sent and works through its events. A handler may call the client
-/// again, which overwrites the scratch output: so the events are copied first. Their views are into
-/// the datagram at hand.
+/// Sends what the client wants sent and works through its events. Handling one calls the client
+/// again, which overwrites the scratch output: so events wait here, and the call that is outermost
+/// handles them, in order. Their views are into the datagram at hand.
 void Node::flush(Instant now, Port& port) {
     for (const Bytes datagram : scratch_.datagrams()) port.send(datagram);
-    std::array<Event, client::Output::most> events{};
-    const std::size_t count = scratch_.events().size();
-    std::ranges::copy(scratch_.events(), events.begin());
-    for (std::size_t i = 0; i < count; ++i) on_event(now, events[i], port);
+    for (const Event& event : scratch_.events()) {
+        if (!is_heeded(event)) continue;
+        [[maybe_unused]] const bool has_room = events_.push_back(event);
+        assert(has_room);  // answers come with datagrams, at most one each
+    }
+    if (!handles_events_) handle_events(now, port);
+}
+
+void Node::handle_events(Instant now, Port& port) {
+    handles_events_ = true;
+    while (!events_.empty()) {
+        const Event event = events_[0];
+        events_.erase_at(0);
+        on_event(now, event, port);
+    }
+    handles_events_ = false;
 }
 
 void Node::on_event(Instant now, const Event& event, Port& port) {
@@ -131,7 +160,7 @@ void Node::send_connection_request(Instant now, Port& port) {
     due_ = now + options_.ack_timeout;
     if (!client_.is_idle()) return;  // the broker has not answered the last one yet
     ++counters_.requests_sent;
-    publish(now, init_topic, message::ConnectionRequest{options_.id}, options_.qos, port);
+    publish_id(now, init_topic, message::ConnectionRequest{options_.id}, options_.qos, port);
 }
 
 void Node::on_received(Instant now, const client::Received& received, Port& port) {
@@ -165,10 +194,22 @@ void Node::on_received(Instant now, const client::Received& received, Port& port
 bool Node::publish(Instant now, std::string_view topic, const Message& message, Qos qos,
                    Port& port) {
     std::array<std::uint8_t, message::max_message> octets;
-    const std::size_t size = message::encode(message, octets);
+    return publish(now, topic, message, qos, octets, port);
+}
+
+/// The node's own messages, without the stack that the longest one takes.
+bool Node::publish_id(Instant now, std::string_view topic, const Message& message, Qos qos,
+                      Port& port) {
+    std::array<std::uint8_t, 2 + message::RomanoId::size> octets;
+    return publish(now, topic, message, qos, octets, port);
+}
+
+bool Node::publish(Instant now, std::string_view topic, const Message& message, Qos qos,
+                   MutableBytes room, Port& port) {
+    const std::size_t size = message::encode(message, room);
     if (size == 0) return false;
-    const auto operation = client_.publish(now, client::topic_name(topic),
-                                           Bytes{octets}.first(size), {.qos = qos}, scratch_);
+    const auto operation =
+        client_.publish(now, client::topic_name(topic), room.first(size), {.qos = qos}, scratch_);
     flush(now, port);
     return operation.has_value();
 }
@@ -181,8 +222,8 @@ bool Node::subscribe(Instant now, std::string_view topic, Port& port) {
 }
 
 bool Node::request_connected_nodes(Instant now, Port& port) {
-    return publish(now, init_topic, message::RequestConnectedNodes{options_.id}, options_.qos,
-                   port);
+    return publish_id(now, init_topic, message::RequestConnectedNodes{options_.id}, options_.qos,
+                      port);
 }
 
 }  // namespace romano::node

@@ -13,6 +13,7 @@
 #include <string_view>
 
 #include "romano/base/bytes.h"
+#include "romano/base/fixed_vector.h"
 #include "romano/base/time.h"
 #include "romano/client/client.h"
 #include "romano/message/codec.h"
@@ -32,6 +33,7 @@ struct NodeOptions {
     Duration connect_again{std::chrono::seconds{1}};  // pause after a lost or refused connection
     Duration heartbeat_every{0};                      // 0: no heartbeats
     std::chrono::seconds keep_alive{30};
+    bool keep_session = false;  // the broker keeps messages while the node is away
     mqttsn::Qos qos = mqttsn::Qos::at_least_once;  // of the node's own subscriptions and publishes
 };
 
@@ -102,10 +104,15 @@ public:
 private:
     void connect(Instant now, Port& port);
     void flush(Instant now, Port& port);
+    [[gnu::noinline]] void handle_events(Instant now, Port& port);  // for flush()'s small stack
     void on_event(Instant now, const client::Event& event, Port& port);
     void on_received(Instant now, const client::Received& received, Port& port);
     void follow_up(Instant now, Port& port);
     void send_connection_request(Instant now, Port& port);
+    bool publish_id(Instant now, std::string_view topic, const message::Message& message,
+                    mqttsn::Qos qos, Port& port);
+    bool publish(Instant now, std::string_view topic, const message::Message& message,
+                 mqttsn::Qos qos, MutableBytes room, Port& port);
 
     client::ClientCore& client_;
     client::Output& scratch_;
@@ -115,6 +122,8 @@ private:
     std::optional<client::OperationId> subscription_;  // of the own id, then of `common`
     Instant due_ = never;  // connecting again, or repeating the connection request
     Instant heartbeat_due_ = never;
+    FixedVector<client::Event, client::Output::most> events_;  // not handled yet
+    bool handles_events_ = false;
     NodeCounters counters_;
 };
 

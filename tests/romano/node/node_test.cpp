@@ -34,10 +34,10 @@ public:
         cell_.settle();
     }
     void on_datagram(Instant now, Bytes datagram) override {
-        node_->on_datagram(now, datagram, *this);
+        if (!away) node_->on_datagram(now, datagram, *this);
     }
     void on_tick(Instant now) override {
-        if (node_->next_wakeup() <= now) node_->on_tick(now, *this);
+        if (!away && node_->next_wakeup() <= now) node_->on_tick(now, *this);
     }
     void send(Bytes datagram) override { cell_.from_station(*this, datagram); }
     void on_established() override { ++established; }
@@ -61,6 +61,7 @@ public:
         return romano_mailbox_get(&mailbox, &command) ? romano_command_amount(&command) : 0;
     }
 
+    bool away = false;  // hears nothing, says nothing
     romano_mailbox mailbox{};
     int established = 0;
     int heartbeats = 0;
@@ -204,6 +205,21 @@ TEST_F(NodeTest, DropsAndCountsMalformedMessages) {
     cell.settle();
     EXPECT_EQ(robot.node().counters().malformed, 1U);
     EXPECT_EQ(robot.next_amount(), 0U);
+}
+
+TEST_F(NodeTest, WithAKeptSessionItGetsWhatWasSentWhileItWasAway) {
+    NodeOptions options;
+    options.keep_session = true;
+    Robot keeping{cell, "00000001", 1003, options};
+    keeping.start();
+    other.start();
+    keeping.away = true;
+    cell.run_for(60s);  // its broker takes it for lost
+    other.publish("00000001", message::NormalData{as_octets("one")});
+    keeping.away = false;
+    cell.run_for(60s);
+    EXPECT_EQ(keeping.data_received, (Texts{{"00000001", "one"}}));
+    EXPECT_EQ(keeping.established, 2);
 }
 
 TEST_F(NodeTest, ConnectsAgainWhenTheBrokerHasForgottenIt) {
