@@ -4,10 +4,12 @@
 #include <cstdio>
 #include <exception>
 
+#include "experiments/cli/apply.h"
 #include "experiments/cli/broker_options.h"
 #include "experiments/cli/brokers.h"
 #include "experiments/cli/load.h"
 #include "experiments/cli/pub.h"
+#include "experiments/cli/robots.h"
 #include "experiments/cli/sub.h"
 #include "experiments/cli/sweep.h"
 #include "experiments/sweep/build_info.h"
@@ -27,12 +29,15 @@ int main(int argc, char** argv) {
     add_sub(program, exit_code);
     add_brokers(program, exit_code);
     add_load(program, exit_code);
+    add_robots(program, exit_code);
+    add_robot_commands(program, exit_code);
+    add_apply(program, exit_code);
     add_sweep(program, exit_code);
     try {
         program.parse(argc, argv);
         if (program.get_subcommands().empty()) {
             throw CommandError(
-                "a subcommand is needed: pub, sub, brokers, load or sweep (see --help)");
+                "a subcommand is needed: pub, sub, brokers, robots, move... (see --help)");
         }
     } catch (const CLI::Success& asked) {  // --help, --version
         return program.exit(asked);

@@ -1,62 +1,26 @@
-// A real romano-broker process: started with arguments, watched through its output, killed and
-// reaped in the end whatever happens.
+// A real romano-broker process.
 #pragma once
 
-#include <sys/types.h>
+#include <gtest/gtest.h>
 
-#include <chrono>
 #include <string>
 #include <vector>
 
+#include "tests/system/process.h"
+
 namespace romano::system {
 
-class BrokerProcess {
+class BrokerProcess : public Process {
 public:
-    explicit BrokerProcess(const std::vector<std::string>& arguments);
-    ~BrokerProcess();
-    BrokerProcess(const BrokerProcess&) = delete;
-    BrokerProcess& operator=(const BrokerProcess&) = delete;
+    explicit BrokerProcess(const std::vector<std::string>& arguments)
+        : Process(ROMANO_BROKER, arguments) {}
 
-    /// The next line of stdout without its end; empty when there is none in time.
-    [[nodiscard]] std::string next_line(std::chrono::milliseconds limit = default_limit);
     /// Waits for "... serving ..."; a test failure, with the broker's own words, when it does not
     /// come.
-    void wait_until_serving();
-
-    void signal(int number) const;
-    /// Waits for the end; -1 when it did not come in time, 128 + signal when killed.
-    int wait_for_exit(std::chrono::milliseconds limit = default_limit);
-    void kill_9();
-
-    /// What it wrote to stderr so far.
-    [[nodiscard]] const std::string& errors();
-    [[nodiscard]] pid_t pid() const { return pid_; }
-
-    static constexpr std::chrono::milliseconds default_limit{20'000};
-
-private:
-    class Output {
-    public:
-        explicit Output(int end) : end_(end) {}
-        ~Output();
-        Output(const Output&) = delete;
-        Output& operator=(const Output&) = delete;
-
-        /// Reads what is there, waiting for the first octet; false at the end or in vain.
-        bool read(std::chrono::milliseconds limit);
-        std::string text;
-
-    private:
-        int end_;
-    };
-
-    [[nodiscard]] static Output start(const std::vector<std::string>& arguments, pid_t& pid,
-                                      int& errors_end);
-
-    pid_t pid_ = -1;
-    int errors_end_ = -1;
-    Output output_;
-    Output errors_;
+    void wait_until_serving() {
+        const std::string line = next_line();
+        ASSERT_NE(line.find("serving"), std::string::npos) << line << errors();
+    }
 };
 
 }  // namespace romano::system

@@ -1,4 +1,4 @@
-#include "tests/system/broker_process.h"
+#include "tests/system/process.h"
 
 #include <fcntl.h>
 #include <gtest/gtest.h>
@@ -9,6 +9,7 @@
 #include <unistd.h>
 
 #include <array>
+#include <utility>
 
 namespace romano::system {
 namespace {
@@ -28,11 +29,11 @@ Pipe make_pipe() {
 
 }  // namespace
 
-BrokerProcess::Output::~Output() {
+Process::Output::~Output() {
     close(end_);
 }
 
-bool BrokerProcess::Output::read(std::chrono::milliseconds limit) {
+bool Process::Output::read(std::chrono::milliseconds limit) {
     pollfd ready{.fd = end_, .events = POLLIN, .revents = 0};
     if (poll(&ready, 1, static_cast<int>(limit.count())) != 1) return false;
     std::array<char, 4096> octets{};
@@ -42,8 +43,9 @@ bool BrokerProcess::Output::read(std::chrono::milliseconds limit) {
     return true;
 }
 
-BrokerProcess::Output BrokerProcess::start(const std::vector<std::string>& arguments, pid_t& pid,
-                                           int& errors_end) {
+Process::Output Process::start(const std::string& program,
+                               const std::vector<std::string>& arguments, pid_t& pid,
+                               int& errors_end) {
     const Pipe output = make_pipe();
     const Pipe errors = make_pipe();
     posix_spawn_file_actions_t actions;
@@ -51,11 +53,11 @@ BrokerProcess::Output BrokerProcess::start(const std::vector<std::string>& argum
     posix_spawn_file_actions_adddup2(&actions, output.write_end, STDOUT_FILENO);
     posix_spawn_file_actions_adddup2(&actions, errors.write_end, STDERR_FILENO);
     std::vector<std::string> words = arguments;
-    words.insert(words.begin(), ROMANO_BROKER);
+    words.insert(words.begin(), program);
     std::vector<char*> argv;
     for (std::string& word : words) argv.push_back(word.data());
     argv.push_back(nullptr);
-    EXPECT_EQ(posix_spawn(&pid, ROMANO_BROKER, &actions, nullptr, argv.data(), environ), 0);
+    EXPECT_EQ(posix_spawn(&pid, program.c_str(), &actions, nullptr, argv.data(), environ), 0);
     posix_spawn_file_actions_destroy(&actions);
     close(output.write_end);
     close(errors.write_end);
@@ -63,17 +65,17 @@ BrokerProcess::Output BrokerProcess::start(const std::vector<std::string>& argum
     return Output(output.read_end);
 }
 
-BrokerProcess::BrokerProcess(const std::vector<std::string>& arguments)
-    : output_(start(arguments, pid_, errors_end_)), errors_(errors_end_) {}
+Process::Process(const std::string& program, const std::vector<std::string>& arguments)
+    : output_(start(program, arguments, pid_, errors_end_)), errors_(errors_end_) {}
 
-BrokerProcess::~BrokerProcess() {
+Process::~Process() {
     if (testing::Test::HasFailure()) {
-        std::printf("--- stderr of broker %d:\n%s---\n", pid_, errors().c_str());
+        std::printf("--- stderr of process %d:\n%s---\n", pid_, errors().c_str());
     }
     kill_9();
 }
 
-std::string BrokerProcess::next_line(std::chrono::milliseconds limit) {
+std::string Process::next_line(std::chrono::milliseconds limit) {
     const auto deadline = Clock::now() + limit;
     for (;;) {
         const auto end = output_.text.find('\n');
@@ -88,16 +90,29 @@ std::string BrokerProcess::next_line(std::chrono::milliseconds limit) {
     }
 }
 
-void BrokerProcess::wait_until_serving() {
-    const std::string line = next_line();
-    ASSERT_NE(line.find("serving"), std::string::npos) << line << errors();
+std::string Process::wait_for(const std::string& words, std::chrono::milliseconds limit) {
+    const auto deadline = Clock::now() + limit;
+    while (Clock::now() < deadline) {
+        const auto left =
+            std::chrono::duration_cast<std::chrono::milliseconds>(deadline - Clock::now());
+        std::string line = next_line(left);
+        if (line.find(words) != std::string::npos) return line;
+        if (line.empty()) break;
+    }
+    return {};
 }
 
-void BrokerProcess::signal(int number) const {
+std::string Process::rest_of_output() {
+    while (output_.read(default_limit)) {
+    }
+    return std::exchange(output_.text, {});
+}
+
+void Process::signal(int number) const {
     if (pid_ > 0) kill(pid_, number);
 }
 
-int BrokerProcess::wait_for_exit(std::chrono::milliseconds limit) {
+int Process::wait_for_exit(std::chrono::milliseconds limit) {
     const auto deadline = Clock::now() + limit;
     int status = 0;
     while (waitpid(pid_, &status, WNOHANG) == 0) {
@@ -108,14 +123,14 @@ int BrokerProcess::wait_for_exit(std::chrono::milliseconds limit) {
     return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
 }
 
-void BrokerProcess::kill_9() {
+void Process::kill_9() {
     if (pid_ <= 0) return;
     kill(pid_, SIGKILL);
     waitpid(pid_, nullptr, 0);
     pid_ = -1;
 }
 
-const std::string& BrokerProcess::errors() {
+const std::string& Process::errors() {
     while (errors_.read(std::chrono::milliseconds{0})) {
     }
     return errors_.text;

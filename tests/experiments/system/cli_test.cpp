@@ -88,7 +88,7 @@ INSTANTIATE_TEST_SUITE_P(
         Refused{"sub -t a -h 'no such host'", "cannot find the host `no such host`"},
         Refused{"sweep /nowhere.toml", "cannot read the sweep file `/nowhere.toml`: no such file"},
         Refused{"swep", "The following argument was not expected: swep"},
-        Refused{"", "a subcommand is needed: pub, sub, brokers, load or sweep"}));
+        Refused{"", "a subcommand is needed: pub, sub, brokers, robots"}));
 
 }  // namespace
 }  // namespace romano::experiments

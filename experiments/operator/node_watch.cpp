@@ -1,0 +1,39 @@
+#include "experiments/operator/node_watch.h"
+
+#include <functional>
+#include <utility>
+#include <variant>
+
+namespace romano::experiments {
+
+NodeWatch::NodeWatch(boost::asio::io_context& io, const BrokerAddress& broker,
+                     const std::string& client_id, const client::Timing& timing)
+    : client_id_(client_id),
+      client_(io, broker, timing, std::hash<std::string>{}(client_id),
+              [this](const client::Event& event) { on_event(event); }) {
+    client_.connect({.client_id = client_id_, .clean_session = true});
+}
+
+void NodeWatch::subscribe(const std::string& filter) {
+    (void)client_.subscribe(client::topic_name(filter), mqttsn::Qos::at_least_once);
+}
+
+void NodeWatch::publish(const std::string& topic, Bytes data, mqttsn::Qos qos) {
+    if (!client_.publish(client::topic_name(topic), data, {.qos = qos})) failed_ = true;
+}
+
+void NodeWatch::on_event(const client::Event& event) {
+    if (const auto* received = std::get_if<client::Received>(&event)) {
+        ++heard_;
+        const auto entry = server::parse_entry(received->topic.name, as_text(received->data));
+        if (entry) nodes_.insert_or_assign(entry->id, *entry);
+        return;
+    }
+    const auto* disconnected = std::get_if<client::Disconnected>(&event);
+    failed_ = failed_ || std::holds_alternative<client::Lost>(event) ||
+              std::holds_alternative<client::Refused>(event) ||
+              std::holds_alternative<client::Failed>(event) ||
+              (disconnected != nullptr && disconnected->by_broker);
+}
+
+}  // namespace romano::experiments

@@ -1,0 +1,46 @@
+// Looks at the ROMANO nodes with one broker's eyes: a plain MQTT-SN client that subscribes to
+// entries on $ROMANO/nodes/ and keeps the latest of each; and publishes to nodes.
+#pragma once
+
+#include <boost/asio/io_context.hpp>
+#include <map>
+#include <optional>
+#include <string>
+
+#include "experiments/robots/socket_client.h"
+#include "romano/message/romano_id.h"
+#include "romano/server/node_entry.h"
+
+namespace romano::experiments {
+
+class NodeWatch {
+public:
+    NodeWatch(boost::asio::io_context& io, const BrokerAddress& broker,
+              const std::string& client_id, const client::Timing& timing);
+
+    void subscribe(const std::string& filter);
+    void publish(const std::string& topic, Bytes data, mqttsn::Qos qos);
+    void leave() { client_.disconnect(); }
+
+    [[nodiscard]] const std::map<message::RomanoId, server::NodeEntry>& nodes() const {
+        return nodes_;
+    }
+    [[nodiscard]] bool is_connected() const { return client_.core().is_connected(); }
+    [[nodiscard]] bool is_idle() const { return client_.core().is_idle(); }
+    /// Words of the broker on nodes so far.
+    [[nodiscard]] std::size_t heard() const { return heard_; }
+    /// No answer after all repetitions, or a refusal.
+    [[nodiscard]] bool has_failed() const { return failed_; }
+    [[nodiscard]] bool was_refused() const { return client_.was_refused(); }
+
+private:
+    void on_event(const client::Event& event);
+
+    std::string client_id_;
+    std::map<message::RomanoId, server::NodeEntry> nodes_;
+    std::size_t heard_ = 0;
+    bool failed_ = false;
+    SocketClient client_;
+};
+
+}  // namespace romano::experiments

@@ -1,0 +1,46 @@
+// The MQTT-SN client alone, with all that a program calls of it to publish and receive at QoS 0 to
+// 2 with buffers of 512 octets: for its size.
+
+#include "romano/client/client.h"
+
+using namespace romano;
+
+namespace {
+
+struct Limits {
+    static constexpr std::size_t datagram_octets = 512;
+    static constexpr std::size_t queue_octets = 512;
+    static constexpr std::size_t topics = 12;
+    static constexpr std::size_t name_octets = 192;
+    static constexpr std::size_t unreleased = 4;
+};
+
+std::uint8_t volatile line;  // where datagrams come from and go to
+
+void drain(const client::Output& out) {
+    for (const Bytes datagram : out.datagrams()) line = datagram[0];
+}
+
+}  // namespace
+
+extern "C" void on_systick() {}
+extern "C" void on_uart1() {}
+
+int main() {
+    static client::Client<Limits> core;
+    static client::OutputFor<Limits> out;
+    Instant now{};
+    core.connect(now, {.client_id = "abcd1234"}, out);
+    (void)core.subscribe(now, client::topic_name("abcd1234"), mqttsn::Qos::exactly_once, out);
+    for (;;) {
+        now += std::chrono::milliseconds{1};
+        const std::uint8_t octets[] = {line, line, line};
+        core.on_datagram(now, octets, out);
+        drain(out);
+        (void)core.publish(now, client::topic_name("pose"), octets, {.qos = mqttsn::Qos{line}},
+                           out);
+        drain(out);
+        if (core.next_wakeup() <= now) core.on_tick(now, out);
+        drain(out);
+    }
+}

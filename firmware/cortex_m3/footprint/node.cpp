@@ -1,0 +1,52 @@
+// MQTT-SN client, ROMANO node, mailbox and discovery together, buffers of 512 octets: for their
+// size.
+
+#include "romano/node/node.h"
+
+#include "romano/client/discovery.h"
+
+using namespace romano;
+
+namespace {
+
+struct Limits {
+    static constexpr std::size_t datagram_octets = 512;
+    static constexpr std::size_t queue_octets = 512;
+    static constexpr std::size_t topics = 12;
+    static constexpr std::size_t name_octets = 192;
+    static constexpr std::size_t unreleased = 4;
+};
+
+std::uint8_t volatile line;  // where datagrams come from and go to
+
+struct Port final : node::Port {
+    void send(Bytes datagram) override { line = datagram[0]; }
+};
+
+}  // namespace
+
+extern "C" void on_systick() {}
+extern "C" void on_uart1() {}
+
+int main() {
+    static Port port;
+    static client::Client<Limits> core;
+    static client::OutputFor<Limits> out;
+    static romano_mailbox mailbox;
+    static client::Discovery discovery{{.answers_others = false}, 1};
+    static node::Node robot{core, out, mailbox, {}};
+    Instant now{};
+    discovery.search(now);
+    robot.start(now, port);
+    for (;;) {
+        now += std::chrono::milliseconds{1};
+        std::uint8_t octets[21] = {line, line, line};
+        discovery.on_datagram(now, {}, octets);
+        robot.on_datagram(now, octets, port);
+        if (discovery.on_tick(now, octets) != 0) line = octets[0];
+        if (robot.next_wakeup() <= now) robot.on_tick(now, port);
+        robot.publish(now, "pose", message::NormalData{octets}, mqttsn::Qos{line}, port);
+        romano_command command;
+        if (romano_mailbox_get(&mailbox, &command)) line = command.arguments[0];
+    }
+}

@@ -1,0 +1,134 @@
+// romano-broker-robot: a robot that is a broker too, one process on one thread. The robot's own
+// client is a client as any other of the broker that it carries.
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/signal_set.hpp>
+#include <csignal>
+#include <cstdio>
+#include <memory>
+#include <stdexcept>
+
+#include "broker/daemon/command_line.h"
+#include "broker/daemon/refusal.h"
+#include "broker/daemon/running_broker.h"
+#include "broker/daemon/settings.h"
+#include "broker/daemon/trace.h"
+#include "broker/net/endpoint_text.h"
+#include "broker/net/socket_address.h"
+#include "firmware/posix/simulated_robot.h"
+
+namespace {
+
+using namespace romano;
+
+constexpr const char* examples = R"(Examples:
+  romano-broker-robot --id abcd1234 --listen 192.168.1.5:1883 --domain 7
+      a robot that is one broker of the cluster on DDS domain 7
+  romano-broker-robot --id 00000002 --listen 127.0.0.2:1883 --domain 7 --interface lo --telemetry pose
+
+All options of romano-broker are options here too (romano-broker --help), except --config.
+Exit code: 0 after SIGTERM or SIGINT, 2 when a setting is not possible.)";
+
+struct Settings {
+    std::string id;
+    std::string telemetry;
+    double every_s = 1;
+    daemon::Settings broker;
+};
+
+/// Where the robot finds the broker in its own process.
+Endpoint own_address(const daemon::Settings& broker) {
+    Endpoint address = broker.listen.front();
+    if (!net::is_wildcard(address)) return address;
+    const char* loopback = address.family == Endpoint::Family::ipv6 ? "[::1]:1" : "127.0.0.1:1";
+    const std::uint16_t port = address.port;
+    address = *net::parse_endpoint(loopback);
+    address.port = port;
+    return address;
+}
+
+firmware::SimulatedRobotOptions robot_options(const Settings& settings) {
+    const auto id = message::RomanoId::parse(settings.id);
+    if (!id) {
+        throw daemon::Refusal("--id '" + settings.id +
+                              "': must be 8 lower-case hexadecimal digits, for example abcd1234");
+    }
+    if (settings.broker.listen.front().port == 0) {
+        throw daemon::Refusal("--listen: the robot must know its broker's port; it cannot be 0");
+    }
+    firmware::SimulatedRobotOptions options;
+    options.robot.node.id = *id;
+    options.robot.broker = own_address(settings.broker);
+    options.robot.timing.t_retry = std::chrono::seconds{1};
+    options.telemetry_topic = settings.telemetry;
+    options.telemetry_every =
+        std::chrono::duration_cast<Duration>(std::chrono::duration<double>{settings.every_s});
+    return options;
+}
+
+void run(const Settings& settings) {
+    const firmware::SimulatedRobotOptions options = robot_options(settings);
+    boost::asio::io_context io{1};
+    daemon::start_trace(settings.broker.log_level);
+    std::unique_ptr<firmware::SimulatedRobot> robot;
+    std::unique_ptr<daemon::RunningBroker> broker;
+    boost::asio::signal_set signals(io, SIGTERM, SIGINT);
+    signals.async_wait([&](const auto& error, int) {
+        if (!error && broker) broker->leave();
+    });
+    broker = daemon::start_broker(io, settings.broker, [&](const std::string& where) {
+        std::printf("romano-broker-robot %s: serving %s\n", settings.broker.name.c_str(),
+                    where.c_str());
+        std::fflush(stdout);
+        robot = std::make_unique<firmware::SimulatedRobot>(
+            io, options, [](const message::RomanoId& id, const std::string& what) {
+                std::printf("%s %s\n", std::string{id.text()}.c_str(), what.c_str());
+                std::fflush(stdout);
+            });
+    });
+    io.run();
+}
+
+Settings read(int argc, char** argv) {
+    CLI::App app{"A robot that is a ROMANO broker too.", "romano-broker-robot"};
+    app.footer(examples);
+    app.allow_extras();
+    Settings settings;
+    app.add_option("--id", settings.id, "The robot's ROMANO id")->required();
+    app.add_option("--telemetry", settings.telemetry, "Publish the own location on this topic")
+        ->type_name("TOPIC");
+    app.add_option("--every", settings.every_s, "Seconds between two locations")
+        ->check(CLI::Range(0.001, 3600.0))
+        ->capture_default_str();
+    app.parse(argc, argv);
+    const std::vector<std::string> rest = app.remaining();
+    std::vector<const char*> of_broker{argv[0]};
+    for (const std::string& word : rest) of_broker.push_back(word.c_str());
+    const auto texts =
+        daemon::read_command_line(static_cast<int>(of_broker.size()), of_broker.data());
+    settings.broker = daemon::check(std::get<daemon::SettingTexts>(texts));
+    return settings;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    std::signal(SIGPIPE, SIG_IGN);
+    try {
+        run(read(argc, argv));
+        return 0;
+    } catch (const CLI::CallForHelp&) {
+        std::printf(
+            "A robot that is a ROMANO broker too, one process.\n\n"
+            "  --id ID            the robot's ROMANO id (8 lower-case hexadecimal digits)\n"
+            "  --telemetry TOPIC  publish the own location on this topic\n"
+            "  --every SECONDS    between two locations (1)\n\n%s\n",
+            examples);
+        return 0;
+    } catch (const std::exception& error) {
+        std::fprintf(stderr, "romano-broker-robot: %s\n", error.what());
+        return 2;
+    }
+}

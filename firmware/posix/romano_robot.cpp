@@ -1,0 +1,243 @@
+// romano-robot: one simulated ROMANO robot, or hundreds for a load.
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/signal_set.hpp>
+#include <chrono>
+#include <csignal>
+#include <cstdio>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <random>
+#include <stdexcept>
+
+#include "broker/net/clock.h"
+#include "broker/net/endpoint_text.h"
+#include "firmware/posix/simulated_robot.h"
+#include "firmware/robot/address.h"
+
+namespace {
+
+using namespace romano;
+using firmware::SimulatedRobot;
+using firmware::SimulatedRobotOptions;
+
+constexpr const char* examples = R"(Examples:
+  romano-robot --id abcd1234 --broker 127.0.0.1:1883
+      one robot at that broker; `romano move abcd1234 front 100mm` moves it
+  romano-robot --discover --local 192.168.1.20
+      finds the nearest broker by itself, by that address's interface (brokers: --discovery-group default)
+  romano-robot --broker 127.0.0.1:1883 --telemetry line --every 0.5 --heartbeat 2 --keep-session
+      tells where it is twice a second, and is missed when its heartbeats are
+  romano-robot --count 300 --id 00000001 --broker 127.0.0.1:1883 --broker 127.0.0.2:1883 --quiet
+      300 robots, dealt to two brokers in turn; Ctrl-C prints what became of them
+
+Each line of output is a robot's id and what happened; with --json it is a JSON object.
+Exit code: 0 at the end (Ctrl-C, --seconds), 2 when a setting is not possible.)";
+
+struct Settings {
+    std::string id;
+    std::vector<std::string> brokers;
+    bool discovers = false;
+    std::string local;
+    std::string group;
+    unsigned count = 1;
+    std::string telemetry;
+    double every_s = 1;
+    double heartbeat_s = 0;
+    unsigned keep_alive_s = 30;
+    bool keep_session = false;
+    std::vector<std::string> subscriptions;
+    std::string follow;
+    double seconds = 0;
+    bool quiet = false;
+    bool as_json = false;
+};
+
+void add_options(CLI::App& app, Settings& to) {
+    app.add_option("--id", to.id, "ROMANO id, 8 lower-case hexadecimal digits (default: made up)");
+    app.add_option("--broker", to.brokers, "The broker (repeatable: robots are dealt in turn)")
+        ->type_name("ADDR:PORT");
+    app.add_flag("--discover", to.discovers, "Find the nearest broker instead");
+    app.add_option("--local", to.local, "Own IP address (default: the system's choice)")
+        ->type_name("ADDR");
+    app.add_option("--group", to.group,
+                   "Where discovery asks (default: 225.1.1.1:1883 or [ff02::225:1:1:1]:1883)")
+        ->type_name("ADDR:PORT");
+    app.add_option("--count", to.count, "So many robots, with ids from --id on")
+        ->check(CLI::Range(1U, 10'000U))
+        ->capture_default_str();
+    app.add_option("--telemetry", to.telemetry, "Publish the own location on this topic")
+        ->type_name("TOPIC");
+    app.add_option("--every", to.every_s, "Seconds between two locations")
+        ->check(CLI::Range(0.001, 3600.0))
+        ->capture_default_str();
+    app.add_option("--heartbeat", to.heartbeat_s, "Seconds between two heartbeats, 0 for none")
+        ->check(CLI::Range(0.0, 3600.0))
+        ->capture_default_str();
+    app.add_option("--keepalive", to.keep_alive_s, "Keep-alive in seconds")
+        ->check(CLI::Range(1U, 65'535U))
+        ->capture_default_str();
+    app.add_flag("--keep-session", to.keep_session,
+                 "The broker keeps messages while the robot is away");
+    app.add_option("--subscribe", to.subscriptions, "Subscribe to this topic too (repeatable)")
+        ->type_name("TOPIC");
+    app.add_option("--follow", to.follow, "Copy the path of the locations that come on this topic")
+        ->type_name("TOPIC");
+    app.add_option("--seconds", to.seconds, "End after so long (default: never)")
+        ->check(CLI::Range(0.0, 1e6));
+    app.add_flag("--quiet", to.quiet, "Print nothing but the summary at the end");
+    app.add_flag("--json", to.as_json, "Print JSON objects, one a line");
+}
+
+[[noreturn]] void refuse(const std::string& sentence) {
+    throw std::invalid_argument(sentence);
+}
+
+Endpoint parse_address(const std::string& option, const std::string& text) {
+    const auto endpoint = net::parse_endpoint(text);
+    if (!endpoint || endpoint->port == 0) {
+        refuse("--" + option + " '" + text +
+               "': is no address and port; write ADDR:PORT, for example 127.0.0.1:1883 or "
+               "[::1]:1883");
+    }
+    return *endpoint;
+}
+
+std::uint32_t first_id(const std::string& text) {
+    if (text.empty()) return std::random_device{}();
+    if (!message::RomanoId::parse(text)) {
+        refuse("--id '" + text +
+               "': must be 8 lower-case hexadecimal digits, for example abcd1234");
+    }
+    return static_cast<std::uint32_t>(std::stoul(text, nullptr, 16));
+}
+
+message::RomanoId id_of(std::uint32_t number) {
+    char digits[9];
+    std::snprintf(digits, sizeof digits, "%08x", number);
+    return *message::RomanoId::parse(digits);
+}
+
+Duration seconds(double value) {
+    return std::chrono::duration_cast<Duration>(std::chrono::duration<double>{value});
+}
+
+SimulatedRobotOptions check(const Settings& settings) {
+    if (settings.discovers == !settings.brokers.empty()) {
+        refuse("--broker or --discover: give one of them; --help shows examples");
+    }
+    SimulatedRobotOptions options;
+    if (!settings.local.empty() && !romano_udp_address(settings.local.c_str(), 0, &options.local)) {
+        refuse("--local '" + settings.local + "': is no IP address");
+    }
+    if (!settings.group.empty()) {
+        options.group = firmware::address_of(parse_address("group", settings.group));
+    }
+    options.robot.node.keep_alive = std::chrono::seconds{settings.keep_alive_s};
+    options.robot.node.heartbeat_every = seconds(settings.heartbeat_s);
+    options.robot.node.keep_session = settings.keep_session;
+    options.robot.timing.t_retry = std::chrono::seconds{1};
+    options.telemetry_topic = settings.telemetry;
+    options.telemetry_every = seconds(settings.every_s);
+    options.subscriptions = settings.subscriptions;
+    options.follow = settings.follow;
+    return options;
+}
+
+void say(const Settings& settings, const message::RomanoId& id, const std::string& what) {
+    if (settings.quiet) return;
+    if (!settings.as_json) {
+        std::printf("%s %s\n", std::string{id.text()}.c_str(), what.c_str());
+    } else {
+        const auto ms = std::chrono::duration_cast<std::chrono::milliseconds>(net::unix_time());
+        const nlohmann::ordered_json line{
+            {"unix_ms", ms.count()}, {"robot", id.text()}, {"what", what}};
+        using nlohmann::json;
+        std::puts(line.dump(-1, ' ', false, json::error_handler_t::replace).c_str());
+    }
+    std::fflush(stdout);
+}
+
+void sum_up(const Settings& settings, const std::vector<std::unique_ptr<SimulatedRobot>>& robots) {
+    std::uint64_t established = 0;
+    std::uint64_t lost = 0;
+    firmware::RobotCounters sum;
+    for (const auto& robot : robots) {
+        established += robot->core().node().phase() == node::Phase::established ? 1U : 0U;
+        lost += robot->core().node().counters().connections_lost;
+        sum.commands += robot->counters().commands;
+        sum.messages += robot->counters().messages;
+        sum.telemetry += robot->counters().telemetry;
+    }
+    if (settings.as_json) {
+        std::puts(nlohmann::ordered_json{{"robots", robots.size()},
+                                         {"established", established},
+                                         {"connections_lost", lost},
+                                         {"commands", sum.commands},
+                                         {"messages", sum.messages},
+                                         {"locations_published", sum.telemetry}}
+                      .dump()
+                      .c_str());
+    } else {
+        std::printf(
+            "%zu robots, %llu established, %llu connections lost; %llu commands, %llu other "
+            "messages; %llu locations published\n",
+            robots.size(), static_cast<unsigned long long>(established),
+            static_cast<unsigned long long>(lost), static_cast<unsigned long long>(sum.commands),
+            static_cast<unsigned long long>(sum.messages),
+            static_cast<unsigned long long>(sum.telemetry));
+    }
+    std::fflush(stdout);
+}
+
+void run(const Settings& settings) {
+    SimulatedRobotOptions options = check(settings);
+    std::vector<Endpoint> brokers;
+    for (const std::string& text : settings.brokers)
+        brokers.push_back(parse_address("broker", text));
+    const std::uint32_t first = first_id(settings.id);
+    boost::asio::io_context io{1};
+    boost::asio::signal_set signals(io, SIGTERM, SIGINT);
+    signals.async_wait([&](const auto&, int) { io.stop(); });
+    std::vector<std::unique_ptr<SimulatedRobot>> robots;
+    for (unsigned i = 0; i < settings.count; ++i) {
+        options.robot.node.id = id_of(first + i);
+        options.robot.seed = first + i;
+        if (!brokers.empty()) options.robot.broker = brokers[i % brokers.size()];
+        robots.push_back(std::make_unique<SimulatedRobot>(
+            io, options,
+            [&](const auto& id, const std::string& what) { say(settings, id, what); }));
+    }
+    if (settings.seconds > 0) {
+        io.run_for(
+            std::chrono::duration_cast<std::chrono::milliseconds>(seconds(settings.seconds)));
+    } else {
+        io.run();
+    }
+    sum_up(settings, robots);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    CLI::App app{
+        "A simulated ROMANO robot over MQTT-SN: it carries commands out at once and prints "
+        "them.",
+        "romano-robot"};
+    app.footer(examples);
+    app.get_formatter()->column_width(34);
+    Settings settings;
+    add_options(app, settings);
+    try {
+        app.parse(argc, argv);
+        run(settings);
+        return 0;
+    } catch (const CLI::Success& asked) {
+        return app.exit(asked);
+    } catch (const std::exception& error) {
+        std::fprintf(stderr, "romano-robot: %s\n", error.what());
+        return 2;
+    }
+}

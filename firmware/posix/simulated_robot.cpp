@@ -1,0 +1,153 @@
+#include "firmware/posix/simulated_robot.h"
+
+#include <cmath>
+#include <cstring>
+#include <stdexcept>
+#include <utility>
+
+namespace romano::firmware {
+namespace {
+
+const romano_board& open_board(romano_udp_board& udp, const SimulatedRobotOptions& options) {
+    romano_address local = options.local;
+    if (local.family == 0) {
+        local.family = options.robot.broker.family == Endpoint::Family::ipv6 ? 6 : 4;
+    }
+    if (const int error = romano_udp_open(&udp, &local)) {
+        throw std::runtime_error("cannot open a socket for robot " +
+                                 std::string{options.robot.node.id.text()} + ": " +
+                                 std::strerror(error));
+    }
+    if (options.group.family != 0) udp.group = options.group;
+    return udp.board;
+}
+
+/// What a robot prints of a message that it does not carry out.
+struct Words {
+    std::string operator()(const message::NormalData& m) const { return quoted(m.data); }
+    std::string operator()(const message::RemoteControl& m) const {
+        return "the key " + quoted(m.data);
+    }
+    std::string operator()(const message::Heartbeat& m) const {
+        return "the heartbeat of " + std::string{m.sender.text()};
+    }
+    std::string operator()(const message::ConnectedNodes& m) const {
+        std::string text = std::to_string(m.count()) + " connected nodes:";
+        for (std::size_t i = 0; i < m.count(); ++i) text += ' ' + std::string{m.at(i).text()};
+        return text;
+    }
+    std::string operator()(const message::SensorData& m) const {
+        return "sensor data of type " + std::to_string(static_cast<unsigned>(m.type));
+    }
+    std::string operator()(const message::ApplicationData& m) const {
+        return "a message of type " + std::to_string(unsigned{m.type});
+    }
+    template <typename Other>
+    std::string operator()(const Other&) const {
+        return "a message";
+    }
+    static std::string quoted(Bytes data) { return '`' + std::string{as_text(data)} + '`'; }
+};
+
+}  // namespace
+
+SimulatedRobot::SimulatedRobot(boost::asio::io_context& io, const SimulatedRobotOptions& options,
+                               Say say)
+    : options_(options),
+      say_(std::move(say)),
+      socket_(io),
+      timer_(io, [this] { run(); }),
+      robot_(options.robot, open_board(udp_, options), *this),
+      body_(options.start) {
+    socket_.assign(udp_.socket);
+    wait_for_datagrams();
+    run();
+}
+
+SimulatedRobot::~SimulatedRobot() {
+    socket_.release();
+    romano_udp_close(&udp_);
+}
+
+void SimulatedRobot::wait_for_datagrams() {
+    socket_.async_wait(boost::asio::posix::stream_descriptor::wait_read,
+                       [this](const boost::system::error_code& stopped) {
+                           if (stopped) return;
+                           run();
+                           wait_for_datagrams();
+                       });
+}
+
+void SimulatedRobot::run() {
+    Instant next = robot_.run();
+    carry_out_commands();
+    if (telemetry_at_ <= robot_.now()) {
+        telemetry_at_ = robot_.now() + options_.telemetry_every;
+        publish_telemetry();
+        next = robot_.run();
+    }
+    timer_.arm(std::min(next, telemetry_at_));
+}
+
+void SimulatedRobot::carry_out_commands() {
+    for (romano_command command; robot_.next_command(command);) {
+        ++counters_.commands;
+        body_.carry_out(command);
+        say_(options_.robot.node.id, to_text(command) + " (" + where() + ")");
+    }
+}
+
+std::string SimulatedRobot::where() const {
+    const Pose& pose = body_.pose();
+    const auto rounded = [](double value) { return std::to_string(std::lround(value)); };
+    return "x " + rounded(pose.x_mm) + " mm, y " + rounded(pose.y_mm) + " mm, heading " +
+           rounded(pose.heading_deg) + " deg";
+}
+
+void SimulatedRobot::publish_telemetry() {
+    const auto location = body_.location();
+    if (robot_.publish(options_.telemetry_topic,
+                       message::SensorData{message::SensorType::location, location},
+                       mqttsn::Qos::at_most_once)) {
+        ++counters_.telemetry;
+    }
+}
+
+void SimulatedRobot::on_established() {
+    ++counters_.established;
+    say_(options_.robot.node.id, "established");
+    for (const std::string& topic : options_.subscriptions) robot_.subscribe(topic);
+    if (!options_.follow.empty()) robot_.subscribe(options_.follow);
+    if (!options_.telemetry_topic.empty()) telemetry_at_ = robot_.now();
+}
+
+/// Where it is, if that is asked for; what it has no sensor for it publishes as it stands, as the
+/// authors' firmware does.
+void SimulatedRobot::on_publish_request(std::string_view topic, Bytes kind_of_data) {
+    say_(options_.robot.node.id, "is asked to publish `" + std::string{as_text(kind_of_data)} +
+                                     "` on `" + std::string{topic} + "`");
+    const auto location = body_.location();
+    if (as_text(kind_of_data) == "location") {
+        robot_.publish(topic, message::SensorData{message::SensorType::location, location},
+                       mqttsn::Qos::at_least_once);
+    } else {
+        robot_.publish(topic, message::NormalData{kind_of_data}, mqttsn::Qos::at_least_once);
+    }
+}
+
+void SimulatedRobot::copy_path(const Pose& ahead) {
+    if (followed_) body_.copy(*followed_, ahead);
+    followed_ = ahead;
+}
+
+void SimulatedRobot::on_message(std::string_view topic, const message::Message& message) {
+    ++counters_.messages;
+    const auto* sensor = std::get_if<message::SensorData>(&message);
+    if (sensor != nullptr && topic == options_.follow) {
+        if (const auto ahead = pose_of(sensor->value)) return copy_path(*ahead);
+    }
+    say_(options_.robot.node.id,
+         "hears " + std::visit(Words{}, message) + " on `" + std::string{topic} + '`');
+}
+
+}  // namespace romano::firmware

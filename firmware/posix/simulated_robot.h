@@ -1,0 +1,73 @@
+// A ROMANO robot without wheels: the firmware's robot on a UDP socket, with a simulated body. It
+// prints what it is told and publishes where it is.
+#pragma once
+
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/posix/stream_descriptor.hpp>
+#include <functional>
+#include <string>
+
+#include "broker/net/core_timer.h"
+#include "firmware/posix/body.h"
+#include "firmware/posix/udp_board.h"
+#include "firmware/robot/robot.h"
+
+namespace romano::firmware {
+
+struct SimulatedRobotOptions {
+    RobotSettings robot;
+    romano_address local{};       // family 0: any address of the broker's family
+    romano_address group{};       // of discovery; family 0: the usual one
+    std::string telemetry_topic;  // empty: none
+    Duration telemetry_every{std::chrono::seconds{1}};
+    std::vector<std::string> subscriptions;
+    std::string follow;  // copies the path of the locations on this topic; empty: none
+    Pose start;
+};
+
+struct RobotCounters {
+    std::uint64_t commands = 0;
+    std::uint64_t messages = 0;
+    std::uint64_t established = 0;
+    std::uint64_t telemetry = 0;
+};
+
+class SimulatedRobot final : private Controller {
+public:
+    /// One line without its end for each thing that happens: "front 100 mm (x 100 mm, ...)".
+    using Say = std::function<void(const message::RomanoId& id, const std::string& what)>;
+
+    /// Throws std::runtime_error when the socket cannot be opened.
+    SimulatedRobot(boost::asio::io_context& io, const SimulatedRobotOptions& options, Say say);
+    ~SimulatedRobot();
+
+    [[nodiscard]] const RobotCounters& counters() const { return counters_; }
+    [[nodiscard]] const RobotCore& core() const { return robot_; }
+    [[nodiscard]] const Body& body() const { return body_; }
+
+private:
+    void wait_for_datagrams();
+    void run();
+    void carry_out_commands();
+    void publish_telemetry();
+    [[nodiscard]] std::string where() const;
+
+    void copy_path(const Pose& ahead);
+
+    void on_established() override;
+    void on_publish_request(std::string_view topic, Bytes kind_of_data) override;
+    void on_message(std::string_view topic, const message::Message& message) override;
+
+    SimulatedRobotOptions options_;
+    Say say_;
+    romano_udp_board udp_{};
+    boost::asio::posix::stream_descriptor socket_;
+    net::CoreTimer timer_;
+    Robot<> robot_;
+    Body body_;
+    RobotCounters counters_;
+    Instant telemetry_at_ = never;
+    std::optional<Pose> followed_;  // where the one ahead was last
+};
+
+}  // namespace romano::firmware

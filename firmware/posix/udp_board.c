@@ -1,0 +1,150 @@
+#define _GNU_SOURCE
+#include "firmware/posix/udp_board.h"
+
+#include <arpa/inet.h>
+#include <errno.h>
+#include <fcntl.h>
+#include <net/if.h>
+#include <netinet/in.h>
+#include <poll.h>
+#include <stddef.h>
+#include <string.h>
+#include <sys/socket.h>
+#include <time.h>
+#include <unistd.h>
+
+union any_address {
+    struct sockaddr any;
+    struct sockaddr_in v4;
+    struct sockaddr_in6 v6;
+};
+
+static socklen_t to_socket(const struct romano_address* from, union any_address* to) {
+    memset(to, 0, sizeof *to);
+    if (from->family == 4) {
+        to->v4.sin_family = AF_INET;
+        to->v4.sin_port = htons(from->port);
+        memcpy(&to->v4.sin_addr, from->ip, 4);
+        return sizeof to->v4;
+    }
+    to->v6.sin6_family = AF_INET6;
+    to->v6.sin6_port = htons(from->port);
+    to->v6.sin6_scope_id = from->scope;
+    memcpy(&to->v6.sin6_addr, from->ip, 16);
+    return sizeof to->v6;
+}
+
+static void from_socket(const union any_address* from, struct romano_address* to) {
+    memset(to, 0, sizeof *to);
+    if (from->any.sa_family == AF_INET) {
+        to->family = 4;
+        to->port = ntohs(from->v4.sin_port);
+        memcpy(to->ip, &from->v4.sin_addr, 4);
+    } else {
+        to->family = 6;
+        to->port = ntohs(from->v6.sin6_port);
+        to->scope = from->v6.sin6_scope_id;
+        memcpy(to->ip, &from->v6.sin6_addr, 16);
+    }
+}
+
+static uint64_t now_ms(void* self) {
+    (void)self;
+    struct timespec now;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return (uint64_t)now.tv_sec * 1000U + (uint64_t)now.tv_nsec / 1000000U;
+}
+
+static void send_datagram(void* self, const struct romano_address* to, const uint8_t* octets,
+                          uint32_t size) {
+    const struct romano_udp_board* udp = self;
+    union any_address address;
+    const socklen_t length = to_socket(to->family == 0 ? &udp->group : to, &address);
+    /* An error may be that of an earlier datagram (ICMP); this one was not sent then. */
+    for (int attempt = 0; attempt < 2; ++attempt) {
+        if (sendto(udp->socket, octets, size, 0, &address.any, length) >= 0) return;
+        if (errno != ECONNREFUSED) return;
+    }
+}
+
+static const uint8_t* receive_datagram(void* self, struct romano_address* from, uint32_t* size) {
+    struct romano_udp_board* udp = self;
+    for (int errors = 0; errors < 8; ++errors) {
+        union any_address address;
+        socklen_t length = sizeof address;
+        const ssize_t received =
+            recvfrom(udp->socket, udp->datagram, sizeof udp->datagram, 0, &address.any, &length);
+        if (received >= 0) {
+            from_socket(&address, from);
+            *size = (uint32_t)received;
+            return udp->datagram;
+        }
+        if (errno == EAGAIN || errno == EWOULDBLOCK) return NULL;
+    }
+    return NULL;
+}
+
+bool romano_udp_address(const char* ip, uint16_t port, struct romano_address* address) {
+    union any_address parsed;
+    memset(&parsed, 0, sizeof parsed);
+    char text[INET6_ADDRSTRLEN + IF_NAMESIZE + 1];
+    if (strlen(ip) >= sizeof text) return false;
+    strcpy(text, ip);
+    char* percent = strchr(text, '%');
+    if (percent != NULL) *percent = '\0';
+    if (inet_pton(AF_INET, text, &parsed.v4.sin_addr) == 1) {
+        parsed.v4.sin_family = AF_INET;
+        parsed.v4.sin_port = htons(port);
+    } else if (inet_pton(AF_INET6, text, &parsed.v6.sin6_addr) == 1) {
+        parsed.v6.sin6_family = AF_INET6;
+        parsed.v6.sin6_port = htons(port);
+        parsed.v6.sin6_scope_id = percent != NULL ? if_nametoindex(percent + 1) : 0;
+        if (percent != NULL && parsed.v6.sin6_scope_id == 0) return false;
+    } else {
+        return false;
+    }
+    from_socket(&parsed, address);
+    return true;
+}
+
+static void choose_group(struct romano_udp_board* udp, const struct romano_address* local) {
+    if (local->family == 4) {
+        (void)romano_udp_address("225.1.1.1", 1883, &udp->group);
+        struct in_addr interface;
+        memcpy(&interface, local->ip, sizeof interface);
+        (void)setsockopt(udp->socket, IPPROTO_IP, IP_MULTICAST_IF, &interface, sizeof interface);
+    } else {
+        (void)romano_udp_address("ff02::225:1:1:1", 1883, &udp->group);
+        udp->group.scope = local->scope;
+    }
+}
+
+int romano_udp_open(struct romano_udp_board* udp, const struct romano_address* local) {
+    memset(udp, 0, sizeof *udp);
+    udp->socket = socket(local->family == 4 ? AF_INET : AF_INET6,
+                         SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
+    if (udp->socket < 0) return errno;
+    union any_address address;
+    const socklen_t length = to_socket(local, &address);
+    if (bind(udp->socket, &address.any, length) != 0) {
+        const int error = errno;
+        romano_udp_close(udp);
+        return error;
+    }
+    choose_group(udp, local);
+    udp->board.self = udp;
+    udp->board.now_ms = now_ms;
+    udp->board.send = send_datagram;
+    udp->board.receive = receive_datagram;
+    return 0;
+}
+
+void romano_udp_close(struct romano_udp_board* udp) {
+    close(udp->socket);
+    udp->socket = -1;
+}
+
+void romano_udp_wait(const struct romano_udp_board* udp, uint32_t ms) {
+    struct pollfd ready = {.fd = udp->socket, .events = POLLIN, .revents = 0};
+    (void)poll(&ready, 1, (int)ms);
+}

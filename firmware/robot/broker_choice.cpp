@@ -1,0 +1,86 @@
+#include "firmware/robot/broker_choice.h"
+
+#include <algorithm>
+
+namespace romano::firmware {
+
+void BrokerChoice::search(Instant now) {
+    discovery_.search(now);
+    search_at_ = now + search_again_every;
+}
+
+void BrokerChoice::abandon(Instant now, const Endpoint& broker) {
+    for (std::size_t i = candidates_.size(); i > 0; --i) {
+        if (candidates_[i - 1].broker == broker) candidates_.erase_at(i - 1);
+    }
+    if (candidates_.empty()) decides_at_ = never;
+    search(now);
+}
+
+BrokerChoice::Candidate* BrokerChoice::find(const Endpoint& broker) {
+    for (Candidate& candidate : candidates_) {
+        if (candidate.broker == broker) return &candidate;
+    }
+    return nullptr;
+}
+
+/// In units of 2^19 ns, about half a millisecond (small chips shift well and divide badly); much
+/// for who answers unasked.
+std::int32_t BrokerChoice::answer_time(Instant now) const {
+    if (asked_at_ == never) return 10'000;
+    const auto time = static_cast<std::uint64_t>((now - asked_at_).count()) >> 19U;
+    return static_cast<std::int32_t>(std::min<std::uint64_t>(time, 10'000));
+}
+
+void BrokerChoice::on_datagram(Instant now, const Endpoint& from, Bytes datagram,
+                               std::optional<int> link_dbm) {
+    discovery_.on_datagram(now, from, datagram);
+    for (const client::Gateway& gateway : discovery_.gateways()) {
+        if (gateway.address != from) continue;
+        const bool by_signal = link_dbm.has_value();
+        const auto cost = by_signal ? -*link_dbm : answer_time(now);
+        Candidate* known = find(from);
+        if (known != nullptr) {
+            // Of the times that answers took, the shortest is the way; the rest was waiting.
+            known->cost = by_signal ? cost : std::min(known->cost, cost);
+        } else {
+            (void)candidates_.push_back({from, cost, by_signal});
+        }
+        if (decides_at_ == never) decides_at_ = now + answers_within;
+    }
+}
+
+std::size_t BrokerChoice::on_tick(Instant now, MutableBytes out) {
+    if (search_at_ <= now) search(now);
+    const std::size_t size = discovery_.on_tick(now, out);
+    if (size != 0) asked_at_ = now;
+    return size;
+}
+
+Instant BrokerChoice::next_wakeup() const {
+    return std::min(search_at_, discovery_.next_wakeup());
+}
+
+bool BrokerChoice::is_clearly_better(const Candidate& a, const Candidate& b) {
+    if (a.by_signal != b.by_signal) return a.by_signal;
+    return a.by_signal ? a.cost + clearly_better_db <= b.cost : 2 * a.cost + 4 <= b.cost;
+}
+
+std::optional<Endpoint> BrokerChoice::choose(Instant now,
+                                             const std::optional<Endpoint>& current) const {
+    if (candidates_.empty()) return current;
+    if (!current && now < decides_at_) return std::nullopt;
+    Candidate best = candidates_[0];
+    for (const Candidate& candidate : candidates_) {
+        if (candidate.cost < best.cost) best = candidate;
+    }
+    if (!current) return best.broker;
+    for (const Candidate& candidate : candidates_) {
+        if (candidate.broker == *current) {
+            return is_clearly_better(best, candidate) ? best.broker : *current;
+        }
+    }
+    return current;  // it is served by somebody who does not tell of himself; all is well
+}
+
+}  // namespace romano::firmware

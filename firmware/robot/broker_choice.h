@@ -1,0 +1,66 @@
+// Which broker a robot talks to: the nearest of those that discovery finds, by signal strength
+// where the radio tells, else by the time that an answer takes. A broker is left for a better one
+// only when that is clearly better, so that a robot between two brokers does not swing.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+
+#include "romano/base/bytes.h"
+#include "romano/base/endpoint.h"
+#include "romano/base/fixed_vector.h"
+#include "romano/base/time.h"
+#include "romano/client/discovery.h"
+
+namespace romano::firmware {
+
+class BrokerChoice {
+public:
+    /// After the first answer this long for further ones.
+    static constexpr Duration answers_within{std::chrono::milliseconds{300}};
+    static constexpr Duration search_again_every{std::chrono::seconds{10}};
+    static constexpr int clearly_better_db = 6;
+    static constexpr std::size_t largest_datagram = client::Discovery::largest_datagram;
+
+    explicit BrokerChoice(std::uint64_t seed)
+        : discovery_({.t_searchgw = std::chrono::milliseconds{200}, .answers_others = false},
+                     seed) {}
+
+    /// Asks who is there; also again and again by itself.
+    void search(Instant now);
+    /// The broker that was chosen does not answer any more.
+    void abandon(Instant now, const Endpoint& broker);
+
+    /// `link_dbm`: of the sender; empty when the radio does not tell.
+    void on_datagram(Instant now, const Endpoint& from, Bytes datagram,
+                     std::optional<int> link_dbm);
+    /// The size of a datagram for the discovery group, or 0; `out` holds largest_datagram.
+    [[nodiscard]] std::size_t on_tick(Instant now, MutableBytes out);
+    [[nodiscard]] Instant next_wakeup() const;
+    /// When a first choice can be made.
+    [[nodiscard]] Instant decides_at() const { return decides_at_; }
+
+    /// Where to talk to from now on, given where the robot talks to now; empty while unknown.
+    [[nodiscard]] std::optional<Endpoint> choose(Instant now,
+                                                 const std::optional<Endpoint>& current) const;
+
+private:
+    struct Candidate {
+        Endpoint broker;
+        std::int32_t cost = 0;  // dB below 0 dBm, or about half milliseconds
+        bool by_signal = false;
+    };
+
+    Candidate* find(const Endpoint& broker);
+    [[nodiscard]] std::int32_t answer_time(Instant now) const;
+    [[nodiscard]] static bool is_clearly_better(const Candidate& a, const Candidate& b);
+
+    client::Discovery discovery_;
+    FixedVector<Candidate, 4> candidates_;
+    Instant asked_at_ = never;
+    Instant decides_at_ = never;
+    Instant search_at_ = never;
+};
+
+}  // namespace romano::firmware

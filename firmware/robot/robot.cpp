@@ -1,0 +1,88 @@
+#include "firmware/robot/robot.h"
+
+#include <algorithm>
+#include <array>
+
+#include "firmware/robot/address.h"
+
+namespace romano::firmware {
+RobotCore::RobotCore(client::ClientCore& client, client::Output& scratch,
+                     const RobotSettings& settings, const romano_board& board,
+                     Controller& controller)
+    : board_(board),
+      controller_(controller),
+      node_(client, scratch, mailbox_, settings.node),
+      discovers_(settings.broker.family == Endpoint::Family::none),
+      choice_(settings.seed) {
+    now_ = now();
+    if (discovers_) {
+        choice_.search(now_);
+    } else {
+        broker_ = settings.broker;
+    }
+}
+
+Instant RobotCore::now() const {
+    return Instant{std::chrono::milliseconds{board_.now_ms(board_.self)}};
+}
+
+std::optional<int> RobotCore::link_dbm(const romano_address& peer) const {
+    if (board_.link_dbm == nullptr) return std::nullopt;
+    const int dbm = board_.link_dbm(board_.self, &peer);
+    return dbm == ROMANO_LINK_UNKNOWN ? std::nullopt : std::optional{dbm};
+}
+
+Instant RobotCore::run() {
+    now_ = now();
+    receive_all();
+    if (discovers_) choose_broker();
+    if (!broker_) return std::min(choice_.next_wakeup(), choice_.decides_at());
+    if (node_.phase() == node::Phase::stopped) node_.start(now_, *this);
+    if (node_.next_wakeup() <= now_) node_.on_tick(now_, *this);
+    return discovers_ ? std::min(node_.next_wakeup(), choice_.next_wakeup()) : node_.next_wakeup();
+}
+
+void RobotCore::receive_all() {
+    romano_address from{};
+    std::uint32_t size = 0;
+    while (const std::uint8_t* octets = board_.receive(board_.self, &from, &size)) {
+        const Endpoint sender = endpoint_of(from);
+        const Bytes datagram{octets, size};
+        if (discovers_) choice_.on_datagram(now_, sender, datagram, link_dbm(from));
+        if (sender == broker_) node_.on_datagram(now_, datagram, *this);
+    }
+}
+
+void RobotCore::choose_broker() {
+    const std::uint32_t losses = node_.counters().connections_lost;
+    if (broker_ && losses != losses_seen_) {
+        choice_.abandon(now_, *broker_);
+        broker_.reset();
+    }
+    losses_seen_ = losses;
+    std::array<std::uint8_t, BrokerChoice::largest_datagram> search{};
+    if (const std::size_t size = choice_.on_tick(now_, search)) {
+        const romano_address everybody{};
+        board_.send(board_.self, &everybody, search.data(), static_cast<std::uint32_t>(size));
+    }
+    // A session follows its client from broker to broker of one cluster: nothing is begun anew.
+    broker_ = choice_.choose(now_, broker_);
+}
+
+void RobotCore::send(Bytes datagram) {
+    if (!broker_) return;
+    const romano_address to = address_of(*broker_);
+    board_.send(board_.self, &to, datagram.data(), static_cast<std::uint32_t>(datagram.size()));
+}
+
+bool RobotCore::publish(std::string_view topic, const message::Message& message, mqttsn::Qos qos) {
+    return node_.publish(now_, topic, message, qos, *this);
+}
+bool RobotCore::subscribe(std::string_view topic) {
+    return node_.subscribe(now_, topic, *this);
+}
+bool RobotCore::request_connected_nodes() {
+    return node_.request_connected_nodes(now_, *this);
+}
+
+}  // namespace romano::firmware

@@ -1,0 +1,249 @@
+// Real robots (romano-robot, the controllers of firmware/examples), real brokers, and the
+// operator's program.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <stdlib.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "tests/system/broker_process.h"
+#include "tests/system/test_addresses.h"
+
+namespace romano::system {
+namespace {
+
+using namespace std::chrono_literals;
+using testing::HasSubstr;
+
+std::string single_spaced(const std::string& line) {
+    std::string out;
+    for (const char letter : line) {
+        if (letter != ' ' || (!out.empty() && out.back() != ' ')) out += letter;
+    }
+    return out;
+}
+
+struct Robots : testing::Test {
+    BrokerProcess& start_broker(int n, std::vector<std::string> more = {}) {
+        std::vector<std::string> arguments{"--listen", addresses.service(n), "--name",
+                                           "r" + std::to_string(n)};
+        arguments.insert(arguments.end(), more.begin(), more.end());
+        auto broker = std::make_unique<BrokerProcess>(arguments);
+        broker->wait_until_serving();
+        brokers.push_back(std::move(broker));
+        return *brokers.back();
+    }
+    BrokerProcess& start_member(int n) {
+        return start_broker(n, {"--domain", std::to_string(addresses.domain()), "--interface", "lo",
+                                "--rank", std::to_string(n), "--detection-timeout-ms", "300"});
+    }
+    Process& start_robot(const std::string& id, int broker, std::vector<std::string> more = {}) {
+        std::vector<std::string> arguments{"--id", id, "--broker", addresses.service(broker)};
+        arguments.insert(arguments.end(), more.begin(), more.end());
+        robots.push_back(std::make_unique<Process>(ROMANO_ROBOT, arguments));
+        return *robots.back();
+    }
+    /// `romano COMMAND -h <broker>`; its exit code, and its output in `said`.
+    int romano(int broker, std::vector<std::string> arguments) {
+        const std::string service = addresses.service(broker);
+        const auto colon = service.find(':');
+        arguments.insert(arguments.begin() + 1,
+                         {"-h", service.substr(0, colon), "-p", service.substr(colon + 1)});
+        Process program(ROMANO_PROGRAM, arguments);
+        said = single_spaced(program.rest_of_output());
+        const int code = program.wait_for_exit();
+        said += program.errors();
+        return code;
+    }
+
+    TestAddresses addresses;
+    std::vector<std::unique_ptr<BrokerProcess>> brokers;
+    std::vector<std::unique_ptr<Process>> robots;
+    std::string said;
+};
+
+TEST_F(Robots, AreEstablishedListedAndMovedByTheOperator) {
+    start_broker(1);
+    Process& robot = start_robot("abcd1234", 1);
+    EXPECT_NE(robot.wait_for("established"), "");
+    EXPECT_EQ(romano(1, {"robots"}), 0);
+    EXPECT_THAT(said, HasSubstr("abcd1234 connected r1"));
+    EXPECT_EQ(romano(1, {"move", "abcd1234", "front", "100mm"}), 0);
+    EXPECT_THAT(robot.wait_for("front"), HasSubstr("abcd1234 front 100 mm (x 100 mm"));
+    EXPECT_EQ(romano(1, {"move", "abcd1234", "rotate-left", "90deg"}), 0);
+    EXPECT_EQ(romano(1, {"move", "common", "front", "5cm"}), 0);
+    EXPECT_THAT(robot.wait_for("front"), HasSubstr("x 100 mm, y 50 mm, heading 90 deg"));
+}
+
+TEST_F(Robots, SubscribeAndPublishOnCommand) {
+    start_broker(1);
+    Process& leader = start_robot("00000001", 1);
+    Process& follower = start_robot("00000002", 1);
+    ASSERT_NE(leader.wait_for("established"), "");
+    ASSERT_NE(follower.wait_for("established"), "");
+    EXPECT_EQ(romano(1, {"subscribe-robot", "00000002", "telemetry"}), 0);
+    EXPECT_EQ(romano(1, {"request", "00000001", "telemetry", "location"}), 0);
+    EXPECT_NE(leader.wait_for("asked to publish `location` on `telemetry`"), "");
+    EXPECT_NE(follower.wait_for("sensor data of type 2 on `telemetry`"), "");
+    EXPECT_EQ(romano(1, {"request", "00000001", "telemetry", "colour"}), 0);
+    EXPECT_NE(follower.wait_for("hears `colour` on `telemetry`"), "");
+}
+
+TEST_F(Robots, WhatTheOperatorCannotMeanIsOneSentence) {
+    start_broker(1);
+    EXPECT_EQ(romano(1, {"move", "abcd1234", "front", "100mm"}), 2);
+    EXPECT_THAT(said, HasSubstr("no robot abcd1234 is known"));
+    EXPECT_EQ(romano(1, {"move", "common", "up", "100mm"}), 2);
+    EXPECT_THAT(said, HasSubstr("must be front, back"));
+}
+
+TEST_F(Robots, CommandsKeepArrivingWhenTheHomeIsKilled) {
+    start_member(1);
+    start_member(2);
+    Process& robot = start_robot("abcd1234", 1);
+    Process& other = start_robot("00000002", 2);
+    ASSERT_NE(robot.wait_for("established"), "");
+    ASSERT_NE(other.wait_for("established"), "");
+    EXPECT_EQ(romano(2, {"move", "abcd1234", "front", "1mm"}), 0);
+    EXPECT_NE(robot.wait_for("front 1 mm"), "");
+    brokers[0]->kill_9();
+    for (int i = 2; i < 7; ++i) {
+        const std::string amount = std::to_string(i);
+        ASSERT_EQ(romano(2, {"move", "abcd1234", "front", amount + "mm"}), 0) << said;
+        EXPECT_NE(robot.wait_for("front " + amount + " mm"), "");
+    }
+    // The robot never noticed: it was established once.
+    robot.signal(SIGTERM);
+    EXPECT_THAT(robot.wait_for("1 robots"), HasSubstr("0 connections lost; 6 commands"));
+    EXPECT_EQ(romano(2, {"robots", "--json"}), 0);
+    EXPECT_THAT(said, HasSubstr("\"home\": \"r2\""));
+    EXPECT_THAT(said, testing::Not(HasSubstr("\"home\": \"r1\"")));
+}
+
+TEST_F(Robots, ARobotWhoseHomeDiesBeforeItsRequestIsAnsweredByTheHeir) {
+    start_member(1);
+    start_member(2);
+    // Until the brokers know each other, nobody takes over.
+    Process& first = start_robot("00000001", 1);
+    ASSERT_NE(first.wait_for("established"), "");
+    for (int i = 0; i < 100 && said.find("00000001") == std::string::npos; ++i) {
+        ASSERT_EQ(romano(2, {"robots"}), 0);
+    }
+    Process& robot = start_robot("abcd1234", 1);
+    brokers[0]->kill_9();
+    EXPECT_NE(robot.wait_for("established"), "");
+    EXPECT_EQ(romano(2, {"robots"}), 0);
+    EXPECT_THAT(said, HasSubstr("abcd1234 connected r2"));
+}
+
+TEST_F(Robots, CommandsWaitForARobotThatStandsStill) {
+    start_broker(1);
+    Process& robot =
+        start_robot("abcd1234", 1, {"--heartbeat", "0.2", "--keep-session", "--keepalive", "60"});
+    ASSERT_NE(robot.wait_for("established"), "");
+    robot.signal(SIGSTOP);
+    for (int i = 0; i < 100 && said.find("silent") == std::string::npos; ++i) {
+        ASSERT_EQ(romano(1, {"robots"}), 0);
+    }
+    ASSERT_THAT(said, HasSubstr("abcd1234 silent"));
+    EXPECT_EQ(romano(1, {"move", "abcd1234", "front", "1mm"}), 0);
+    EXPECT_THAT(said, HasSubstr("abcd1234 is silent: the message waits for it"));
+    EXPECT_EQ(romano(1, {"move", "abcd1234", "front", "2mm", "-q", "0"}), 0);
+    robot.signal(SIGCONT);
+    EXPECT_THAT(robot.wait_for("front"), HasSubstr("front 1 mm"));
+    EXPECT_THAT(robot.wait_for("front"), HasSubstr("front 2 mm"));
+}
+
+TEST_F(Robots, HundredsLiveInOneProcess) {
+    start_member(1);
+    start_member(2);
+    Process robot_swarm(ROMANO_ROBOT, {"--count", "200", "--id", "00000100", "--broker",
+                                       addresses.service(1), "--broker", addresses.service(2)});
+    for (int i = 0; i < 200; ++i) ASSERT_NE(robot_swarm.wait_for("established"), "") << i;
+    EXPECT_EQ(romano(1, {"robots"}), 0);
+    EXPECT_THAT(said, HasSubstr("200 robots"));
+    EXPECT_EQ(romano(2, {"move", "common", "front", "1m"}), 0);
+    for (int i = 0; i < 200; ++i) ASSERT_NE(robot_swarm.wait_for("front 1000 mm"), "") << i;
+}
+
+TEST_F(Robots, ARobotFindsItsBrokerByDiscovery) {
+    const std::string group = "225.1.1.1:" + std::to_string(18'000 + addresses.domain());
+    start_broker(1, {"--discovery-group", group});
+    const std::string service = addresses.service(9);
+    Process robot(ROMANO_ROBOT, {"--id", "abcd1234", "--discover", "--group", group, "--local",
+                                 service.substr(0, service.find(':'))});
+    EXPECT_NE(robot.wait_for("established"), "");
+}
+
+TEST_F(Robots, WithoutARomanoServerNobodyIsEstablished) {
+    start_broker(1, {"--no-romano"});
+    Process& robot = start_robot("abcd1234", 1, {"--seconds", "2"});
+    EXPECT_THAT(robot.next_line(), HasSubstr("1 robots, 0 established"));
+}
+
+TEST_F(Robots, ARobotThatIsABrokerServesItselfAndOthersAndOutlivesItsPeer) {
+    start_member(1);
+    Process carrier(
+        ROMANO_BROKER_ROBOT,
+        {"--id", "00000002", "--listen", addresses.service(2), "--name", "r2", "--domain",
+         std::to_string(addresses.domain()), "--interface", "lo", "--detection-timeout-ms", "300"});
+    ASSERT_NE(carrier.wait_for("serving"), "");
+    ASSERT_NE(carrier.wait_for("00000002 established"), "");
+    Process& guest = start_robot("00000003", 2);
+    ASSERT_NE(guest.wait_for("established"), "");
+    EXPECT_EQ(romano(1, {"move", "00000002", "front", "1mm"}), 0) << said;
+    EXPECT_NE(carrier.wait_for("front 1 mm"), "");
+    brokers[0]->kill_9();
+    EXPECT_EQ(romano(2, {"move", "00000002,00000003", "front", "2mm"}), 0) << said;
+    EXPECT_NE(carrier.wait_for("front 2 mm"), "");
+    EXPECT_NE(guest.wait_for("front 2 mm"), "");
+}
+
+class Application : public Robots, public testing::WithParamInterface<const char*> {};
+
+TEST_P(Application, EndsWhereItShouldAndDrawsTheTrails) {
+    start_broker(1);
+    std::string name = "/tmp/romano-apply-XXXXXX";
+    const std::filesystem::path folder = mkdtemp(name.data());
+    EXPECT_EQ(romano(1, {"apply", GetParam(), "-o", folder}), 0) << said;
+    std::string file = GetParam();
+    std::ranges::replace(file, '-', '_');
+    EXPECT_TRUE(std::filesystem::exists(folder / (file + ".csv")));
+    EXPECT_TRUE(std::filesystem::exists(folder / (file + ".svg"))) << "is gnuplot installed?";
+    std::filesystem::remove_all(folder);
+}
+
+INSTANTIATE_TEST_SUITE_P(Of, Application, testing::Values("group-control", "path-copy"),
+                         [](const auto& test) {
+                             return test.index == 0 ? "GroupControl" : "PathCopy";
+                         });
+
+class Example : public Robots, public testing::WithParamInterface<const char*> {};
+
+TEST_P(Example, CarriesCommandsOutAndEndsAfterSoMany) {
+    start_broker(1);
+    const std::string service = addresses.service(1);
+    const auto colon = service.find(':');
+    Process controller(GetParam(),
+                       {"abcd1234", service.substr(0, colon), service.substr(colon + 1), "2"});
+    for (int i = 0; i < 100 && said.find("abcd1234") == std::string::npos; ++i) {
+        ASSERT_EQ(romano(1, {"robots"}), 0);
+    }
+    EXPECT_EQ(romano(1, {"move", "abcd1234", "front", "100mm"}), 0);
+    EXPECT_THAT(controller.next_line(), HasSubstr("100 mm"));
+    EXPECT_EQ(romano(1, {"move", "abcd1234", "rotate-right", "1deg"}), 0);
+    EXPECT_NE(controller.next_line(), "");
+    EXPECT_EQ(controller.wait_for_exit(), 0);
+}
+
+INSTANTIATE_TEST_SUITE_P(In, Example, testing::Values(CONTROLLER_C, CONTROLLER_CPP),
+                         [](const auto& test) { return test.index == 0 ? "C" : "Cpp"; });
+
+}  // namespace
+}  // namespace romano::system
