@@ -35,12 +35,14 @@ void ViewChange::restart(LogId self) {
     self_ = self;
     view_.members.clear();
     proposal_.reset();
+    early_.reset();
     installed_.reset();
 }
 
 // --- the leader's side
 
 void ViewChange::on_tick(Instant now, Surroundings around, Outbox& out) {
+    answer_early_proposal(now, around, out);
     if (!around.membership.leads()) {
         proposal_.reset();
         refusing_.clear();
@@ -216,8 +218,11 @@ void ViewChange::conclude(Instant now, Surroundings around, Outbox& out) {
 void ViewChange::on_proposal(Instant now, const ViewProposal& proposal, Surroundings around,
                              Outbox& out) {
     const View& view = proposal.view;
-    if (!has(view, self_) || view.number < promised_ || view.number <= view_.number) return;
-    if (around.membership.leadership().leader != node_of(view.number.leader)) return;
+    if (!is_newer(view)) return;
+    if (around.membership.leadership().leader != node_of(view.number.leader)) {
+        early_ = EarlyProposal{proposal, now};
+        return;
+    }
     promised_ = view.number;
     promised_at_ = now;
     freeze_the_dead(view, around);
@@ -228,15 +233,27 @@ void ViewChange::on_proposal(Instant now, const ViewProposal& proposal, Surround
     out.push_back({view.number.leader, holdings(view, around)});
 }
 
+void ViewChange::answer_early_proposal(Instant now, Surroundings around, Outbox& out) {
+    if (!early_) return;
+    const auto leader = node_of(early_->message.view.number.leader);
+    if (around.membership.leadership().leader != leader) return;
+    const EarlyProposal early = *std::exchange(early_, std::nullopt);
+    if (now <= early.since + 2 * beacon_every_) on_proposal(now, early.message, around, out);
+}
+
 void ViewChange::on_announcement(Instant now, const ViewAnnouncement& announcement,
                                  Surroundings around) {
     const View& view = announcement.view;
-    if (!has(view, self_) || view.number < promised_ || view.number <= view_.number) return;
+    if (!is_newer(view)) return;
     if (view.number != promised_ &&
         around.membership.leadership().leader != node_of(view.number.leader)) {
         return;
     }
     install(now, announcement, around.logs);
+}
+
+bool ViewChange::is_newer(const View& view) const {
+    return has(view, self_) && view.number >= promised_ && view.number > view_.number;
 }
 
 ViewHoldings ViewChange::holdings(const View& view, Surroundings around) const {

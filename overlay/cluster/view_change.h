@@ -58,6 +58,8 @@ private:
     [[nodiscard]] std::vector<LogId> desired_members(const Membership& membership);
     [[nodiscard]] bool needs_change(Instant now, const std::vector<LogId>& desired,
                                     Surroundings around) const;
+    [[nodiscard]] bool is_newer(const View& view) const;
+    void answer_early_proposal(Instant now, Surroundings around, Outbox& out);
     void propose(Instant now, std::vector<LogId> members, Surroundings around, Outbox& out);
     [[nodiscard]] ViewNumber next_number(const Membership& membership) const;
     [[nodiscard]] bool is_outnumbered(const Membership& membership) const;
@@ -74,6 +76,13 @@ private:
     Instant installed_at_{};
     std::optional<ViewAnnouncement> installed_;
 
+    /// Of a leader that we do not follow yet: it noticed before we did that the former one is gone.
+    /// Answered when we follow it, unless it must have asked again since.
+    struct EarlyProposal {
+        ViewProposal message;
+        Instant since;
+    };
+    std::optional<EarlyProposal> early_;
     ViewNumber promised_;  // the highest proposal that was answered; never below view_.number
     Instant promised_at_{};
 
