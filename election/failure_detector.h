@@ -4,6 +4,7 @@
 // the observer is not blamed on its peers.
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <span>
 #include <string_view>
@@ -14,6 +15,12 @@
 
 namespace romano::election {
 
+/// A connection to a node's process that its kernel closes when the process ends.
+enum class Link : std::uint8_t {
+    up,
+    lost,  // it was up, was closed from the other side, and the process takes no new one
+};
+
 class FailureDetector {
 public:
     virtual ~FailureDetector() = default;
@@ -22,6 +29,10 @@ public:
     virtual void on_beacon(Instant now, NodeId node) = 0;
     /// The node said goodbye, or something better than beacons knows that it is gone.
     virtual void on_gone(Instant now, NodeId node) = 0;
+    /// It was started anew: nothing from before says anything about it.
+    virtual void on_restart(NodeId) {}
+    /// Detectors on beacons alone do not look at it.
+    virtual void on_link(Instant, NodeId, Link) {}
     virtual void on_tick(Instant now) = 0;
     [[nodiscard]] virtual Instant next_wakeup() const = 0;
 

@@ -8,6 +8,7 @@
 #include "election/elector.h"
 #include "election/failure_detector.h"
 #include "election/fixed.h"
+#include "election/link.h"
 #include "election/phi_accrual.h"
 #include "election/raft.h"
 
@@ -35,6 +36,8 @@ constexpr std::array detectors = {
                                             make<FixedDetector, FailureDetector, DetectorOptions>},
     Entry<FailureDetector, DetectorOptions>{
         "phi-accrual", make<PhiAccrualDetector, FailureDetector, DetectorOptions>},
+    Entry<FailureDetector, DetectorOptions>{"link",
+                                            make<LinkDetector, FailureDetector, DetectorOptions>},
 };
 
 template <typename Table>

@@ -30,6 +30,7 @@ ClusterCore::ClusterCore(const ClusterOptions& options, const Identity& identity
                          std::uint64_t seed)
     : options_(options),
       name_(identity.name),
+      link_(identity.link),
       own_(identity.log, options.log_events_kept),
       membership_(options, identity.log.broker, seed),
       addresses_(identity.home_addresses),
@@ -50,7 +51,7 @@ void ClusterCore::on_message(Effects& effects, const Envelope& envelope) {
 }
 
 void ClusterCore::on_tick(Effects& effects, const std::set<Endpoint>& pending_output) {
-    membership_.on_tick(effects.now, effects.peers);
+    membership_.on_tick(effects.now);
     view_change_.on_tick(effects.now, surroundings(effects), effects.peers);
     hand_back_.compare(effects.now, membership_, addresses_);
     hand_back_.carry_on(effects, membership_, view(), addresses_, pending_output);
@@ -102,13 +103,23 @@ void ClusterCore::on_address(Effects& effects, const Endpoint& address, bool ser
     after_input(effects);
 }
 
+void ClusterCore::on_link(Effects& effects, const LogId& process, election::Link link) {
+    if (!membership_.on_link(effects.now, process, link)) return;
+    heed_news_of_peers(effects);
+    after_input(effects);
+}
+
 void ClusterCore::on_transport_octets(std::uint64_t sent, std::uint64_t received) {
     octets_sent_ = sent;
     octets_received_ = received;
 }
 
 void ClusterCore::after_input(Effects& effects) {
+    for (const BrokerId lost : membership_.take_lost()) {
+        effects.local.push_back(Notice{"lost " + membership_.name_of(lost)});
+    }
     if (const auto installed = view_change_.take_installed()) on_view(effects, *installed);
+    if (!listens_only_) membership_.send_ballots(effects.peers);
     take_over_.carry_on(effects, logs(), membership_, view(), addresses_);
     handoffs_.carry_on(effects, safe());
     break_silence(effects);
@@ -133,6 +144,10 @@ void ClusterCore::break_silence(Effects& effects) {
 void ClusterCore::on(Effects& effects, BrokerId, const Beacon& beacon) {
     if (!membership_.on_beacon(effects.now, beacon)) return;
     if (membership_.is_alive(beacon.log)) heed(beacon);
+    heed_news_of_peers(effects);
+}
+
+void ClusterCore::heed_news_of_peers(Effects& effects) {
     hand_back_.compare(effects.now, membership_, addresses_);
     if (!listens_only_) view_change_.on_tick(effects.now, surroundings(effects), effects.peers);
 }
@@ -150,6 +165,7 @@ void ClusterCore::heed(const Beacon& beacon) {
 
 void ClusterCore::on(Effects& effects, BrokerId from, const ElectionMessage& message) {
     membership_.on_ballot(effects.now, from, message.ballot);
+    heed_news_of_peers(effects);
 }
 
 void ClusterCore::heed_leader(Instant now, const ViewNumber& number) {
@@ -175,9 +191,11 @@ void ClusterCore::on(Effects& effects, BrokerId, const ViewAnnouncement& message
 }
 
 void ClusterCore::on_view(Effects& effects, const ViewAnnouncement& announcement) {
-    std::string text = "view " + std::to_string(view().number.term) + " of " +
-                       std::to_string(view().members.size());
-    effects.local.push_back(Notice{std::move(text)});
+    const BrokerId leader = view().number.leader;
+    effects.local.push_back(
+        Notice{"view " + std::to_string(view().number.term) + " of " +
+               std::to_string(view().members.size()) + ", led by " +
+               (leader == own_.id().broker ? name_ : membership_.name_of(leader))});
     // An heir whose own detector is a little slower must not take the dead for a rival, and fall
     // silent, at the very moment at which it takes the address over.
     for (const LogPosition& end : announcement.ends) membership_.on_left_out(effects.now, end.log);
@@ -203,7 +221,8 @@ void ClusterCore::on_view(Effects& effects, const ViewAnnouncement& announcement
 }
 
 bool ClusterCore::was_replaced() const {
-    if (watermark_.has_promised_alone()) return false;  // then it comes back with its log, as in a heal
+    if (watermark_.has_promised_alone())
+        return false;  // then it comes back with its log, as in a heal
     return std::ranges::any_of(membership_.peers(), [this](const auto& entry) {
         const Beacon& beacon = entry.second.beacon;
         return view_change_.contains(beacon.log) && beacon.view.number > view().number &&
@@ -244,7 +263,8 @@ Beacon ClusterCore::beacon(const broker::BrokerCore& broker) const {
                   .sessions = static_cast<std::uint32_t>(broker.session_count()),
                   .connected = static_cast<std::uint32_t>(broker.connected_count()),
                   .transport_octets_sent = octets_sent_,
-                  .transport_octets_received = octets_received_};
+                  .transport_octets_received = octets_received_,
+                  .link = link_};
     membership_.describe(beacon);
     for (const auto& [id, log] : logs_) beacon.applied.push_back({id, log.applied()});
     return beacon;

@@ -33,6 +33,7 @@ struct Identity {
     std::string name;
     LogId log;
     std::vector<Endpoint> home_addresses;
+    LinkAddress link = {};
 };
 
 class ClusterCore {
@@ -44,6 +45,7 @@ public:
     /// `pending_output`: addresses that held-back answers wait to leave from.
     void on_tick(Effects& effects, const std::set<Endpoint>& pending_output);
     void on_address(Effects& effects, const Endpoint& address, bool served);
+    void on_link(Effects& effects, const LogId& process, election::Link link);
     void on_transport_octets(std::uint64_t sent, std::uint64_t received);
     [[nodiscard]] Instant next_wakeup() const { return next_tick_; }
 
@@ -125,6 +127,8 @@ private:
     void on(Effects& effects, BrokerId from, const SessionClaim& message);
 
     void heed(const Beacon& beacon);
+    /// Who is there has changed, perhaps.
+    void heed_news_of_peers(Effects& effects);
     /// The leader's claim counts from its messages too: they may come before its beacon.
     void heed_leader(Instant now, const ViewNumber& number);
     PeerLog& log_of(const LogId& id);
@@ -146,6 +150,7 @@ private:
 
     ClusterOptions options_;
     std::string name_;
+    LinkAddress link_;
     OwnLog own_;
     Membership membership_;
     ServiceAddresses addresses_;

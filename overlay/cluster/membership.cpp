@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <utility>
 
 namespace romano::cluster {
 namespace {
@@ -22,7 +23,8 @@ bool Peer::is_serving(const Endpoint& address) const {
 Membership::Membership(const ClusterOptions& options, BrokerId self, std::uint64_t seed)
     : options_(options), self_(self), seed_(seed) {
     const election::DetectorOptions times{.beacon_every = options.beacon_every,
-                                          .timeout = options.detection_timeout};
+                                          .timeout = options.detection_timeout,
+                                          .phi_threshold = options.phi_threshold};
     heard_ = election::make_detector(options.detector, times);
     linked_ = election::make_detector(options.detector, times);
     assert(linked_ != nullptr && "the shell checks the detector's name");
@@ -30,9 +32,12 @@ Membership::Membership(const ClusterOptions& options, BrokerId self, std::uint64
 }
 
 void Membership::restart() {
+    std::vector<election::NodeId> voters;
+    for (const auto& name : options_.voters) voters.push_back(node_of(broker::broker_id_of(name)));
     elector_ = election::make_elector(options_.elector,
                                       {.self = {.capability = options_.rank, .id = node_of(self_)},
                                        .detection_time = linked_->detection_time(),
+                                       .voters = std::move(voters),
                                        .seed = ++seed_});
     assert(elector_ != nullptr && "the shell checks the elector's name");
 }
@@ -47,9 +52,13 @@ bool Membership::on_beacon(Instant now, const Beacon& beacon) {
     Peer& peer = peers_[id];
     if (beacon.log.incarnation < peer.beacon.log.incarnation) return false;
     if (beacon.log == peer.beacon.log && beacon.tick <= peer.beacon.tick) return false;
+    const election::NodeId node = node_of(id);
+    if (beacon.log != peer.beacon.log) {
+        heard_->on_restart(node);
+        linked_->on_restart(node);
+    }
     peer.beacon = beacon;
 
-    const election::NodeId node = node_of(id);
     if (beacon.leaving) {
         heard_->on_gone(now, node);
         linked_->on_gone(now, node);
@@ -59,8 +68,8 @@ bool Membership::on_beacon(Instant now, const Beacon& beacon) {
     heard_->on_beacon(now, node);
     if (std::ranges::count(beacon.hears, self_) > 0) {
         linked_->on_beacon(now, node);
-        peer.alive = true;
-        elector_->on_claim(now, beacon.claim);
+        peer.alive = linked_->is_alive(node);
+        if (peer.alive) elector_->on_claim(now, beacon.claim);
     }
     return true;
 }
@@ -83,15 +92,27 @@ void Membership::on_left_out(Instant now, const LogId& log) {
     bury_suspects(now);
 }
 
+bool Membership::on_link(Instant now, const LogId& process, election::Link link) {
+    const Peer* peer = find(process.broker);
+    if (peer == nullptr || peer->beacon.link.process != process.incarnation) return false;
+    heard_->on_link(now, node_of(process.broker), link);
+    linked_->on_link(now, node_of(process.broker), link);
+    bury_suspects(now);
+    return true;
+}
+
 void Membership::on_ballot(Instant now, BrokerId from, const election::Ballot& ballot) {
     elector_->on_ballot(now, node_of(from), ballot);
 }
 
-void Membership::on_tick(Instant now, Outbox& out) {
+void Membership::on_tick(Instant now) {
     heard_->on_tick(now);
     linked_->on_tick(now);
     bury_suspects(now);
     elector_->on_tick(now);
+}
+
+void Membership::send_ballots(Outbox& out) {
     for (const auto& [to, ballot] : elector_->take_ballots()) {
         out.push_back({broker_of(to), ElectionMessage{ballot}});
     }
@@ -101,6 +122,7 @@ void Membership::bury_suspects(Instant now) {
     (void)heard_->take_suspects();
     for (const auto node : linked_->take_suspects()) {
         peers_[broker_of(node)].alive = false;
+        lost_.push_back(broker_of(node));
         elector_->on_suspect(now, node);
     }
 }
@@ -124,6 +146,15 @@ const Peer* Membership::find(BrokerId id) const {
 bool Membership::is_alive(const LogId& log) const {
     const Peer* peer = find(log.broker);
     return peer != nullptr && peer->alive && peer->beacon.log == log;
+}
+
+std::string Membership::name_of(BrokerId id) const {
+    const Peer* peer = find(id);
+    return peer == nullptr ? std::string{} : peer->beacon.name;
+}
+
+std::vector<BrokerId> Membership::take_lost() {
+    return std::exchange(lost_, {});
 }
 
 bool Membership::leads() const {

@@ -7,6 +7,7 @@
 
 #include <map>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "election/elector.h"
@@ -45,8 +46,12 @@ public:
     void on_leader(Instant now, BrokerId leader, election::Term term);
     /// A view left it out, perhaps before the own detectors noticed: gone until its next beacon.
     void on_left_out(Instant now, const LogId& log);
+    /// News of the link to a peer's process. False when it is another process by now.
+    bool on_link(Instant now, const LogId& process, election::Link link);
     void on_ballot(Instant now, BrokerId from, const election::Ballot& ballot);
-    void on_tick(Instant now, Outbox& out);
+    void on_tick(Instant now);
+    /// What the elector has to say since the last call.
+    void send_ballots(Outbox& out);
     [[nodiscard]] Instant next_wakeup() const;
 
     /// Fills in what the own beacon says about the others.
@@ -61,6 +66,10 @@ public:
     [[nodiscard]] bool is_alive(const LogId& log) const;
     [[nodiscard]] election::Leadership leadership() const { return elector_->leadership(); }
     [[nodiscard]] bool leads() const;
+    /// The peer's name, as its beacons say it; empty when unknown.
+    [[nodiscard]] std::string name_of(BrokerId id) const;
+    /// Peers that were taken for dead since the last call.
+    [[nodiscard]] std::vector<BrokerId> take_lost();
     [[nodiscard]] Duration detection_time() const { return linked_->detection_time(); }
 
 private:
@@ -73,6 +82,7 @@ private:
     std::unique_ptr<election::FailureDetector> linked_;  // and ours go there
     std::unique_ptr<election::Elector> elector_;
     std::map<BrokerId, Peer> peers_;
+    std::vector<BrokerId> lost_;
 };
 
 }  // namespace romano::cluster

@@ -42,6 +42,14 @@ struct View {
     friend bool operator==(const View&, const View&) = default;
 };
 
+/// Where the sender's process takes links (election::Link). Family none: nowhere.
+struct LinkAddress {
+    Endpoint endpoint{};
+    std::uint64_t process = 0;  // its incarnation at its start; its log may be of a later life
+
+    friend bool operator==(const LinkAddress&, const LinkAddress&) = default;
+};
+
 struct Beacon {
     std::string name{};
     LogId log{};             // the sender's own
@@ -59,6 +67,7 @@ struct Beacon {
     std::uint64_t transport_octets_sent = 0;  // between brokers, since the start
     std::uint64_t transport_octets_received = 0;
     bool leaving = false;  // the last beacon of an orderly stop
+    LinkAddress link{};
 };
 
 /// Events first_seq, first_seq + 1, ... of the sender's log.

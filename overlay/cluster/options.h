@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <limits>
 #include <string>
+#include <vector>
 
 #include "romano/base/time.h"
 
@@ -15,12 +16,14 @@ inline constexpr std::uint32_t all_peers = std::numeric_limits<std::uint32_t>::m
 
 struct ClusterOptions {
     std::string elector = "component";
+    std::vector<std::string> voters;  // raft: the names of the brokers that vote; empty: nobody can
     std::string detector = "fixed";
     std::uint32_t rank = 0;    // configured capability: the highest leads
     std::uint32_t acks = 1;    // peers that must hold an event before its effect is visible
     bool acks_strict = false;  // alone: refuse with "congestion" instead of promising
     Duration beacon_every{std::chrono::milliseconds{10}};
     Duration detection_timeout{std::chrono::milliseconds{100}};
+    double phi_threshold = 8;  // phi-accrual: -log10 of the chance that a suspicion is wrong
     std::size_t log_events_kept = 200'000;  // for peers that lag; beyond it they need a snapshot
 };
 

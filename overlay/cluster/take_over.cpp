@@ -74,6 +74,8 @@ void TakeOver::carry_out(Effects& effects, const Assignment& assignment, PeerLog
         log.mark_served(assignment.address);
         return;
     }
+    effects.local.push_back(Notice{"adopts " + std::to_string(sessions.size()) + " sessions of " +
+                                   membership.name_of(assignment.end.log.broker)});
     if (assignment.address.family != Endpoint::Family::none) {
         addresses.inherit(effects, assignment.address);
         log.mark_served(assignment.address);

@@ -107,6 +107,8 @@ struct Writer {
         to.set_transport_octets_sent(m.transport_octets_sent);
         to.set_transport_octets_received(m.transport_octets_received);
         to.set_leaving(m.leaving);
+        to_proto(m.link.endpoint, *to.mutable_link());
+        to.set_link_process(m.link.process);
     }
     void operator()(const cluster::LogBatch& m) const {
         events_to_proto(m, *out.mutable_log_batch());
@@ -193,8 +195,10 @@ struct Writer {
 Maybe read_beacon(const Beacon& in) {
     const auto log = from_proto(in.log());
     auto view = from_proto(in.view());
-    if (!log || !view) return std::nullopt;
+    const auto link = from_proto(in.link());
+    if (!log || !view || !link) return std::nullopt;
     cluster::Beacon out;
+    out.link = {*link, in.link_process()};
     out.name = in.name();
     out.log = *log;
     out.last_seq = in.last_seq();

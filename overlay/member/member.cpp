@@ -36,12 +36,18 @@ public:
           log_{broker::broker_id_of(options.name), options.incarnation},
           broker_(broker_options(), seed),
           server_(options.name, options.broker.unix_time_at_zero),
-          cluster_(options.cluster, {options.name, log_, options.home_addresses}, seed + 1) {}
+          cluster_(options.cluster,
+                   {.name = options.name,
+                    .log = log_,
+                    .home_addresses = options.home_addresses,
+                    .link = {options.link, options.incarnation}},
+                   seed + 1) {}
 
     void on_datagram(Instant now, const Endpoint& via, const Endpoint& from, Bytes datagram,
                      MemberActions& out);
     void on_peer_message(Instant now, const Envelope& envelope, MemberActions& out);
     void on_address(Instant now, const Endpoint& address, bool served, MemberActions& out);
+    void on_link(Instant now, const LogId& process, election::Link link, MemberActions& out);
     void on_tick(Instant now, MemberActions& out);
     [[nodiscard]] Instant next_wakeup() const;
     void leave(Instant now, MemberActions& out);
@@ -131,6 +137,15 @@ void Member::State::on_address(Instant now, const Endpoint& address, bool served
                                MemberActions& out) {
     Effects acting = effects(now, out);
     cluster_.on_address(acting, address, served);
+    carry_out(now, out);
+}
+
+void Member::State::on_link(Instant now, const LogId& process, election::Link link,
+                            MemberActions& out) {
+    if (has_left_) return;
+    notice_stall(now);
+    Effects acting = effects(now, out);
+    cluster_.on_link(acting, process, link);
     carry_out(now, out);
 }
 
@@ -336,6 +351,9 @@ void Member::on_peer_message(Instant now, const Envelope& envelope, MemberAction
 }
 void Member::on_address(Instant now, const Endpoint& address, bool served, MemberActions& out) {
     state_->on_address(now, address, served, out);
+}
+void Member::on_link(Instant now, const LogId& process, election::Link link, MemberActions& out) {
+    state_->on_link(now, process, link, out);
 }
 void Member::on_tick(Instant now, MemberActions& out) {
     state_->on_tick(now, out);

@@ -14,6 +14,7 @@
 
 #include "broker/core/broker_core.h"
 #include "broker/core/mirror.h"
+#include "election/failure_detector.h"
 #include "overlay/cluster/options.h"
 #include "overlay/cluster/service_address.h"
 #include "overlay/transport.h"
@@ -47,6 +48,7 @@ struct MemberOptions {
     std::uint64_t incarnation = 0;  // higher at each start: the wall clock in nanoseconds
     std::vector<Endpoint> home_addresses;
     bool romano = true;  // carries the ROMANO server
+    Endpoint link = {};  // where the process takes links from peers; family none: it takes none
 };
 
 class Member {
@@ -60,6 +62,10 @@ public:
     /// The answer to TakeAddress, and at the start for each home address: served, or held by
     /// somebody else.
     void on_address(Instant now, const Endpoint& address, bool served, MemberActions& out);
+    /// The link to a peer's process came up or was lost. `process` has the peer's incarnation at
+    /// its start.
+    void on_link(Instant now, const broker::LogId& process, election::Link link,
+                 MemberActions& out);
     void on_tick(Instant now, MemberActions& out);
     [[nodiscard]] Instant next_wakeup() const;
 

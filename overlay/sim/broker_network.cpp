@@ -28,9 +28,10 @@ private:
     Receiver receiver_;
 };
 
-std::unique_ptr<overlay::Transport> BrokerNetwork::attach(const broker::LogId& process, Node node) {
+std::unique_ptr<overlay::Transport> BrokerNetwork::attach(const broker::LogId& process, Node node,
+                                                          OnLink on_link) {
     auto port = std::make_unique<Port>(*this, process);
-    peers_[process] = {node, port.get()};
+    peers_[process] = {node, port.get(), std::move(on_link)};
     for (const auto& [other, peer] : peers_) {
         if (other != process) match(process, other);
     }
@@ -46,6 +47,10 @@ void BrokerNetwork::match(const broker::LogId& a, const broker::LogId& b) {
 }
 
 void BrokerNetwork::detach(const broker::LogId& process) {
+    for (const auto& [other, peer] : peers_) {
+        if (other == process || !is_matched(process, other)) continue;
+        tell_of_link(other, process, election::Link::lost);
+    }
     for (auto& [id, stream] : streams_) {
         const auto& [from, to, delivery] = id;
         if (to == process || (from == process && is_held_up(id))) {
@@ -62,6 +67,30 @@ void BrokerNetwork::detach(const broker::LogId& process) {
     std::erase_if(matched_at_, [&](const auto& entry) {
         return entry.first.first == process || entry.first.second == process;
     });
+}
+
+void BrokerNetwork::tell_of_link(const broker::LogId& to, const broker::LogId& about,
+                                 election::Link link) {
+    const auto receiver = peers_.find(to);
+    const auto subject = peers_.find(about);
+    if (receiver == peers_.end() || subject == peers_.end() || !receiver->second.on_link) return;
+    if (cuts_.is_cut(subject->second.node, receiver->second.node)) return;
+    events_.after(options_.quality.delay(random_), [this, to, about, link] {
+        const auto peer = peers_.find(to);
+        if (peer == peers_.end()) return;
+        trace_.note(events_.now(), "link", to.broker, "to", about.broker, static_cast<int>(link));
+        peer->second.on_link(about, link);
+    });
+}
+
+void BrokerNetwork::break_link(Node from, Node to) {
+    for (const auto& [first, peer] : peers_) {
+        for (const auto& [second, other] : peers_) {
+            if (peer.node == from && other.node == to) {
+                tell_of_link(first, second, election::Link::lost);
+            }
+        }
+    }
 }
 
 void BrokerNetwork::send(const broker::LogId& from, const overlay::Outgoing& outgoing) {

@@ -6,17 +6,22 @@
 // later, unless the sender died first: then the stream ends at the gap, at another place for each
 // receiver. A cut or a stalled process holds a stream up; after `lease` the two are no match any
 // more and what the stream held is gone.
+//
+// Links (overlay/link): a process that dies is lost to its matched peers a moment later, unless the
+// way from it is cut.
 #pragma once
 
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <deque>
+#include <functional>
 #include <map>
 #include <memory>
 #include <tuple>
 #include <vector>
 
+#include "election/failure_detector.h"
 #include "overlay/sim/event_queue.h"
 #include "overlay/sim/link.h"
 #include "overlay/sim/trace.h"
@@ -34,13 +39,17 @@ struct BrokerNetworkOptions {
 
 class BrokerNetwork {
 public:
+    using OnLink = std::function<void(const broker::LogId& process, election::Link link)>;
+
     BrokerNetwork(EventQueue& events, Trace& trace, const BrokerNetworkOptions& options,
                   std::uint64_t seed)
         : events_(events), trace_(trace), options_(options), random_(seed) {}
 
     /// The process's end of the network; destroying it is the process's death.
     [[nodiscard]] std::unique_ptr<overlay::Transport> attach(const broker::LogId& process,
-                                                             Node node);
+                                                             Node node, OnLink on_link = {});
+    /// A firewall begins to refuse: to `from` that looks like the death of `to`.
+    void break_link(Node from, Node to);
 
     void set_quality(const LinkQuality& quality) { options_.quality = quality; }
     [[nodiscard]] const BrokerNetworkOptions& options() const { return options_; }
@@ -63,6 +72,7 @@ private:
     struct Peer {
         Node node;
         Port* port;
+        OnLink on_link;
     };
     struct Pending {
         Instant due;      // arrives then, if nothing stands in the way
@@ -86,6 +96,7 @@ private:
     void match(const broker::LogId& a, const broker::LogId& b);
     void part_for_long(Node a, Node b);
     void pump_all();
+    void tell_of_link(const broker::LogId& to, const broker::LogId& about, election::Link link);
     [[nodiscard]] bool is_matched(const broker::LogId& from, const broker::LogId& to) const;
     [[nodiscard]] bool is_held_up(const StreamId& id) const;
 

@@ -29,8 +29,14 @@ void ClusterBroker::create_core() {
                                   .incarnation = log.incarnation,
                                   .home_addresses = options_.home_addresses};
     member.broker.unix_time_at_zero = wall - local_now().time_since_epoch();
+    BrokerNetwork::OnLink on_link;
+    if (options_.cluster.detector == "link") {
+        on_link = [this](const broker::LogId& process, election::Link link) {
+            later(Duration{0}, [this, process, link] { take(process, link); });
+        };
+    }
     member_ = std::make_unique<overlay::Member>(member, seed_of(seed_, "member", incarnation()));
-    transport_ = peers_.attach(log, node());
+    transport_ = peers_.attach(log, node(), std::move(on_link));
     transport_->start([this](const cluster::Envelope& envelope) { on_envelope(envelope); });
     for (const Endpoint& address : options_.home_addresses) {
         const bool is_free = !clients_.is_bound(address);
@@ -61,6 +67,11 @@ void ClusterBroker::take(const Datagram& datagram) {
 
 void ClusterBroker::take(const cluster::Envelope& envelope) {
     member_->on_peer_message(local_now(), envelope, actions_);
+    carry_out();
+}
+
+void ClusterBroker::take(const broker::LogId& process, election::Link link) {
+    member_->on_link(local_now(), process, link, actions_);
     carry_out();
 }
 

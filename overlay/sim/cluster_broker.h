@@ -46,6 +46,7 @@ private:
     void destroy_core() override;
     void take(const Datagram& datagram) override;
     void take(const cluster::Envelope& envelope) override;
+    void take(const broker::LogId& process, election::Link link);
     void tick() override;
     [[nodiscard]] Instant next_wakeup() const override { return member_->next_wakeup(); }
     void on_stop() override { peers_.stall(node()); }

@@ -43,6 +43,7 @@ const std::map<std::string, Folders>& allowed() {
         {"broker/store", {"romano/base", "romano/mqttsn", "broker/core", "broker/net"}},
         {"overlay/dds",
          {"romano/base", "romano/mqttsn", "election", "broker/core", "overlay", "overlay/cluster"}},
+        {"overlay/link", {"romano/base", "election", "broker/core"}},
         {"overlay/sim",
          {"romano/base", "romano/mqttsn", "romano/client", "election", "broker/core", "overlay",
           "overlay/cluster", "overlay/member"}},

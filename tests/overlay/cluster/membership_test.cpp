@@ -15,8 +15,9 @@ const LogId self = test::log_of("self");
 const LogId peer = test::log_of("peer");
 
 struct Observer {
-    Membership membership{ClusterOptions{}, self.broker, 1};
-    Outbox out;
+    explicit Observer(const ClusterOptions& options = {}) : membership{options, self.broker, 1} {}
+
+    Membership membership;
     Instant now{1s};
     std::uint64_t ticks = 0;
 
@@ -28,7 +29,7 @@ struct Observer {
     void wait(Duration time) {
         for (const Instant end = now + time; now < end;) {
             now += 10ms;
-            membership.on_tick(now, out);
+            membership.on_tick(now);
         }
     }
 };
@@ -99,6 +100,54 @@ TEST(Membership, TheOwnBeaconSaysWhomItHears) {
     Beacon later;
     observer.membership.describe(later);
     EXPECT_THAT(later.hears, IsEmpty());
+}
+
+struct LinkedObserver : Observer {
+    LinkedObserver() : Observer{with_links()} { hear_linked(); }
+
+    static ClusterOptions with_links() {
+        ClusterOptions options;
+        options.detector = "link";
+        return options;
+    }
+    void hear_linked(const LogId& log = peer, std::uint64_t process = peer.incarnation) {
+        Beacon beacon{.log = log, .tick = ++ticks, .hears = {self.broker}};
+        beacon.link.process = process;
+        (void)membership.on_beacon(now, beacon);
+    }
+};
+
+TEST(Membership, ALostLinkEndsALifeAtOnce) {
+    LinkedObserver observer;
+    EXPECT_TRUE(observer.membership.on_link(observer.now, peer, election::Link::lost));
+    EXPECT_FALSE(observer.membership.is_alive(peer));
+    EXPECT_THAT(observer.membership.take_lost(), ElementsAre(peer.broker));
+}
+
+TEST(Membership, TheLinkOfAnEarlierProcessSaysNothingAboutThisOne) {
+    LinkedObserver observer;
+    const LogId restarted{peer.broker, peer.incarnation + 1};
+    observer.hear_linked(restarted, restarted.incarnation);
+    EXPECT_FALSE(observer.membership.on_link(observer.now, peer, election::Link::lost));
+    EXPECT_TRUE(observer.membership.is_alive(restarted));
+}
+
+TEST(Membership, AMemberThatBeganANewLogKeepsItsLink) {
+    LinkedObserver observer;
+    const LogId new_log{peer.broker, peer.incarnation + 1};
+    observer.hear_linked(new_log, peer.incarnation);
+    EXPECT_TRUE(observer.membership.on_link(observer.now, peer, election::Link::lost));
+    EXPECT_FALSE(observer.membership.is_alive(new_log));
+}
+
+TEST(Membership, ARestartedPeerIsBelievedAtOnceAfterALostLink) {
+    LinkedObserver observer;
+    observer.membership.on_link(observer.now, peer, election::Link::lost);
+    observer.hear_linked();
+    EXPECT_FALSE(observer.membership.is_alive(peer)) << "a beacon that was on its way";
+    const LogId restarted{peer.broker, peer.incarnation + 1};
+    observer.hear_linked(restarted, restarted.incarnation);
+    EXPECT_TRUE(observer.membership.is_alive(restarted));
 }
 
 }  // namespace

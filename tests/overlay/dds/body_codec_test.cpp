@@ -40,7 +40,7 @@ static_assert(field_count<election::Claim>() == 3);
 static_assert(field_count<election::Ballot>() == 3);
 static_assert(field_count<cluster::ViewNumber>() == 3);
 static_assert(field_count<cluster::View>() == 2);
-static_assert(field_count<cluster::Beacon>() == 15);
+static_assert(field_count<cluster::Beacon>() == 16);
 static_assert(field_count<cluster::LogBatch>() == 3);
 static_assert(field_count<cluster::LogAck>() == 2);
 static_assert(field_count<cluster::ViewProposal>() == 2);
@@ -99,6 +99,7 @@ TEST(BodyCodec, ABeaconKeepsItsFields) {
     EXPECT_EQ(out.transport_octets_sent, in.transport_octets_sent);
     EXPECT_EQ(out.transport_octets_received, in.transport_octets_received);
     EXPECT_EQ(out.leaving, in.leaving);
+    EXPECT_EQ(out.link, in.link);
 }
 
 TEST(BodyCodec, ASessionImageKeepsItsFields) {

@@ -195,6 +195,7 @@ cluster::Beacon beacon(Random& r) {
     out.transport_octets_sent = wide(r);
     out.transport_octets_received = wide(r);
     out.leaving = flag(r);
+    out.link = {endpoint(r), wide(r)};
     return out;
 }
 

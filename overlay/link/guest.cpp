@@ -1,0 +1,76 @@
+#include "overlay/link/guest.h"
+
+#include <boost/asio/buffer.hpp>
+#include <boost/asio/read.hpp>
+#include <boost/asio/write.hpp>
+#include <chrono>
+#include <utility>
+
+namespace romano::link {
+namespace {
+
+constexpr auto hello_within = std::chrono::seconds{1};
+
+}  // namespace
+
+using boost::system::error_code;
+
+LinkService::Guest::Guest(LinkService& service, boost::asio::ip::tcp::socket socket)
+    : service_(&service), socket_(std::move(socket)), timer_(service.io_) {}
+
+void LinkService::Guest::receive() {
+    timer_.expires_after(hello_within);
+    timer_.async_wait([weak = weak_from_this()](const error_code& cancelled) {
+        const auto self = weak.lock();
+        if (cancelled || !self || self->service_ == nullptr) return;
+        ++self->service_->counters_.strangers;
+        self->leave();
+    });
+    boost::asio::async_read(socket_, boost::asio::buffer(incoming_),
+                            [self = shared_from_this()](const error_code& error, std::size_t) {
+                                if (self->service_ == nullptr) return;
+                                self->timer_.cancel();
+                                if (!error) return self->on_hello();
+                                ++self->service_->counters_.strangers;
+                                self->leave();
+                            });
+}
+
+void LinkService::Guest::on_hello() {
+    const auto hello = decode(incoming_);
+    if (!hello || hello->to != service_->self_ || !service_->knows(hello->from)) {
+        ++service_->counters_.strangers;
+        return leave();
+    }
+    outgoing_ = encode({.from = service_->self_, .to = hello->from});
+    boost::asio::async_write(socket_, boost::asio::buffer(outgoing_),
+                             [self = shared_from_this()](const error_code& error, std::size_t) {
+                                 if (self->service_ == nullptr) return;
+                                 error ? self->leave() : self->hold();
+                             });
+}
+
+void LinkService::Guest::hold() {
+    socket_.async_read_some(boost::asio::buffer(incoming_),
+                            [self = shared_from_this()](const error_code& error, std::size_t) {
+                                if (self->service_ == nullptr) return;
+                                if (!error) ++self->service_->counters_.strangers;  // it babbles
+                                self->leave();
+                            });
+}
+
+void LinkService::Guest::leave() {
+    const auto self = shared_from_this();
+    LinkService* service = std::exchange(service_, nullptr);
+    stop();
+    service->guests_.erase(self);
+}
+
+void LinkService::Guest::stop() {
+    service_ = nullptr;
+    timer_.cancel();
+    error_code ignored;
+    socket_.close(ignored);
+}
+
+}  // namespace romano::link

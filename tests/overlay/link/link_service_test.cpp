@@ -1,0 +1,210 @@
+// Links between services in one process, over real TCP on loopback. A service that is destroyed
+// closes its connections and its port, as the kernel does for a dying process.
+
+#include "overlay/link/link_service.h"
+
+#include <gmock/gmock.h>
+
+#include <boost/asio/buffer.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/read.hpp>
+#include <boost/asio/write.hpp>
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include "overlay/link/hello.h"
+
+namespace romano::link {
+namespace {
+
+using namespace std::chrono_literals;
+using boost::asio::ip::tcp;
+using broker::BrokerId;
+using broker::LogId;
+using election::Link;
+using testing::ElementsAre;
+
+constexpr LogId one{BrokerId{1}, 100};
+constexpr LogId two{BrokerId{2}, 200};
+
+Endpoint loopback() {
+    Endpoint out;
+    out.family = Endpoint::Family::ipv4;
+    out.address = {127, 0, 0, 1};
+    return out;
+}
+
+class LinkServiceTest : public testing::Test {
+protected:
+    using News = std::vector<std::pair<LogId, Link>>;
+
+    std::unique_ptr<LinkService> start(const LogId& self, News& news) {
+        auto service = std::make_unique<LinkService>(
+            io, self,
+            [&news](const LogId& process, Link link) { news.emplace_back(process, link); });
+        EXPECT_FALSE(service->open(loopback()));
+        return service;
+    }
+    bool run_until(const std::function<bool()>& done) {
+        const auto deadline = std::chrono::steady_clock::now() + 10s;
+        while (!done()) {
+            if (std::chrono::steady_clock::now() > deadline) return false;
+            io.restart();
+            io.run_one_for(5ms);
+        }
+        return true;
+    }
+    /// Beacons that name the others' addresses.
+    void beacons() {
+        if (a && b) a->on_address(two, b->address());
+        if (a && b) b->on_address(one, a->address());
+    }
+    void link_both() {
+        a = start(one, news_of_a);
+        b = start(two, news_of_b);
+        ASSERT_TRUE(run_until([&] {
+            beacons();
+            return !news_of_a.empty() && !news_of_b.empty();
+        }));
+    }
+    tcp::socket dial(const Endpoint& address) {
+        tcp::socket socket(io);
+        socket.connect({boost::asio::ip::address_v4::loopback(), address.port});
+        return socket;
+    }
+    /// True when the other side closes the connection.
+    bool is_closed(tcp::socket& socket) {
+        bool closed = false;
+        char octet = 0;
+        socket.async_read_some(boost::asio::buffer(&octet, 1),
+                               [&](const auto& error, std::size_t) { closed = bool{error}; });
+        return run_until([&] { return closed; });
+    }
+
+    boost::asio::io_context io{1};
+    News news_of_a, news_of_b;
+    std::unique_ptr<LinkService> a, b;
+};
+
+TEST_F(LinkServiceTest, BothSidesAreToldThatTheLinkIsUp) {
+    link_both();
+    EXPECT_THAT(news_of_a, ElementsAre(std::pair(two, Link::up)));
+    EXPECT_THAT(news_of_b, ElementsAre(std::pair(one, Link::up)));
+}
+
+TEST_F(LinkServiceTest, ADeadProcessIsALostLink) {
+    link_both();
+    b.reset();
+    ASSERT_TRUE(run_until([&] { return news_of_a.size() == 2; }));
+    EXPECT_EQ(news_of_a.back(), std::pair(two, Link::lost));
+}
+
+TEST_F(LinkServiceTest, ALostLinkIsToldOnceThoughBeaconsGoOn) {
+    link_both();
+    const Endpoint address = b->address();
+    b.reset();
+    ASSERT_TRUE(run_until([&] {
+        a->on_address(two, address);
+        return a->counters().dialled >= 5;
+    }));
+    EXPECT_EQ(a->counters().lost, 1u);
+}
+
+TEST_F(LinkServiceTest, AConnectionThatIsCutBetweenLivingProcessesIsNoLoss) {
+    // A peer that is the test: it takes connections, answers, and cuts the first one.
+    tcp::acceptor acceptor(io, {boost::asio::ip::address_v4::loopback(), 0});
+    Endpoint address = loopback();
+    address.port = acceptor.local_endpoint().port();
+    std::vector<tcp::socket> taken;
+    const auto answer = encode({.from = two, .to = one});
+    std::function<void()> accept = [&] {
+        acceptor.async_accept([&](const auto& error, tcp::socket socket) {
+            if (error) return;
+            taken.push_back(std::move(socket));
+            boost::asio::write(taken.back(), boost::asio::buffer(answer));
+            accept();
+        });
+    };
+    accept();
+    a = start(one, news_of_a);
+    a->on_address(two, address);
+    ASSERT_TRUE(run_until([&] { return news_of_a.size() == 1; }));
+    taken.front().close();
+    ASSERT_TRUE(run_until([&] { return news_of_a.size() == 2; }));
+    EXPECT_THAT(news_of_a, ElementsAre(std::pair(two, Link::up), std::pair(two, Link::up)));
+    acceptor.close();
+}
+
+TEST_F(LinkServiceTest, ARestartedProcessIsANewLink) {
+    link_both();
+    b.reset();
+    ASSERT_TRUE(run_until([&] { return news_of_a.size() == 2; }));
+    const LogId again{two.broker, two.incarnation + 1};
+    b = start(again, news_of_b);
+    ASSERT_TRUE(run_until([&] {
+        a->on_address(again, b->address());
+        b->on_address(one, a->address());
+        return news_of_a.size() == 3;
+    }));
+    EXPECT_EQ(news_of_a.back(), std::pair(again, Link::up));
+}
+
+TEST_F(LinkServiceTest, AnEarlierLifeOfAPeerIsNotDialled) {
+    link_both();
+    const auto dialled = a->counters().dialled;
+    a->on_address({two.broker, two.incarnation - 1}, b->address());
+    EXPECT_EQ(a->counters().dialled, dialled);
+}
+
+TEST_F(LinkServiceTest, StrangersAreDroppedAndCounted) {
+    link_both();
+    const LogId stranger{BrokerId{9}, 1};
+    const std::vector<std::array<std::uint8_t, Hello::octets>> greetings = {
+        {},                                            // garbage
+        encode({.from = stranger, .to = one}),         // never heard
+        encode({.from = {two.broker, 1}, .to = one}),  // another process of a peer
+        encode({.from = two, .to = {one.broker, 1}}),  // to another process
+    };
+    std::uint64_t expected = 0;
+    for (const auto& greeting : greetings) {
+        auto socket = dial(a->address());
+        boost::asio::write(socket, boost::asio::buffer(greeting));
+        EXPECT_TRUE(is_closed(socket));
+        EXPECT_EQ(a->counters().strangers, ++expected);
+    }
+}
+
+TEST_F(LinkServiceTest, WhoeverSaysNothingIsDroppedAfterASecond) {
+    link_both();
+    auto socket = dial(a->address());
+    EXPECT_TRUE(is_closed(socket));
+    EXPECT_EQ(a->counters().strangers, 1u);
+}
+
+TEST_F(LinkServiceTest, WhoeverBabblesAfterTheHelloIsDropped) {
+    link_both();
+    auto socket = dial(a->address());
+    auto hello = encode({.from = two, .to = one});
+    boost::asio::write(socket, boost::asio::buffer(hello));
+    bool answered = false;
+    boost::asio::async_read(socket, boost::asio::buffer(hello),
+                            [&](const auto& error, std::size_t) { answered = !error; });
+    ASSERT_TRUE(run_until([&] { return answered; }));
+    EXPECT_EQ(decode(hello), (Hello{.from = one, .to = two}));
+    boost::asio::write(socket, boost::asio::buffer("more", 4));
+    EXPECT_TRUE(is_closed(socket));
+    EXPECT_EQ(a->counters().strangers, 1u);
+}
+
+TEST_F(LinkServiceTest, ConnectionsAreBounded) {
+    link_both();
+    std::vector<tcp::socket> crowd;
+    ASSERT_TRUE(run_until([&] {
+        if (crowd.size() < LinkService::most_guests) crowd.push_back(dial(a->address()));
+        return a->counters().too_many > 0;
+    }));
+}
+
+}  // namespace
+}  // namespace romano::link
