@@ -14,6 +14,8 @@ broker::BrokerOptions broker_options(const Settings& settings) {
     out.unix_time_at_zero = net::unix_time_at_zero();
     out.gateway_id = settings.gateway_id;
     if (settings.discovery_groups.empty()) out.advertise_every = Duration{0};
+    out.t_retry = settings.t_retry;
+    out.n_retry = settings.n_retry;
     out.predefined_topics = settings.predefined_topics;
     if (settings.romano) out.observed_topics = overlay::CarriedServer::observed_topics();
     return out;

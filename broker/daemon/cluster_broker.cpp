@@ -9,6 +9,7 @@
 #include "broker/daemon/service_addresses.h"
 #include "broker/net/clock.h"
 #include "broker/net/endpoint_text.h"
+#include "broker/net/interface_address.h"
 #include "broker/net/socket_address.h"
 #include "overlay/dds/packing.h"
 
@@ -47,9 +48,11 @@ ClusterBroker::ClusterBroker(boost::asio::io_context& io, const Settings& settin
       on_serving_(std::move(on_serving)),
       options_(member_options(settings)),
       udp_(io, *this),
+      moved_(io),
       timer_(io, [this] { on_core_wakeup(); }) {
     open_addresses();
     open_transport();
+    if (options_.cluster.detector == "link") open_links();
     if (!held_.empty()) wait_for_the_holders();
     start_member();
 }
@@ -57,11 +60,18 @@ ClusterBroker::ClusterBroker(boost::asio::io_context& io, const Settings& settin
 void ClusterBroker::open_addresses() {
     for (const Endpoint& address : settings_.listen) {
         Endpoint bound = address;
-        if (const auto error = udp_.open(address, net::Bind::alone, &bound)) {
-            if (error != boost::system::errc::address_in_use || net::is_wildcard(address)) {
-                throw Refusal(why_not_served(address, error));
-            }
+        const auto error = udp_.open(address, net::Bind::alone, &bound);
+        if (!error) {
+            if (!net::is_wildcard(bound)) moved_.announce(bound);
+        } else if (error == boost::system::errc::address_not_available &&
+                   net::MovedAddresses::can_add(address)) {
+            // Given to the machine as soon as it is clear that no peer serves it now.
             held_.push_back(address);
+            held_by_peers_.push_back(address);
+        } else if (error == boost::system::errc::address_in_use && !net::is_wildcard(address)) {
+            held_.push_back(address);
+        } else {
+            throw Refusal(why_not_served(address, error));
         }
         listen_.push_back(bound);
         // Peers can take over an address, not "all addresses of a machine".
@@ -84,6 +94,19 @@ void ClusterBroker::open_transport() {
                       (cluster.interface.empty() ? "" : " on " + cluster.interface) + " (" +
                       error.what() + "); choose another --interface");
     }
+}
+
+void ClusterBroker::open_links() {
+    const std::string& interface = settings_.cluster->interface;
+    links_ = std::make_unique<link::LinkService>(
+        io_, broker::LogId{options_.broker.log.broker, options_.incarnation},
+        [this](const broker::LogId& process, election::Link link) { on_link(process, link); });
+    if (const auto error = links_->open(net::interface_address(interface))) {
+        throw Refusal("--detector 'link': cannot listen" +
+                      (interface.empty() ? "" : " on " + interface) + " (" + error.message() +
+                      "); choose another --interface or --detector");
+    }
+    options_.link = links_->address();
 }
 
 // Somebody has an address that we shall serve: fine if a peer's beacon says that it is the peer's
@@ -113,9 +136,7 @@ void ClusterBroker::start_member() {
     for (const Endpoint& address : options_.home_addresses) {
         const bool served = !contains(held_, address);
         member_->on_address(net::now(), address, served, actions_);
-        if (!served) {
-            spdlog::info("{} is served by a peer, which will hand it back", net::to_text(address));
-        }
+        if (!served) spdlog::info("{} is not served here yet", net::to_text(address));
     }
     on_core_wakeup();
     say_when_serving();
@@ -132,9 +153,13 @@ void ClusterBroker::on_batch_end() {
 }
 
 void ClusterBroker::on_peer_message(const overlay::Envelope& envelope) {
+    const auto* beacon = std::get_if<cluster::Beacon>(&envelope.message);
+    if (beacon != nullptr && links_) {
+        links_->on_address({beacon->log.broker, beacon->link.process}, beacon->link.endpoint);
+    }
     if (member_) {
         member_->on_peer_message(net::now(), envelope, actions_);
-    } else if (const auto* beacon = std::get_if<cluster::Beacon>(&envelope.message)) {
+    } else if (beacon != nullptr) {
         for (const Endpoint& address : beacon->serving) {
             if (contains(held_, address) && !contains(held_by_peers_, address)) {
                 held_by_peers_.push_back(address);
@@ -147,6 +172,12 @@ void ClusterBroker::on_peers_drained() {
     if (!member_) return;
     const auto& counters = transport_->counters();
     member_->on_transport_octets(counters.sent_octets, counters.received_octets);
+    carry_out();
+}
+
+void ClusterBroker::on_link(const broker::LogId& process, election::Link link) {
+    if (!member_) return;
+    member_->on_link(net::now(), process, link, actions_);
     carry_out();
 }
 
@@ -175,7 +206,7 @@ void ClusterBroker::carry_out() {
 void ClusterBroker::carry_out_locally() {
     for (const auto& action : actions_.local) {
         if (const auto* take = std::get_if<overlay::TakeAddress>(&action)) {
-            const auto error = udp_.open(take->address, net::Bind::beside);
+            const auto error = serve_moved(udp_, moved_, take->address);
             if (error) {
                 spdlog::warn("cannot serve {}: {}", net::to_text(take->address), error.message());
             } else {
@@ -185,6 +216,7 @@ void ClusterBroker::carry_out_locally() {
             if (!error && std::erase(held_, take->address) > 0) on_home_address_returned();
         } else if (const auto* give_up = std::get_if<overlay::GiveUpAddress>(&action)) {
             udp_.close(give_up->address);
+            moved_.remove(give_up->address);
             spdlog::info("no longer serving {}", net::to_text(give_up->address));
         } else {
             spdlog::info("{}", std::get<overlay::Notice>(action).text);

@@ -12,9 +12,11 @@
 
 #include "broker/daemon/running_broker.h"
 #include "broker/net/core_timer.h"
+#include "broker/net/moved_addresses.h"
 #include "broker/net/udp_service.h"
 #include "overlay/dds/dds_transport.h"
 #include "overlay/dds/domain.h"
+#include "overlay/link/link_service.h"
 #include "overlay/member/member.h"
 
 namespace romano::daemon {
@@ -28,6 +30,7 @@ public:
 private:
     void open_addresses();
     void open_transport();
+    void open_links();
     void wait_for_the_holders();
     void start_member();
 
@@ -35,6 +38,7 @@ private:
     void on_batch_end() override;
     void on_peer_message(const overlay::Envelope& envelope);
     void on_peers_drained();
+    void on_link(const broker::LogId& process, election::Link link);
     void on_core_wakeup();
 
     void carry_out();
@@ -47,9 +51,11 @@ private:
     OnServing on_serving_;
     overlay::MemberOptions options_;
     net::UdpService udp_;
+    net::MovedAddresses moved_;
     std::unique_ptr<dds::Domain> domain_;
     std::unique_ptr<dds::DdsTransport> transport_;
-    std::unique_ptr<overlay::Member> member_;  // null until every address is accounted for
+    std::unique_ptr<link::LinkService> links_;  // null when the detector does not look at links
+    std::unique_ptr<overlay::Member> member_;   // null until every address is accounted for
     overlay::MemberActions actions_;
     net::CoreTimer timer_;
 
@@ -59,8 +65,8 @@ private:
     };
     std::vector<Answer> answers_;          // to TakeAddress, for the member
     std::vector<Endpoint> listen_;         // the settings', with the ports that were chosen
-    std::vector<Endpoint> held_;           // those of listen_ that somebody else has
-    std::vector<Endpoint> held_by_peers_;  // those of held_ that a beacon claims
+    std::vector<Endpoint> held_;           // those of listen_ that are not served here yet
+    std::vector<Endpoint> held_by_peers_;  // those of held_ that no stranger has
 };
 
 }  // namespace romano::daemon

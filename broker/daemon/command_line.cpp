@@ -72,19 +72,41 @@ void add_options(CLI::App& app, SettingTexts& texts) {
         ->type_name("NAME")
         ->capture_default_str()
         ->group(cluster);
-    app.add_option("--detector", texts.detector, "Failure detector")
+    app.add_option("--voters", texts.voters,
+                   "raft: the names of all brokers that vote, this one or not (repeatable)")
+        ->type_name("NAME")
+        ->group(cluster);
+    app.add_option("--detector", texts.detector,
+                   "Failure detector: link knows of a crash at once; silence is left to beacons")
         ->type_name("NAME")
         ->capture_default_str()
         ->group(cluster);
+
+    const std::string times = "Times (--profile sets them together: lan, wifi or mesh)";
+    app.add_option("--profile", texts.profile, "The network that the brokers share")
+        ->type_name("NAME")
+        ->capture_default_str()
+        ->group(times);
     app.add_option("--beacon-ms", texts.beacon_ms, "Time between two beacons")
         ->type_name("MS")
-        ->capture_default_str()
-        ->group(cluster);
+        ->group(times);
     app.add_option("--detection-timeout-ms", texts.detection_timeout_ms,
                    "Silence after which a peer is taken for dead")
         ->type_name("MS")
-        ->capture_default_str()
-        ->group(cluster);
+        ->group(times);
+    app.add_option("--phi-threshold", texts.phi_threshold,
+                   "phi-accrual: suspicion, as -log10 of the chance that it is wrong")
+        ->type_name("PHI")
+        ->group(times);
+    app.add_option("--retry-ms", texts.retry_ms, "Tretry: an unanswered client is asked again")
+        ->type_name("MS")
+        ->group(times);
+    app.add_option("--retries", texts.retries, "Nretry: and given up after so many times")
+        ->type_name("N")
+        ->group(times);
+    app.add_flag("--realtime", texts.realtime,
+                 "Run before other programs (SCHED_RR) and keep the memory locked: fewer false "
+                 "failovers on a busy machine");
 
     app.add_option("--log-level", texts.log_level,
                    "Trace on stderr: trace, debug, info, warn, error or off")

@@ -17,9 +17,16 @@ struct SettingTexts {
     std::string rank = "0";
     std::string acks = "1";
     std::string elector = "component";
-    std::string detector = "fixed";
-    std::string beacon_ms = "10";
-    std::string detection_timeout_ms = "100";
+    std::vector<std::string> voters = {};
+    std::string detector = "link";
+    std::string profile = "lan";
+    // Those of the profile, unless given.
+    std::optional<std::string> beacon_ms = {};
+    std::optional<std::string> detection_timeout_ms = {};
+    std::optional<std::string> phi_threshold = {};
+    std::optional<std::string> retry_ms = {};
+    std::optional<std::string> retries = {};
+    bool realtime = false;
     std::string gateway_id = "1";
     std::vector<std::string> predefined = {};
     std::vector<std::string> discovery_group = {};

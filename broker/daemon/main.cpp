@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "broker/daemon/command_line.h"
+#include "broker/daemon/realtime.h"
 #include "broker/daemon/refusal.h"
 #include "broker/daemon/running_broker.h"
 #include "broker/daemon/settings.h"
@@ -24,6 +25,7 @@ struct Interrupted {};
 void run(const Settings& settings) {
     boost::asio::io_context io{1};  // one thread: no locks within Asio
     start_trace(settings.log_level);
+    if (settings.realtime) become_realtime();  // before other threads begin: they inherit it
     std::unique_ptr<RunningBroker> broker;
     // Before the broker says that it serves, so that whoever waits for that may stop it.
     boost::asio::signal_set signals(io, SIGTERM, SIGINT);

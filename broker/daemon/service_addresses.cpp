@@ -20,6 +20,17 @@ std::string why_not_served(const Endpoint& address, const boost::system::error_c
     return "--listen '" + net::to_text(address) + "': " + why;
 }
 
+boost::system::error_code serve_moved(net::UdpService& udp, net::MovedAddresses& moved,
+                                      const Endpoint& address) {
+    auto error = udp.open(address, net::Bind::beside);
+    if (error == boost::system::errc::address_not_available) {
+        error = moved.add(address);
+        if (!error) error = udp.open(address, net::Bind::beside);
+    }
+    if (!error) moved.announce(address);
+    return error;
+}
+
 void join_discovery_groups(net::UdpService& udp, const Settings& settings) {
     for (const Endpoint& group : settings.discovery_groups) {
         if (const auto error = udp.join(group)) {

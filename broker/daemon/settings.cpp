@@ -10,6 +10,7 @@
 #include <span>
 #include <string_view>
 
+#include "broker/daemon/profile.h"
 #include "broker/daemon/refusal.h"
 #include "broker/net/discovery_group.h"
 #include "broker/net/endpoint_text.h"
@@ -120,14 +121,18 @@ std::string default_name(const Endpoint& first) {
     return name.substr(0, longest_name - address.size() - 1) + "-" + address;
 }
 
+void check_broker_name(std::string_view option, const std::string& text) {
+    const bool printable =
+        std::ranges::all_of(text, [](char c) { return static_cast<unsigned char>(c) > ' '; });
+    if (!printable || text.size() > longest_name || !mqttsn::is_valid_topic_name(text) ||
+        text.find('/') != std::string::npos) {
+        refuse(option, text, "must be 1 to 64 octets without spaces, '/', '+' and '#'");
+    }
+}
+
 std::string check_name(const std::optional<std::string>& text, const Endpoint& first) {
     if (!text) return default_name(first);
-    const bool printable =
-        std::ranges::all_of(*text, [](char c) { return static_cast<unsigned char>(c) > ' '; });
-    if (!printable || text->size() > longest_name || !mqttsn::is_valid_topic_name(*text) ||
-        text->find('/') != std::string::npos) {
-        refuse("name", *text, "must be 1 to 64 octets without spaces, '/', '+' and '#'");
-    }
+    check_broker_name("name", *text);
     return *text;
 }
 
@@ -176,7 +181,53 @@ std::uint32_t check_acks(const std::string& text) {
     return static_cast<std::uint32_t>(*number);
 }
 
-std::optional<ClusterSettings> check_cluster(const SettingTexts& texts) {
+Profile check_profile(const SettingTexts& texts) {
+    std::array<std::string_view, profiles.size()> names{};
+    std::ranges::transform(profiles, names.begin(), &Profile::name);
+    const std::string name = one_of("profile", texts.profile, names);
+    Profile out = *std::ranges::find(profiles, name, &Profile::name);
+    const auto time = [](std::string_view option, const auto& text, milliseconds& value,
+                         std::uint32_t low, std::uint32_t high) {
+        if (text) value = milliseconds(number_in<std::uint32_t>(option, *text, low, high));
+    };
+    time("beacon-ms", texts.beacon_ms, out.beacon_every, 1, 10'000);
+    const auto least = static_cast<std::uint32_t>(2 * out.beacon_every.count());
+    time("detection-timeout-ms", texts.detection_timeout_ms, out.detection_timeout, least, 600'000);
+    if (out.detection_timeout.count() < least) {
+        refuse("beacon-ms", *texts.beacon_ms,
+               "is too long for a detection timeout of " +
+                   std::to_string(out.detection_timeout.count()) +
+                   " ms; give --detection-timeout-ms at least twice as much");
+    }
+    if (texts.phi_threshold) {
+        out.phi_threshold = number_in<std::uint32_t>("phi-threshold", *texts.phi_threshold, 1, 300);
+    }
+    time("retry-ms", texts.retry_ms, out.t_retry, 10, 600'000);
+    if (texts.retries) out.n_retry = number_in<std::uint16_t>("retries", *texts.retries, 0, 10'000);
+    return out;
+}
+
+std::vector<std::string> check_voters(const SettingTexts& texts) {
+    if (texts.elector != "raft") {
+        if (!texts.voters.empty()) {
+            refuse("voters", texts.voters.front(), "is for the elector raft; give --elector raft");
+        }
+        return {};
+    }
+    if (texts.voters.empty()) {
+        refuse("elector", texts.elector,
+               "needs --voters: the names of the brokers that vote, for example --voters r1 r2 r3");
+    }
+    for (const std::string& voter : texts.voters) {
+        check_broker_name("voters", voter);
+        if (std::ranges::count(texts.voters, voter) > 1) {
+            refuse("voters", voter, "is given twice; each broker has one vote");
+        }
+    }
+    return texts.voters;
+}
+
+std::optional<ClusterSettings> check_cluster(const SettingTexts& texts, const Profile& profile) {
     ClusterSettings out;
     // Also without --domain: a setting that is wrong is wrong.
     auto& options = out.options;
@@ -185,10 +236,10 @@ std::optional<ClusterSettings> check_cluster(const SettingTexts& texts) {
     options.acks = check_acks(texts.acks);
     options.elector = one_of("elector", texts.elector, election::elector_names());
     options.detector = one_of("detector", texts.detector, election::detector_names());
-    const auto beacon = number_in<std::uint32_t>("beacon-ms", texts.beacon_ms, 1, 10'000);
-    options.beacon_every = milliseconds(beacon);
-    options.detection_timeout = milliseconds(number_in<std::uint32_t>(
-        "detection-timeout-ms", texts.detection_timeout_ms, 2 * beacon, 600'000));
+    options.voters = check_voters(texts);
+    options.beacon_every = profile.beacon_every;
+    options.detection_timeout = profile.detection_timeout;
+    options.phi_threshold = profile.phi_threshold;
     if (texts.interface && !texts.domain) {
         refuse("interface", *texts.interface, "is for the brokers of a cluster; give --domain too");
     }
@@ -210,7 +261,11 @@ Settings check(const SettingTexts& texts) {
     out.gateway_id = number_in<std::uint8_t>("gateway-id", texts.gateway_id, 1, 255);
     out.predefined_topics = check_predefined(texts.predefined);
     out.romano = !texts.no_romano;
-    out.cluster = check_cluster(texts);
+    const Profile profile = check_profile(texts);
+    out.t_retry = profile.t_retry;
+    out.n_retry = profile.n_retry;
+    out.realtime = texts.realtime;
+    out.cluster = check_cluster(texts, profile);
     out.log_level = one_of("log-level", texts.log_level, levels);
     return out;
 }

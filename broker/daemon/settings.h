@@ -28,6 +28,9 @@ struct Settings {
     std::uint8_t gateway_id = 1;
     std::map<mqttsn::TopicId, std::string> predefined_topics;
     bool romano = true;  // carries the ROMANO server
+    std::chrono::milliseconds t_retry{};
+    int n_retry = 0;
+    bool realtime = false;
     std::optional<ClusterSettings> cluster;
     std::string log_level;
 };

@@ -67,9 +67,15 @@ interface = "lo"
 rank = 3
 acks = "all"
 elector = "component"
+voters = ["r1", "r2"]
 detector = "fixed"
+profile = "wifi"
 beacon-ms = 20
 detection-timeout-ms = 200
+phi-threshold = 9
+retry-ms = 500
+retries = 7
+realtime = true
 gateway-id = 9
 predefined = ["1=robots/pose", "2=a topic, with comma"]
 discovery-group = ["225.1.1.1:1883"]
@@ -84,9 +90,15 @@ log-level = "warn"
     EXPECT_EQ(read.rank, "3");
     EXPECT_EQ(read.acks, "all");
     EXPECT_EQ(read.elector, "component");
+    EXPECT_THAT(read.voters, ElementsAre("r1", "r2"));
     EXPECT_EQ(read.detector, "fixed");
+    EXPECT_EQ(read.profile, "wifi");
     EXPECT_EQ(read.beacon_ms, "20");
     EXPECT_EQ(read.detection_timeout_ms, "200");
+    EXPECT_EQ(read.phi_threshold, "9");
+    EXPECT_EQ(read.retry_ms, "500");
+    EXPECT_EQ(read.retries, "7");
+    EXPECT_TRUE(read.realtime);
     EXPECT_EQ(read.gateway_id, "9");
     EXPECT_THAT(read.predefined, ElementsAre("1=robots/pose", "2=a topic, with comma"));
     EXPECT_THAT(read.discovery_group, ElementsAre("225.1.1.1:1883"));
@@ -136,9 +148,12 @@ TEST(CommandLine, HelpShowsExamplesAndAllOptions) {
     const auto help = std::get<Information>(read({"--help"})).text;
     EXPECT_THAT(help, HasSubstr("Examples:"));
     for (const char* option :
-         {"--listen", "--name", "--domain", "--interface", "--rank", "--acks", "--elector",
-          "--detector", "--beacon-ms", "--detection-timeout-ms", "--gateway-id", "--predefined",
-          "--discovery-group", "--log-level", "--config", "--version"}) {
+         {"--listen",        "--name",       "--domain",          "--interface",
+          "--rank",          "--acks",       "--elector",         "--voters",
+          "--detector",      "--profile",    "--beacon-ms",       "--detection-timeout-ms",
+          "--phi-threshold", "--retry-ms",   "--retries",         "--realtime",
+          "--gateway-id",    "--predefined", "--discovery-group", "--log-level",
+          "--config",        "--version"}) {
         EXPECT_THAT(help, HasSubstr(option));
     }
 }

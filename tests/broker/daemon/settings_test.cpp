@@ -60,6 +60,46 @@ TEST(Settings, ADomainMakesAMember) {
     EXPECT_EQ(settings.cluster->options.detection_timeout, 150ms);
 }
 
+TEST(Settings, AProfileSetsTheTimesTogether) {
+    const Settings lan = check({.domain = "7"});
+    const Settings mesh = check({.domain = "7", .profile = "mesh"});
+    EXPECT_EQ(lan.cluster->options.beacon_every, 10ms);
+    EXPECT_EQ(mesh.cluster->options.beacon_every, 1s);
+    EXPECT_GT(mesh.cluster->options.detection_timeout, lan.cluster->options.detection_timeout);
+    EXPECT_GT(mesh.cluster->options.phi_threshold, lan.cluster->options.phi_threshold);
+    EXPECT_GT(mesh.t_retry, lan.t_retry);
+}
+
+TEST(Settings, EachTimeOfAProfileMayBeGiven) {
+    const Settings settings = check({.domain = "7",
+                                     .profile = "wifi",
+                                     .beacon_ms = "20",
+                                     .detection_timeout_ms = "80",
+                                     .phi_threshold = "5",
+                                     .retry_ms = "700",
+                                     .retries = "3"});
+    EXPECT_EQ(settings.cluster->options.beacon_every, 20ms);
+    EXPECT_EQ(settings.cluster->options.detection_timeout, 80ms);
+    EXPECT_EQ(settings.cluster->options.phi_threshold, 5);
+    EXPECT_EQ(settings.t_retry, 700ms);
+    EXPECT_EQ(settings.n_retry, 3);
+}
+
+TEST(Settings, BeaconsMustBeShorterThanHalfTheTimeout) {
+    EXPECT_THAT(refusal({.beacon_ms = "40"}), names("beacon-ms", "40"));
+    EXPECT_THAT(refusal({.beacon_ms = "40", .detection_timeout_ms = "79"}),
+                names("detection-timeout-ms", "79"));
+}
+
+TEST(Settings, RaftNeedsVotersAndOthersNeedNone) {
+    const Settings settings = check({.domain = "7", .elector = "raft", .voters = {"r1", "r2"}});
+    EXPECT_THAT(settings.cluster->options.voters, testing::ElementsAre("r1", "r2"));
+    EXPECT_THAT(refusal({.elector = "raft"}), AllOf(names("elector", "raft"), HasSubstr("voters")));
+    EXPECT_THAT(refusal({.voters = {"r1"}}), names("voters", "r1"));
+    EXPECT_THAT(refusal({.elector = "raft", .voters = {"r1", "r1"}}), names("voters", "r1"));
+    EXPECT_THAT(refusal({.elector = "raft", .voters = {"a/b"}}), names("voters", "a/b"));
+}
+
 TEST(Settings, AllPeersMayBeAskedToHoldAnEvent) {
     EXPECT_EQ(check({.domain = "7", .acks = "all"}).cluster->options.acks, cluster::all_peers);
 }
@@ -116,6 +156,8 @@ TEST(Settings, RefusesUnknownAlgorithmsAndListsThoseThatAreThere) {
                 AllOf(names("elector", "dice"), HasSubstr("component")));
     EXPECT_THAT(refusal({.detector = "oracle"}),
                 AllOf(names("detector", "oracle"), HasSubstr("fixed")));
+    EXPECT_THAT(refusal({.profile = "satellite"}),
+                AllOf(names("profile", "satellite"), HasSubstr("wifi")));
     EXPECT_THAT(refusal({.log_level = "loud"}),
                 AllOf(names("log-level", "loud"), HasSubstr("info")));
 }
@@ -125,6 +167,9 @@ TEST(Settings, RefusesNumbersOutOfRange) {
     EXPECT_THAT(refusal({.acks = "most"}), names("acks", "most"));
     EXPECT_THAT(refusal({.beacon_ms = "0"}), names("beacon-ms", "0"));
     EXPECT_THAT(refusal({.detection_timeout_ms = "19"}), names("detection-timeout-ms", "19"));
+    EXPECT_THAT(refusal({.phi_threshold = "0"}), names("phi-threshold", "0"));
+    EXPECT_THAT(refusal({.retry_ms = "9"}), names("retry-ms", "9"));
+    EXPECT_THAT(refusal({.retries = "many"}), names("retries", "many"));
     EXPECT_THAT(refusal({.gateway_id = "0"}), names("gateway-id", "0"));
     EXPECT_THAT(refusal({.gateway_id = "256"}), names("gateway-id", "256"));
 }

@@ -1,0 +1,155 @@
+#include "broker/net/machine_address.h"
+
+#include <ifaddrs.h>
+#include <linux/capability.h>
+#include <linux/if_addr.h>
+#include <linux/netlink.h>
+#include <linux/rtnetlink.h>
+#include <net/if.h>
+#include <sys/syscall.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <cstddef>
+#include <cstring>
+#include <memory>
+
+#include "broker/net/socket_address.h"
+
+namespace romano::net {
+namespace {
+
+using boost::system::error_code;
+
+error_code error_of(int number) {
+    return {number, boost::system::system_category()};
+}
+
+std::size_t octets_of(const Endpoint& endpoint) {
+    return endpoint.family == Endpoint::Family::ipv6 ? 16 : 4;
+}
+
+/// The octets of an IPv4 or IPv6 socket address, without its port.
+const std::uint8_t* octets_of(const sockaddr* address) {
+    const auto* start = reinterpret_cast<const std::uint8_t*>(address);
+    return start + (address->sa_family == AF_INET6 ? offsetof(sockaddr_in6, sin6_addr)
+                                                   : offsetof(sockaddr_in, sin_addr));
+}
+
+bool is_in_network_of(const ifaddrs& entry, const Endpoint& address) {
+    const std::uint8_t* own = octets_of(entry.ifa_addr);
+    const std::uint8_t* mask = octets_of(entry.ifa_netmask);
+    bool any = false;  // a network of all addresses is none
+    for (std::size_t i = 0; i < octets_of(address); ++i) {
+        if (((own[i] ^ address.address[i]) & mask[i]) != 0) return false;
+        any = any || mask[i] != 0;
+    }
+    return any;
+}
+
+/// One request to the kernel about one address: header, body, attributes, without gaps.
+class AddressRequest {
+public:
+    AddressRequest(std::uint16_t type, unsigned flags, const Endpoint& endpoint,
+                   InterfaceIndex interface) {
+        request_.header.nlmsg_len = offsetof(Request, attributes);
+        request_.header.nlmsg_type = type;
+        request_.header.nlmsg_flags = static_cast<std::uint16_t>(NLM_F_REQUEST | NLM_F_ACK | flags);
+        request_.body.ifa_family = endpoint.family == Endpoint::Family::ipv6 ? AF_INET6 : AF_INET;
+        request_.body.ifa_prefixlen = static_cast<std::uint8_t>(8 * octets_of(endpoint));
+        request_.body.ifa_index = static_cast<unsigned>(interface);
+        add(IFA_LOCAL, endpoint.address.data(), octets_of(endpoint));
+        add(IFA_ADDRESS, endpoint.address.data(), octets_of(endpoint));
+    }
+
+    /// All that we add have a size that is a multiple of four, as attributes must.
+    void add(std::uint16_t type, const void* data, std::size_t size) {
+        const rtattr head{.rta_len = static_cast<std::uint16_t>(sizeof(rtattr) + size),
+                          .rta_type = type};
+        const std::size_t at = request_.header.nlmsg_len - offsetof(Request, attributes);
+        std::memcpy(&request_.attributes[at], &head, sizeof head);
+        std::memcpy(&request_.attributes[at + sizeof head], data, size);
+        request_.header.nlmsg_len += head.rta_len;
+    }
+
+    /// Asks, and waits for the kernel's answer, which comes at once.
+    [[nodiscard]] error_code carry_out() const {
+        const int fd = ::socket(AF_NETLINK, SOCK_RAW | SOCK_CLOEXEC, NETLINK_ROUTE);
+        if (fd < 0) return error_of(errno);
+        const error_code error = exchange(fd);
+        ::close(fd);
+        return error;
+    }
+
+private:
+    struct Request {
+        nlmsghdr header;
+        ifaddrmsg body;
+        std::array<char, 128> attributes;
+    };
+    struct Answer {
+        nlmsghdr header;
+        nlmsgerr body;
+        std::array<char, 512> request;  // the kernel may send it back
+    };
+
+    [[nodiscard]] error_code exchange(int fd) const {
+        if (::send(fd, &request_, request_.header.nlmsg_len, 0) < 0) return error_of(errno);
+        Answer answer{};
+        const auto size = ::recv(fd, &answer, sizeof answer, 0);
+        if (size < 0) return error_of(errno);
+        if (static_cast<std::size_t>(size) < offsetof(Answer, request) ||
+            answer.header.nlmsg_type != NLMSG_ERROR) {
+            return error_of(EPROTO);
+        }
+        return error_of(-answer.body.error);
+    }
+
+    Request request_{};
+};
+
+}  // namespace
+
+std::optional<InterfaceIndex> interface_towards(const Endpoint& address) {
+    ifaddrs* all = nullptr;
+    if (getifaddrs(&all) != 0) return std::nullopt;
+    const std::unique_ptr<ifaddrs, void (*)(ifaddrs*)> list(all, freeifaddrs);
+    const int family = address.family == Endpoint::Family::ipv6 ? AF_INET6 : AF_INET;
+    for (const ifaddrs* entry = all; entry != nullptr; entry = entry->ifa_next) {
+        if (entry->ifa_addr == nullptr || entry->ifa_netmask == nullptr) continue;
+        if (entry->ifa_addr->sa_family != family) continue;
+        if ((entry->ifa_flags & IFF_UP) == 0 || (entry->ifa_flags & IFF_LOOPBACK) != 0) continue;
+        if (is_in_network_of(*entry, address))
+            return InterfaceIndex{if_nametoindex(entry->ifa_name)};
+    }
+    return std::nullopt;
+}
+
+bool may_add_addresses() {
+    __user_cap_header_struct header{_LINUX_CAPABILITY_VERSION_3, 0};
+    std::array<__user_cap_data_struct, _LINUX_CAPABILITY_U32S_3> sets{};
+    if (::syscall(SYS_capget, &header, sets.data()) != 0) return false;
+    return (sets[CAP_TO_INDEX(CAP_NET_ADMIN)].effective & CAP_TO_MASK(CAP_NET_ADMIN)) != 0;
+}
+
+error_code add_address(const Endpoint& endpoint, InterfaceIndex interface,
+                       std::chrono::seconds lease) {
+    AddressRequest request(RTM_NEWADDR, NLM_F_CREATE | NLM_F_REPLACE, endpoint, interface);
+    // Not preferred: nothing else of this machine shall speak from it.
+    const ifa_cacheinfo lifetime{.ifa_prefered = 0,
+                                 .ifa_valid = static_cast<std::uint32_t>(lease.count()),
+                                 .cstamp = 0,
+                                 .tstamp = 0};
+    request.add(IFA_CACHEINFO, &lifetime, sizeof lifetime);
+    // Usable at once, without asking around whether somebody has it: its broker is dead.
+    const std::uint32_t flags = IFA_F_NODAD | IFA_F_NOPREFIXROUTE;
+    request.add(IFA_FLAGS, &flags, sizeof flags);
+    return request.carry_out();
+}
+
+error_code remove_address(const Endpoint& endpoint, InterfaceIndex interface) {
+    return AddressRequest(RTM_DELADDR, 0, endpoint, interface).carry_out();
+}
+
+}  // namespace romano::net

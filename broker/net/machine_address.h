@@ -1,0 +1,30 @@
+// Addresses of this machine's interfaces, added and removed by rtnetlink (rtnetlink(7)).
+//
+// An address that is added here is a lease: the kernel removes it by itself when it is not added
+// again in time, so that a broker that is killed leaves none behind.
+#pragma once
+
+#include <boost/system/error_code.hpp>
+#include <chrono>
+#include <optional>
+
+#include "romano/base/endpoint.h"
+
+namespace romano::net {
+
+enum class InterfaceIndex : unsigned {};
+
+/// The interface that has an address in the same network, none of the loopback's.
+[[nodiscard]] std::optional<InterfaceIndex> interface_towards(const Endpoint& address);
+
+/// Whether this process may add addresses (CAP_NET_ADMIN).
+[[nodiscard]] bool may_add_addresses();
+
+/// Adds the address of `endpoint` alone (/32 or /128), or renews its lease.
+[[nodiscard]] boost::system::error_code add_address(const Endpoint& endpoint,
+                                                    InterfaceIndex interface,
+                                                    std::chrono::seconds lease);
+[[nodiscard]] boost::system::error_code remove_address(const Endpoint& endpoint,
+                                                       InterfaceIndex interface);
+
+}  // namespace romano::net

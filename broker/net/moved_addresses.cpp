@@ -1,0 +1,81 @@
+#include "broker/net/moved_addresses.h"
+
+#include <chrono>
+
+#include "broker/net/neighbour_announcement.h"
+
+namespace romano::net {
+namespace {
+
+using namespace std::chrono_literals;
+using boost::system::error_code;
+
+constexpr auto renew_every = 1s;
+constexpr auto lease = 5s;
+constexpr int announcements = 3;  // a frame may be lost
+
+}  // namespace
+
+MovedAddresses::~MovedAddresses() {
+    for (const auto& [address, moved] : moved_) {
+        if (moved.added) (void)remove_address(address, moved.interface);
+    }
+}
+
+bool MovedAddresses::can_add(const Endpoint& address) {
+    return may_add_addresses() && interface_towards(address).has_value();
+}
+
+error_code MovedAddresses::add(const Endpoint& address) {
+    const auto interface = interface_towards(address);
+    if (!interface) return make_error_code(boost::system::errc::address_not_available);
+    if (const auto error = add_address(address, *interface, lease)) return error;
+    moved_.insert_or_assign(address, Moved{.interface = *interface, .added = true});
+    wait();
+    return {};
+}
+
+void MovedAddresses::announce(const Endpoint& address) {
+    auto moved = moved_.find(address);
+    if (moved == moved_.end()) {
+        const auto interface = interface_towards(address);
+        if (!interface) return;
+        moved = moved_.emplace(address, Moved{.interface = *interface}).first;
+    }
+    moved->second.announcements_left = announcements;
+    // Whoever may not send it serves all the same: on one host nobody has to be told.
+    (void)net::announce(address, moved->second.interface);
+    wait();
+}
+
+void MovedAddresses::remove(const Endpoint& address) {
+    const auto moved = moved_.find(address);
+    if (moved == moved_.end()) return;
+    if (moved->second.added) (void)remove_address(address, moved->second.interface);
+    moved_.erase(moved);
+}
+
+void MovedAddresses::wait() {
+    if (waiting_ || moved_.empty()) return;
+    waiting_ = true;
+    timer_.expires_after(renew_every);
+    timer_.async_wait([this](const error_code& cancelled) {
+        if (cancelled) return;
+        waiting_ = false;
+        renew();
+        wait();
+    });
+}
+
+void MovedAddresses::renew() {
+    for (auto& [address, moved] : moved_) {
+        if (moved.added) (void)add_address(address, moved.interface, lease);
+        (void)net::announce(address, moved.interface);
+        --moved.announcements_left;
+    }
+    std::erase_if(moved_, [](const auto& entry) {
+        return !entry.second.added && entry.second.announcements_left <= 0;
+    });
+}
+
+}  // namespace romano::net

@@ -1,0 +1,52 @@
+// Service addresses that came to this machine, or back to it: puts them on the interface of their
+// network when the machine does not have them, and tells the neighbours.
+//
+// What was put there is leased, and leased again each second: it goes when this process ends,
+// however that happens. As long as it is here the neighbours are told each second, because the
+// machine that had it before may be alive without its broker, and answer for it.
+#pragma once
+
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <boost/system/error_code.hpp>
+#include <map>
+
+#include "broker/net/machine_address.h"
+#include "romano/base/endpoint.h"
+
+namespace romano::net {
+
+class MovedAddresses {
+public:
+    explicit MovedAddresses(boost::asio::io_context& io) : timer_(io) {}
+    /// Removes what was added.
+    ~MovedAddresses();
+    MovedAddresses(const MovedAddresses&) = delete;
+    MovedAddresses& operator=(const MovedAddresses&) = delete;
+
+    /// Could add(), as far as one can know before.
+    [[nodiscard]] static bool can_add(const Endpoint& address);
+    /// Gives the machine the address.
+    [[nodiscard]] boost::system::error_code add(const Endpoint& address);
+    /// Tells the neighbours that the address is here: now, and some times more. Not needed, and not
+    /// done, for addresses of the loopback.
+    void announce(const Endpoint& address);
+    /// Takes it from the machine, if it was added here, and says nothing more about it.
+    void remove(const Endpoint& address);
+
+private:
+    struct Moved {
+        InterfaceIndex interface;
+        bool added = false;
+        int announcements_left = 0;  // of one that the machine has anyway
+    };
+
+    void wait();
+    void renew();
+
+    boost::asio::steady_timer timer_;
+    bool waiting_ = false;
+    std::map<Endpoint, Moved> moved_;
+};
+
+}  // namespace romano::net

@@ -1,0 +1,138 @@
+// Brokers on machines of their own: a service address moves from one machine to another, and the
+// client's neighbour table follows.
+
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <thread>
+
+#include "broker/net/endpoint_text.h"
+#include "tests/system/broker_process.h"
+#include "tests/system/network_namespaces.h"
+#include "tests/system/test_client.h"
+
+namespace romano::system {
+namespace {
+
+using namespace std::chrono_literals;
+using mqttsn::Qos;
+
+constexpr int client_host = 4;
+
+struct Family {
+    const char* name;
+    const char* prefix;  // of a host's address
+    const char* any;     // to bind a client
+};
+
+class AddressMove : public testing::TestWithParam<Family> {
+protected:
+    void SetUp() override {
+        if (!lan.why_not().empty()) GTEST_SKIP() << lan.why_not();
+    }
+
+    [[nodiscard]] static std::string address(int host) {
+        return GetParam().prefix + std::to_string(host);
+    }
+    [[nodiscard]] static std::string service(int host) {
+        const bool v6 = address(host).find(':') != std::string::npos;
+        return (v6 ? "[" + address(host) + "]" : address(host)) + ":1883";
+    }
+    [[nodiscard]] std::unique_ptr<BrokerProcess> start(int host) const {
+        const Lan::On on(lan, host);
+        return std::make_unique<BrokerProcess>(std::vector<std::string>{
+            "--listen", service(host), "--name", "r" + std::to_string(host), "--domain", "7",
+            "--interface", "eth0", "--rank", std::to_string(host), "--detection-timeout-ms",
+            "500"});
+    }
+    [[nodiscard]] std::unique_ptr<TestClient> client_of(int host, const std::string& id) const {
+        const Lan::On on(lan, client_host);
+        return std::make_unique<TestClient>(*net::parse_endpoint(GetParam().any),
+                                            *net::parse_endpoint(service(host)), id);
+    }
+    static bool eventually(const std::function<bool()>& done) {
+        const auto deadline = std::chrono::steady_clock::now() + 20s;
+        while (!done()) {
+            if (std::chrono::steady_clock::now() > deadline) return false;
+            std::this_thread::sleep_for(10ms);
+        }
+        return true;
+    }
+    static bool is_in_view_of_all(BrokerProcess& broker) {
+        return eventually(
+            [&] { return broker.errors().find(" of 3, led by ") != std::string::npos; });
+    }
+    /// Publishes until the subscriber has one of these messages.
+    static bool reaches(TestClient& publisher, mqttsn::TopicId topic, TestClient& subscriber,
+                        const std::string& data) {
+        if (!publisher.publish(topic, data, Qos::at_least_once)) return false;
+        return subscriber.run_until([&] {
+            return !subscriber.received.empty() && subscriber.received.back().data == data;
+        });
+    }
+
+    Lan lan{client_host};
+};
+
+TEST_P(AddressMove, AClientHearsTheHeirAndThenItsOwnBrokerAgainAtOneAddress) {
+    const auto r1 = start(1);
+    const auto r2 = start(2);
+    const auto r3 = start(3);
+    for (const auto& broker : {r1.get(), r2.get(), r3.get()}) {
+        broker->wait_until_serving();
+        ASSERT_TRUE(is_in_view_of_all(*broker));
+    }
+    const auto subscriber = client_of(1, "subscriber");
+    const auto publisher = client_of(2, "publisher");
+    ASSERT_TRUE(subscriber->connect());
+    ASSERT_TRUE(subscriber->subscribe("pose", Qos::at_least_once));
+    ASSERT_TRUE(publisher->connect());
+    const auto topic = publisher->register_topic("pose");
+    ASSERT_TRUE(topic);
+    ASSERT_TRUE(reaches(*publisher, *topic, *subscriber, "before"));
+    const int begun = subscriber->sessions_begun;
+    ASSERT_EQ(lan.neighbour(client_host, address(1)), lan.mac_of(1));
+
+    r1->kill_9();
+    ASSERT_TRUE(reaches(*publisher, *topic, *subscriber, "after"));
+    EXPECT_TRUE(subscriber->ping()) << "the way to the heir";
+    const int heir = lan.has_address(2, address(1)) ? 2 : 3;
+    EXPECT_TRUE(lan.has_address(heir, address(1)));
+    EXPECT_EQ(lan.neighbour(client_host, address(1)), lan.mac_of(heir));
+
+    const auto again = start(1);
+    again->wait_until_serving();
+    ASSERT_TRUE(is_in_view_of_all(*again));
+    EXPECT_TRUE(eventually([&] { return !lan.has_address(heir, address(1)); }));
+    ASSERT_TRUE(reaches(*publisher, *topic, *subscriber, "again"));
+    EXPECT_TRUE(subscriber->ping()) << "the way to its own broker";
+    EXPECT_EQ(lan.neighbour(client_host, address(1)), lan.mac_of(1));
+    EXPECT_EQ(subscriber->sessions_begun, begun) << "the client noticed";
+}
+
+TEST_P(AddressMove, WhatAKilledHeirTookOverDoesNotStayOnItsMachine) {
+    auto r1 = start(1);
+    const auto r2 = start(2);
+    const auto r3 = start(3);
+    for (const auto& broker : {r1.get(), r2.get(), r3.get()}) {
+        broker->wait_until_serving();
+        ASSERT_TRUE(is_in_view_of_all(*broker));
+    }
+    const auto observer = client_of(1, "observer");
+    ASSERT_TRUE(observer->connect());
+    r1->kill_9();
+    ASSERT_TRUE(eventually(
+        [&] { return lan.has_address(2, address(1)) || lan.has_address(3, address(1)); }));
+    const int heir = lan.has_address(2, address(1)) ? 2 : 3;
+    (heir == 2 ? r2 : r3)->kill_9();
+    EXPECT_TRUE(eventually([&] { return !lan.has_address(heir, address(1)); }));
+    EXPECT_TRUE(observer->ping()) << "the last broker has it";
+}
+
+INSTANTIATE_TEST_SUITE_P(Of, AddressMove,
+                         testing::Values(Family{"IPv4", "10.60.0.", "0.0.0.0:0"},
+                                         Family{"IPv6", "fd60::", "[::]:0"}),
+                         [](const auto& test) { return std::string(test.param.name); });
+
+}  // namespace
+}  // namespace romano::system

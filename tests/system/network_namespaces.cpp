@@ -1,0 +1,101 @@
+#include "tests/system/network_namespaces.h"
+
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <sched.h>
+#include <unistd.h>
+
+#include <array>
+#include <cstdio>
+#include <cstdlib>
+#include <memory>
+#include <sstream>
+
+namespace romano::system {
+namespace {
+
+std::string output_of(const std::string& command) {
+    const std::unique_ptr<std::FILE, int (*)(std::FILE*)> pipe(popen(command.c_str(), "r"), pclose);
+    std::string text;
+    std::array<char, 4096> part{};
+    while (pipe && std::fgets(part.data(), part.size(), pipe.get()) != nullptr) text += part.data();
+    return text;
+}
+
+/// The word behind `word` in a line of words.
+std::string after(const std::string& word, const std::string& line) {
+    std::istringstream words(line);
+    for (std::string each; words >> each;) {
+        if (each == word && words >> each) return each;
+    }
+    return {};
+}
+
+}  // namespace
+
+Lan::Lan(int hosts) : prefix_("romano" + std::to_string(getpid()) + "-"), hosts_(hosts) {
+    if (geteuid() != 0) {
+        why_not_ = "network namespaces need root";
+        return;
+    }
+    // The bridge lives in a namespace too, so that nothing of it is seen outside: host 0.
+    if (!run("ip netns add " + name(0)) || !run("ip -n " + name(0) + " link add lan type bridge") ||
+        !run("ip -n " + name(0) + " link set lan up")) {
+        return;
+    }
+    for (int host = 1; host <= hosts; ++host) {
+        const std::string n = std::to_string(host);
+        const std::string in = "ip -n " + name(host) + " ";
+        const bool done =
+            run("ip netns add " + name(host)) &&
+            run(in + "link add eth0 type veth peer name port" + n + " netns " + name(0)) &&
+            run("ip -n " + name(0) + " link set port" + n + " master lan up") &&
+            run(in + "link set lo up") && run(in + "link set eth0 up") &&
+            run(in + "address add 10.60.0." + n + "/24 dev eth0") &&
+            run(in + "address add fd60::" + n + "/64 dev eth0 nodad");
+        if (!done) return;
+    }
+}
+
+Lan::~Lan() {
+    for (int host = 0; host <= hosts_; ++host) {
+        (void)std::system(("ip netns del " + name(host) + " 2>/dev/null").c_str());
+    }
+}
+
+std::string Lan::name(int host) const {
+    return prefix_ + std::to_string(host);
+}
+
+bool Lan::run(const std::string& command) {
+    if (std::system((command + " 2>/dev/null").c_str()) == 0) return true;
+    why_not_ = "no network namespaces here: `" + command + "` failed";
+    return false;
+}
+
+std::string Lan::mac_of(int host) const {
+    return after("link/ether", output_of("ip -n " + name(host) + " link show dev eth0"));
+}
+
+std::string Lan::neighbour(int host, const std::string& address) const {
+    return after("lladdr", output_of("ip -n " + name(host) + " neighbour show " + address));
+}
+
+bool Lan::has_address(int host, const std::string& address) const {
+    const auto list = output_of("ip -n " + name(host) + " -o address show dev eth0");
+    return list.find(" " + address + "/") != std::string::npos;
+}
+
+Lan::On::On(const Lan& lan, int host)
+    : home_(open("/proc/thread-self/ns/net", O_RDONLY | O_CLOEXEC)) {
+    const int there = open(("/run/netns/" + lan.name(host)).c_str(), O_RDONLY | O_CLOEXEC);
+    EXPECT_EQ(setns(there, CLONE_NEWNET), 0);
+    close(there);
+}
+
+Lan::On::~On() {
+    EXPECT_EQ(setns(home_, CLONE_NEWNET), 0);
+    close(home_);
+}
+
+}  // namespace romano::system

@@ -1,0 +1,47 @@
+// A LAN of several machines on this one: network namespaces, each with an eth0 on one bridge. Needs
+// root.
+#pragma once
+
+#include <optional>
+#include <string>
+
+namespace romano::system {
+
+class Lan {
+public:
+    /// Hosts 1 to `hosts`, each with 10.60.0.<host>/24 and fd60::<host>/64.
+    explicit Lan(int hosts);
+    ~Lan();
+    Lan(const Lan&) = delete;
+    Lan& operator=(const Lan&) = delete;
+
+    /// Why it cannot be built here; empty when it was.
+    [[nodiscard]] const std::string& why_not() const { return why_not_; }
+
+    [[nodiscard]] std::string mac_of(int host) const;
+    /// The hardware address that `host` has for an address; empty when none.
+    [[nodiscard]] std::string neighbour(int host, const std::string& address) const;
+    [[nodiscard]] bool has_address(int host, const std::string& address) const;
+
+    /// While it lives, this thread's new sockets and processes are on that host.
+    class On {
+    public:
+        On(const Lan& lan, int host);
+        ~On();
+        On(const On&) = delete;
+        On& operator=(const On&) = delete;
+
+    private:
+        int home_;
+    };
+
+private:
+    [[nodiscard]] std::string name(int host) const;
+    bool run(const std::string& command);
+
+    std::string prefix_;
+    int hosts_;
+    std::string why_not_;
+};
+
+}  // namespace romano::system
