@@ -1,0 +1,181 @@
+#include "bench/failover/bench.h"
+
+#include <algorithm>
+#include <boost/asio/executor_work_guard.hpp>
+#include <stdexcept>
+#include <utility>
+
+#include "broker/net/clock.h"
+
+namespace romano::bench {
+namespace {
+
+using namespace std::chrono_literals;
+using mqttsn::MsgType;
+
+constexpr Duration publish_every = 1ms;
+constexpr Duration together_within = 20s;
+constexpr Duration message_within = 10s;
+// The next fault comes at any phase of the brokers' beacons.
+constexpr Duration rest_least = 50ms;
+constexpr Duration rest_most = 150ms;
+
+double ms_between(Instant from, Instant to) {
+    return std::chrono::duration<double, std::milli>(to - from).count();
+}
+
+}  // namespace
+
+Bench::Bench(boost::asio::io_context& io, const Options& options, std::filesystem::path traces)
+    : io_(io), options_(options), cluster_(options, std::move(traces)), random_(options.seed) {}
+
+Bench::~Bench() = default;
+
+void Bench::start() {
+    await_whole();
+    for (std::size_t i = 0; i < cluster_.size(); ++i) {
+        robots_.push_back(std::make_unique<Robot>(
+            io_, static_cast<std::uint32_t>(i), cluster_.address(i), options_.qos,
+            [this, i](Instant at, const experiments::Stamp& stamp) {
+                if (!awaited_ || awaited_->robot != i || awaited_->arrived) return;
+                if (stamp.sent_at >= awaited_->since) awaited_->arrived = at;
+            }));
+    }
+    const auto are_ready = [this] {
+        return std::ranges::all_of(robots_, [](const auto& robot) { return robot->is_ready(); });
+    };
+    if (!run_until(net::now() + together_within, are_ready)) {
+        throw std::runtime_error("the clients could not connect to the brokers");
+    }
+    run_for(300ms);
+}
+
+void Bench::await_whole() {
+    const auto is_whole = [this] {
+        cluster_.look();
+        return cluster_.is_whole();
+    };
+    if (!run_until(net::now() + together_within, is_whole)) {
+        throw std::runtime_error(
+            "the brokers were not in one view of all, each at its own "
+            "address, within 20 s; their traces tell why");
+    }
+}
+
+std::size_t Bench::choose_victim() {
+    const auto leader = cluster_.leader();
+    if (!leader) throw std::runtime_error("nobody leads");
+    if (options_.victim == Victim::leader) return *leader;
+    const auto others = static_cast<std::uint32_t>(cluster_.size() - 1);
+    return (*leader + 1 + random_.below(others)) % cluster_.size();
+}
+
+Trial Bench::run(std::uint32_t number) {
+    run_for(random_.between(rest_least, rest_most));
+    cluster_.look();
+    const std::size_t victim = choose_victim();
+    Robot& witness = *robots_[victim];
+    const auto others = static_cast<std::uint32_t>(cluster_.size() - 1);
+    publisher_ = (victim + 1 + random_.below(others)) % cluster_.size();
+    run_for(random_.between(10ms, 20ms));  // the load runs
+
+    Trial trial{.number = number,
+                .victim = cluster_.name(victim),
+                .led = cluster_.leader() == victim,
+                .heir = {}};
+    constexpr std::array again = {MsgType::connect, MsgType::register_, MsgType::subscribe};
+    const auto sent = [&] {
+        return std::array{witness.sent(again[0]), witness.sent(again[1]), witness.sent(again[2])};
+    };
+    const auto sent_before = sent();
+    const Instant fault = net::now();
+    options_.fault == Fault::crash ? cluster_.kill(victim) : cluster_.pause(victim);
+    const auto arrival = await_message(victim, fault, message_within);
+    cluster_.look();
+    if (arrival) {
+        trial.total_ms = ms_between(fault, *arrival);
+        read_parts(cluster_, victim, fault, *arrival, trial);
+    }
+
+    const Instant revival = net::now();
+    cluster_.revive(victim);
+    await_whole();
+    if (const auto heard = await_message(victim, net::now(), message_within)) {
+        trial.return_ms = ms_between(revival, *heard);
+    }
+    publisher_.reset();
+    const auto sent_after = sent();
+    trial.connects = sent_after[0] - sent_before[0];
+    trial.registers = sent_after[1] - sent_before[1];
+    trial.subscribes = sent_after[2] - sent_before[2];
+    return trial;
+}
+
+Watched Bench::watch(Duration duration) {
+    const auto count = [this](std::string_view beginning) {
+        std::uint64_t lines = 0;
+        for (std::size_t i = 0; i < cluster_.size(); ++i) {
+            lines += static_cast<std::uint64_t>(std::ranges::count_if(
+                cluster_.trace(i).lines(),
+                [&](const TraceLine& line) { return line.text.starts_with(beginning); }));
+        }
+        return lines;
+    };
+    const auto acknowledged = [this] {
+        std::uint64_t sum = 0;
+        for (const auto& robot : robots_) sum += robot->acknowledged();
+        return sum;
+    };
+    cluster_.look();
+    const std::uint64_t lost_before = count("lost ");
+    const std::uint64_t adopts_before = count("adopts ");
+    const std::uint64_t acknowledged_before = acknowledged();
+    const Instant begun = net::now();
+    full_load_ = true;
+    run_for(duration);
+    full_load_ = false;
+    cluster_.look();
+    return {.seconds = ms_between(begun, net::now()) / 1e3,
+            .messages = acknowledged() - acknowledged_before,
+            .suspicions = count("lost ") - lost_before,
+            .take_overs = count("adopts ") - adopts_before};
+}
+
+std::optional<Instant> Bench::await_message(std::size_t robot, Instant since, Duration patience) {
+    awaited_ = Awaited{robot, since, std::nullopt};
+    run_until(since + patience, [this] { return awaited_->arrived.has_value(); });
+    return std::exchange(awaited_, std::nullopt)->arrived;
+}
+
+void Bench::publish_on() {
+    if (full_load_) {
+        for (const auto& robot : robots_) robot->publish();
+        return;
+    }
+    const Instant now = net::now();
+    if (!publisher_ || now < next_publish_) return;
+    next_publish_ = std::max(next_publish_ + publish_every, now);
+    robots_[*publisher_]->publish();
+}
+
+bool Bench::run_until(Instant deadline, const std::function<bool()>& done) {
+    const auto stays = boost::asio::make_work_guard(io_);
+    io_.restart();
+    while (!done()) {
+        const Instant now = net::now();
+        if (now >= deadline) return false;
+        publish_on();
+        if (std::ranges::any_of(robots_, [](const auto& robot) { return robot->has_failed(); })) {
+            throw std::runtime_error("a client was told that it is not connected any more");
+        }
+        const Instant next = publisher_ ? std::min(deadline, next_publish_) : deadline;
+        io_.run_one_until(net::to_steady_clock(std::min(next, now + 1ms)));
+    }
+    return true;
+}
+
+void Bench::run_for(Duration duration) {
+    run_until(net::now() + duration, [] { return false; });
+}
+
+}  // namespace romano::bench

@@ -1,0 +1,66 @@
+// Runs the trials: strikes a broker, waits for the first message from the new home, revives the
+// victim, waits until all is as before, and again.
+#pragma once
+
+#include <boost/asio/io_context.hpp>
+#include <chrono>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "bench/failover/cluster.h"
+#include "bench/failover/robots.h"
+#include "bench/failover/trial.h"
+#include "romano/base/random.h"
+
+namespace romano::bench {
+
+/// What the brokers thought of each other while all of them lived.
+struct Watched {
+    double seconds = 0;
+    std::uint64_t messages = 0;    // published and acknowledged
+    std::uint64_t suspicions = 0;  // "lost b2", by each broker that thought so
+    std::uint64_t take_overs = 0;  // of a living broker's address
+};
+
+class Bench {
+public:
+    Bench(boost::asio::io_context& io, const Options& options, std::filesystem::path traces);
+    ~Bench();
+
+    /// Starts brokers and clients. Throws std::runtime_error when they do not come together.
+    void start();
+    [[nodiscard]] Trial run(std::uint32_t number);
+    /// All clients publish as fast as they are acknowledged; nothing is struck.
+    [[nodiscard]] Watched watch(Duration duration);
+
+private:
+    using Clock = std::chrono::steady_clock;
+
+    [[nodiscard]] std::size_t choose_victim();
+    void await_whole();
+    /// A message that was published at `since` or later reaches the robot.
+    std::optional<Instant> await_message(std::size_t robot, Instant since, Duration patience);
+    bool run_until(Instant deadline, const std::function<bool()>& done);
+    void run_for(Duration duration);
+    void publish_on();
+
+    boost::asio::io_context& io_;
+    Options options_;
+    Cluster cluster_;
+    Random random_;
+    std::vector<std::unique_ptr<Robot>> robots_;  // one a broker
+    std::optional<std::size_t> publisher_;        // publishes once a millisecond
+    bool full_load_ = false;
+    Instant next_publish_{};
+
+    struct Awaited {
+        std::size_t robot;
+        Instant since;
+        std::optional<Instant> arrived;
+    };
+    std::optional<Awaited> awaited_;
+};
+
+}  // namespace romano::bench

@@ -1,0 +1,64 @@
+// The brokers under test: real processes, watched by what they print.
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "bench/failover/options.h"
+#include "bench/failover/trace_tail.h"
+#include "experiments/process/broker_process.h"
+#include "experiments/robots/socket_client.h"
+
+namespace romano::bench {
+
+class Cluster {
+public:
+    /// Starts all brokers; what they print goes to files in `folder`.
+    Cluster(const Options& options, std::filesystem::path folder);
+    ~Cluster();
+
+    [[nodiscard]] std::size_t size() const { return brokers_.size(); }
+    [[nodiscard]] const std::string& name(std::size_t broker) const {
+        return brokers_[broker].name;
+    }
+    [[nodiscard]] experiments::BrokerAddress address(std::size_t broker) const;
+    [[nodiscard]] std::string address_text(std::size_t broker) const;
+
+    /// kill -9, without waiting for the end.
+    void kill(std::size_t broker);
+    void pause(std::size_t broker);
+    /// Whatever befell it: it runs again.
+    void revive(std::size_t broker);
+
+    /// Reads the traces. Throws std::runtime_error when a broker ended by itself.
+    void look();
+    /// As of the last look(): all brokers are in one view of all, and serve their own addresses.
+    [[nodiscard]] bool is_whole() const;
+    /// As of the last look(): who leads the view of the first running broker.
+    [[nodiscard]] std::optional<std::size_t> leader() const;
+    [[nodiscard]] const TraceTail& trace(std::size_t broker) const {
+        return brokers_[broker].trace;
+    }
+
+private:
+    enum class State { running, killed, paused };
+    struct Broker {
+        std::string name;
+        std::filesystem::path trace_file;
+        TraceTail trace;
+        std::unique_ptr<experiments::BrokerProcess> process;
+        State state = State::running;
+        Instant revived{};  // it must serve its address again after that
+    };
+
+    void start(std::size_t broker);
+    [[nodiscard]] bool serves_its_address(std::size_t broker) const;
+
+    Options options_;
+    std::vector<Broker> brokers_;
+};
+
+}  // namespace romano::bench

@@ -1,0 +1,120 @@
+#include "bench/failover/trade.h"
+
+#include <algorithm>
+#include <boost/asio/io_context.hpp>
+#include <chrono>
+#include <cstdio>
+#include <fstream>
+#include <vector>
+
+#include "bench/failover/bench.h"
+#include "bench/failover/results.h"
+#include "experiments/measure/percentile.h"
+#include "experiments/report/plot.h"
+#include "experiments/sweep/csv.h"
+
+namespace romano::bench {
+namespace {
+
+struct Point {
+    std::uint32_t timeout_ms;
+    std::vector<double> failovers_ms;
+    Watched watched;
+};
+
+Options with_timeout(const Options& options, std::uint32_t timeout_ms) {
+    Options out = options;
+    out.fault = Fault::silence;
+    out.output = options.output / ("timeout-" + std::to_string(timeout_ms));
+    out.broker_arguments.insert(out.broker_arguments.end(),
+                                {"--detection-timeout-ms", std::to_string(timeout_ms)});
+    return out;
+}
+
+Point measure(const Options& options, std::uint32_t timeout_ms) {
+    Results results(options);
+    Point point{.timeout_ms = timeout_ms, .failovers_ms = {}, .watched = {}};
+    boost::asio::io_context io{1};
+    Bench bench(io, options, results.traces());
+    bench.start();
+    while (results.trials().size() < options.trials) {
+        results.add(bench.run(static_cast<std::uint32_t>(results.trials().size()) + 1));
+    }
+    for (const Trial& trial : results.trials()) {
+        if (trial.total_ms) point.failovers_ms.push_back(*trial.total_ms);
+    }
+    if (options.watch_s > 0) point.watched = bench.watch(std::chrono::seconds{options.watch_s});
+    return point;
+}
+
+double false_failovers_per_hour(const Point& point) {
+    if (point.watched.seconds <= 0) return 0;
+    return static_cast<double>(point.watched.take_overs) * 3600 / point.watched.seconds;
+}
+
+void write_csv(const std::vector<Point>& points, const std::filesystem::path& file) {
+    std::ofstream csv(file);
+    csv << experiments::csv_line({"detection_timeout_ms", "trials", "failover_p50_ms",
+                                  "failover_p99_ms", "failover_max_ms", "watch_s", "messages",
+                                  "suspicions", "false_failovers"});
+    for (const Point& point : points) {
+        const experiments::Percentiles p{point.failovers_ms};
+        const auto number = [](double value) { return experiments::csv_number(value); };
+        csv << experiments::csv_line({std::to_string(point.timeout_ms), std::to_string(p.count()),
+                                      number(p.at(0.5).value_or(0)), number(p.at(0.99).value_or(0)),
+                                      number(p.max().value_or(0)), number(point.watched.seconds),
+                                      std::to_string(point.watched.messages),
+                                      std::to_string(point.watched.suspicions),
+                                      std::to_string(point.watched.take_overs)});
+    }
+}
+
+experiments::Plot figure(const std::vector<Point>& points) {
+    experiments::PlotPanel speed{.title = "A silent broker is replaced",
+                                 .x_label = "detection timeout (ms)",
+                                 .y_label = "failover (ms)",
+                                 .series = {},
+                                 .y_from = 0};
+    experiments::PlotPanel errors{.title = "A living broker is replaced",
+                                  .x_label = "detection timeout (ms)",
+                                  .y_label = "false failovers per hour, full load",
+                                  .series = {},
+                                  .y_from = 0};
+    experiments::PlotSeries failovers{
+        .label = "trials, line through the medians", .points = {}, .small = true};
+    experiments::PlotSeries wrong{.label = {}, .points = {}};
+    for (const Point& point : points) {
+        const auto x = static_cast<double>(point.timeout_ms);
+        for (const double ms : point.failovers_ms) failovers.points.push_back({.x = x, .y = ms});
+        wrong.points.push_back({.x = x, .y = false_failovers_per_hour(point)});
+    }
+    speed.series.push_back(std::move(failovers));
+    errors.series.push_back(std::move(wrong));
+    return {.name = "trade", .panels = {std::move(speed), std::move(errors)}};
+}
+
+}  // namespace
+
+bool run_trade(const Options& options, const std::function<bool()>& is_over) {
+    std::vector<Point> points;
+    for (const std::uint32_t timeout_ms : options.timeouts_ms) {
+        if (is_over()) return false;
+        points.push_back(measure(with_timeout(options, timeout_ms), timeout_ms));
+        const experiments::Percentiles p{points.back().failovers_ms};
+        std::printf(
+            "timeout %u ms: failover p50 %.1f ms, p99 %.1f ms; %llu false failovers in "
+            "%.0f s of full load (%llu messages)\n",
+            timeout_ms, p.at(0.5).value_or(0), p.at(0.99).value_or(0),
+            static_cast<unsigned long long>(points.back().watched.take_overs),
+            points.back().watched.seconds,
+            static_cast<unsigned long long>(points.back().watched.messages));
+        std::fflush(stdout);
+        write_csv(points, options.output / "trade.csv");
+        if (const auto svg = experiments::draw(figure(points), options.output)) {
+            std::ofstream(options.output / "trade.svg") << *svg << '\n';
+        }
+    }
+    return true;
+}
+
+}  // namespace romano::bench
