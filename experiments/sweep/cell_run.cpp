@@ -125,6 +125,12 @@ void CellRun::start_brokers() {
                 "--domain",    std::to_string(domain), "--interface",  "lo",     "--elector",
                 cell_.elector, "--detector",           cell_.detector, "--acks", cell_.acks};
             arguments.insert(arguments.end(), cluster.begin(), cluster.end());
+            if (cell_.elector == "raft") {
+                arguments.emplace_back("--voters");
+                for (std::uint32_t v = 1; v <= cell_.brokers; ++v) {
+                    arguments.push_back("b" + std::to_string(v));
+                }
+            }
         }
         try {
             broker->process = std::make_unique<BrokerProcess>(

@@ -90,6 +90,23 @@ TEST_F(SmallSweep, OfTwoBrokersOutlivesTheDeathOfEither) {
     EXPECT_THAT(read("report.html"), HasSubstr("Failover time against the number of brokers"));
 }
 
+TEST_F(SmallSweep, RunsWithEachElectorAndEachDetector) {
+    write_sweep(
+        "[[axes]]\nbrokers = 3\nrobots = 3\nrate = 10\nfault = \"kill-leader\"\n"
+        "elector = [\"component\", \"raft\", \"bully\"]\n"
+        "[[axes]]\nbrokers = 3\nrobots = 3\nrate = 10\nfault = \"kill-leader\"\n"
+        "detector = [\"phi-accrual\", \"link\"]\n");
+    const Ran ran = sweep();
+    EXPECT_EQ(ran.exit_code, 0) << ran.output;
+    ASSERT_THAT(rows(), SizeIs(5));
+    for (const RunRow& row : rows()) {
+        EXPECT_EQ(row.status, "ok") << describe(row.cell);
+        EXPECT_EQ(row.failover_recovered_clients, row.failover_clients) << describe(row.cell);
+        EXPECT_EQ(row.connects_after_fault, 0) << describe(row.cell);
+        EXPECT_TRUE(row.without_leader_ms) << describe(row.cell);
+    }
+}
+
 TEST_F(SmallSweep, GoesOnBehindTheCellsThatAreDone) {
     write_sweep("[axes]\nbrokers = 1\nrobots = [2, 3]\nrate = 10\n");
     EXPECT_EQ(sweep().exit_code, 0);
