@@ -10,6 +10,7 @@
 #include "experiments/cli/load.h"
 #include "experiments/cli/pub.h"
 #include "experiments/cli/robots.h"
+#include "experiments/cli/simulate.h"
 #include "experiments/cli/sub.h"
 #include "experiments/cli/sweep.h"
 #include "experiments/sweep/build_info.h"
@@ -33,6 +34,7 @@ int main(int argc, char** argv) {
     add_robot_commands(program, exit_code);
     add_apply(program, exit_code);
     add_sweep(program, exit_code);
+    add_simulate(program, exit_code);
     try {
         program.parse(argc, argv);
         if (program.get_subcommands().empty()) {

@@ -23,10 +23,12 @@ public:
     void show(double share, std::string_view doing);
     /// A cell is done: `line` stays on the screen.
     void finish_cell(std::string_view line);
-
-private:
+    /// A cell is done, and nothing is to be said of it.
+    void finish_quietly() { ++done_; }
+    /// Room for other output on the terminal.
     void erase();
 
+private:
     std::FILE* out_;
     bool terminal_;
     std::size_t total_;

@@ -32,6 +32,7 @@ std::unique_ptr<overlay::Transport> BrokerNetwork::attach(const broker::LogId& p
                                                           OnLink on_link) {
     auto port = std::make_unique<Port>(*this, process);
     peers_[process] = {node, port.get(), std::move(on_link)};
+    node_of_[process] = node;
     for (const auto& [other, peer] : peers_) {
         if (other != process) match(process, other);
     }
@@ -160,7 +161,7 @@ void BrokerNetwork::deliver(const StreamId& id, const Shared& message) {
     const auto& [from, to, delivery] = id;
     const auto peer = peers_.find(to);
     if (peer == peers_.end()) return;
-    trace_.note(events_.now(), "peer", from.broker, "->", to.broker, message->index());
+    trace_.note(events_.now(), "broker", node_of_.at(from), "->", peer->second.node, *message);
     peer->second.port->receive({from, *message});
 }
 

@@ -108,6 +108,7 @@ private:
     std::uint64_t sent_ = 0;
     std::map<Node, Instant> stalled_;
     std::map<broker::LogId, Peer> peers_;
+    std::map<broker::LogId, Node> node_of_;  // of all that ever were: their last words are traced
     std::map<Pair, Instant> matched_at_;
     std::map<StreamId, Stream> streams_;
     std::map<StreamId, std::uint64_t> newest_sent_;       // best effort: numbers the samples

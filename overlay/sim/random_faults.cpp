@@ -10,6 +10,12 @@ namespace romano::sim {
 
 using namespace std::chrono_literals;
 
+std::optional<Fault> fault_of(std::string_view name) {
+    const auto found = std::ranges::find(fault_names, name);
+    if (found == fault_names.end()) return std::nullopt;
+    return static_cast<Fault>(found - fault_names.begin());
+}
+
 RandomFaults::RandomFaults(ClusterWorld& world, const RandomFaultsOptions& options,
                            std::uint64_t seed)
     : world_(world),

@@ -10,7 +10,8 @@
 
 #include <array>
 #include <cstdint>
-#include <string>
+#include <optional>
+#include <string_view>
 #include <vector>
 
 #include "overlay/sim/cluster_world.h"
@@ -20,11 +21,19 @@ namespace romano::sim {
 
 enum class Fault : std::uint8_t { crash, stop, leave, partition, one_way_cut, bad_links };
 inline constexpr std::size_t fault_kinds = 6;
+inline constexpr std::array<std::string_view, fault_kinds> fault_names{
+    "crash", "stop", "leave", "partition", "one-way-cut", "bad-links"};
+using FaultCounts = std::array<std::uint32_t, fault_kinds>;
+
+[[nodiscard]] constexpr std::string_view name_of(Fault fault) {
+    return fault_names[static_cast<std::size_t>(fault)];
+}
+[[nodiscard]] std::optional<Fault> fault_of(std::string_view name);
 
 struct RandomFaultsOptions {
     std::vector<Fault> kinds{Fault::crash,     Fault::stop,        Fault::leave,
                              Fault::partition, Fault::one_way_cut, Fault::bad_links};
-    std::size_t crashes_at_once = 1;
+    std::size_t crashes_at_once = 1;                     // at most
     Duration pause_min{std::chrono::milliseconds{200}};  // from one fault to the next
     Duration pause_max{std::chrono::seconds{2}};
     Duration calm_before_crash{std::chrono::milliseconds{500}};
@@ -42,7 +51,7 @@ public:
     /// While brokers were parted and their clients were not.
     [[nodiscard]] const std::vector<Span>& parted() const { return parted_; }
     /// How often each kind happened.
-    [[nodiscard]] const std::array<std::uint32_t, fault_kinds>& counts() const { return counts_; }
+    [[nodiscard]] const FaultCounts& counts() const { return counts_; }
 
 private:
     void next();
@@ -63,7 +72,7 @@ private:
     Random random_;
     LinkQuality good_clients_;
     LinkQuality good_peers_;
-    std::array<std::uint32_t, fault_kinds> counts_{};
+    FaultCounts counts_{};
     bool active_ = false;
     std::uint32_t structural_ = 0;  // faults that last now and keep brokers apart or down
     Instant calm_since_ = never;

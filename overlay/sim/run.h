@@ -36,7 +36,7 @@ struct RunResult {
     std::string setting;  // "3 brokers, 5 robots, component, acks 1"
     std::uint64_t acknowledged = 0;
     std::uint64_t received = 0;
-    std::uint32_t faults = 0;
+    FaultCounts faults{};  // how often each kind happened
     Duration virtual_time{0};
     Violations violations;
 
@@ -54,7 +54,7 @@ struct SeedRange {
 bool run_seeds(const SeedRange& seeds, const RunOptions& options,
                const std::function<void(const RunResult&)>& report);
 
-/// "romano simulate --seeds 17..17 ...": what replays one run.
+/// "romano simulate --seeds 17 ...": what replays one run.
 [[nodiscard]] std::string replay_command(std::uint64_t seed, const RunOptions& options);
 
 }  // namespace romano::sim

@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <variant>
 
+#include "overlay/sim/peer_message_text.h"
 #include "romano/mqttsn/codec.h"
 
 namespace romano::sim {
@@ -63,6 +64,10 @@ void Trace::append(std::string& line, Bytes datagram) {
 
 void Trace::append(std::string& line, const Endpoint& endpoint) {
     line += to_text(endpoint);
+}
+
+void Trace::append(std::string& line, const cluster::ClusterMessage& message) {
+    line += to_text(message);
 }
 
 std::string Trace::text_of(Instant now) {

@@ -11,6 +11,7 @@
 #include <string_view>
 #include <type_traits>
 
+#include "overlay/cluster/messages.h"
 #include "romano/base/bytes.h"
 #include "romano/base/endpoint.h"
 #include "romano/base/time.h"
@@ -50,6 +51,7 @@ private:
     }
     void take(Bytes octets) { take(as_text(octets)); }
     void take(const Endpoint& endpoint) { mix(endpoint.hash()); }
+    void take(const cluster::ClusterMessage& message) { mix(message.index()); }
 
     template <typename T>
     requires std::integral<T> || std::is_enum_v<T>
@@ -59,6 +61,7 @@ private:
     static void append(std::string& line, std::string_view text) { line += text; }
     static void append(std::string& line, Bytes datagram);  // as an MQTT-SN message
     static void append(std::string& line, const Endpoint& endpoint);
+    static void append(std::string& line, const cluster::ClusterMessage& message);
     static std::string text_of(Instant now);
 
     std::uint64_t hash_ = 0xcbf29ce484222325ULL;

@@ -25,17 +25,18 @@ TEST(ProgressBar, TellsTimesAsPeopleDo) {
 TEST(ProgressBar, IsOneLineACellWhereThereIsNoTerminal) {
     std::FILE* out = std::tmpfile();
     {
-        ProgressBar bar{out, 3, 1};
+        ProgressBar bar{out, 4, 1};
         bar.show(0.5, "running");
         bar.finish_cell("first");
         bar.show(0.1, "running");
-        bar.finish_cell("second");
+        bar.finish_quietly();
+        bar.finish_cell("third");
     }
     std::rewind(out);
     std::array<char, 256> text{};
     const std::size_t size = std::fread(text.data(), 1, text.size(), out);
     std::fclose(out);
-    EXPECT_EQ(std::string(text.data(), size), "[2/3] first\n[3/3] second\n");
+    EXPECT_EQ(std::string(text.data(), size), "[2/4] first\n[4/4] third\n");
 }
 
 }  // namespace

@@ -58,6 +58,25 @@ TEST_F(Cli, EndsWithItsOwnCodeWhenTimeRunsOut) {
     EXPECT_EQ(run_romano("sub " + at_ + "-t nothing -W 0.3").exit_code, 27);
 }
 
+TEST(Simulate, IsTheSameByteForByteForTheSameSeed) {
+    const Ran once = run_romano("simulate --seeds 3 --fault crash --trace");
+    EXPECT_EQ(once.exit_code, 0);
+    EXPECT_THAT(once.output, HasSubstr("crashes"));
+    EXPECT_EQ(run_romano("simulate --seeds 3 --fault crash --trace").output, once.output);
+}
+
+TEST(Simulate, CountsRunsByFault) {
+    const Ran table = run_romano("simulate --seeds 1..3 --fault stop --fault leave");
+    EXPECT_EQ(table.exit_code, 0);
+    EXPECT_THAT(table.output, HasSubstr("stop"));
+    const Ran ran = run_romano("simulate --seeds 1..3 --fault stop --fault leave --json");
+    const auto json = nlohmann::json::parse(ran.output);
+    EXPECT_EQ(json.at("runs").at("all"), 3);
+    EXPECT_EQ(json.at("runs").at("bad"), 0);
+    EXPECT_GT(json.at("faults").at("leave").at("times"), 0);
+    EXPECT_FALSE(json.at("faults").contains("crash"));
+}
+
 struct Refused {
     const char* arguments;
     const char* sentence;
@@ -87,6 +106,9 @@ INSTANTIATE_TEST_SUITE_P(
         Refused{"brokers -h 127.50.250.9 -p 9 --broker-timeout 0.2", "no broker serves at"},
         Refused{"sub -t a -h 'no such host'", "cannot find the host `no such host`"},
         Refused{"sweep /nowhere.toml", "cannot read the sweep file `/nowhere.toml`: no such file"},
+        Refused{"simulate --seeds 9..1", "'9..1' is not FIRST..LAST, such as 1..100"},
+        Refused{"simulate --acks many", "'many' is not 0 to 31 or all"},
+        Refused{"simulate --fault fire", "--fault: fire not in {crash,stop,leave"},
         Refused{"swep", "The following argument was not expected: swep"},
         Refused{"", "a subcommand is needed: pub, sub, brokers, robots"}));
 
