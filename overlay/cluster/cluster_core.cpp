@@ -368,6 +368,7 @@ void ClusterCore::on(Effects& effects, BrokerId from, const SnapshotPart& part) 
     if (snapshot->as_of.seq <= log.applied()) return;
     log.restart(*snapshot);
     reset_tables(id.broker, log);
+    for (const auto& image : snapshot->sessions) mark_taken(image.header.client_id);
     for (const auto& message : snapshot->publishes) {
         if (message->position.seq > effects.broker.cursor(id)) {
             effects.broker.on_peer_message(effects.now, message, effects.clients);
@@ -417,9 +418,14 @@ void ClusterCore::apply_event(Effects& effects, const LogId& id, PeerLog& log) {
         if (message) log.mirror().resolve(message);
     }
     if (!put.empty() && !log.is_frozen()) {
-        for (auto& [other, held] : logs_) held.mark_taken(put);
+        mark_taken(put);
         settlement_.on_peer_session(effects, id.broker, put);
     }
+}
+
+/// A peer is home to the client now: what the dead left of it is nobody's to adopt any more.
+void ClusterCore::mark_taken(const broker::ClientId& client) {
+    for (auto& [id, log] : logs_) log.mark_taken(client);
 }
 
 void ClusterCore::reset_tables(BrokerId peer, const PeerLog& log) {

@@ -135,6 +135,7 @@ private:
     void apply(Effects& effects, const LogId& id, PeerLog& log);
     void apply_event(Effects& effects, const LogId& id, PeerLog& log);
     void learn(const MessagePtr& message);
+    void mark_taken(const broker::ClientId& client);
     void after_input(Effects& effects);
     void on_view(Effects& effects, const ViewAnnouncement& announcement);
     void send_beacon(Effects& effects);

@@ -16,9 +16,9 @@
 
 namespace romano::sim {
 
-class ClusterScenario : public testing::Test {
-protected:
-    explicit ClusterScenario(const ClusterWorldOptions& options = {}) : world(options) {
+class Scenario {
+public:
+    explicit Scenario(const ClusterWorldOptions& options = {}) : world(options) {
         trace_if_asked(world);
     }
 
@@ -79,6 +79,11 @@ protected:
     }
 
     ClusterWorld world;  // three brokers
+};
+
+class ClusterScenario : public testing::Test, protected Scenario {
+protected:
+    explicit ClusterScenario(const ClusterWorldOptions& options = {}) : Scenario(options) {}
 };
 
 }  // namespace romano::sim

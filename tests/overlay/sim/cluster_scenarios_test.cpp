@@ -109,6 +109,28 @@ TEST_F(ClusterScenario, BrokerIsRestartedBeforeItsPeersMissedIt) {
     expect_nobody_noticed();
 }
 
+// Its peers learn of the second life by log or by snapshot, as it happens.
+TEST(ClusterScenarios, SessionsAreTakenOverFromTheLastLifeOfTheirHomeAlone) {
+    for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+        SCOPED_TRACE("seed " + std::to_string(seed));
+        ClusterWorldOptions options;
+        options.seed = seed;
+        Scenario scenario(options);
+        scenario.add("talker", 1, "pose", "");
+        scenario.add("listener", 0, "", "pose");
+        scenario.begin();
+        scenario.publish(true);
+        for (const Duration pause : {60ms, 3000ms}) {
+            scenario.world.run_for(1s);
+            scenario.world.broker(0).crash();
+            scenario.world.run_for(pause);
+            scenario.world.broker(0).start();
+        }
+        scenario.world.run_for(1s);
+        scenario.expect_all_promises_kept();
+    }
+}
+
 TEST_F(ClusterScenario, OneAfterAnotherDiesUntilOneIsLeft) {
     add_one_each({Qos::at_least_once, Qos::exactly_once});
     begin();
