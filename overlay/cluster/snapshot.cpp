@@ -48,11 +48,7 @@ private:
 void send_snapshot(const broker::BrokerCore& broker, const Logs& logs, BrokerId to, Outbox& out) {
     Parts parts({logs.own.id(), logs.own.last()}, to, out);
     for (auto& image : broker.images()) parts.add(std::move(image));
-    for (const auto& message : broker.retained()) {
-        const auto writer = logs.peers.find(message->position.log);
-        const bool speaks_for_itself = writer != logs.peers.end() && !writer->second.is_frozen();
-        if (!speaks_for_itself) parts.add_retained(message);
-    }
+    for (const auto& message : broker.retained()) parts.add_retained(message);
     for (const auto& message : logs.own.history().publishes_after(0)) parts.add_publish(message);
 
     std::vector<LogPosition> cursors;

@@ -1,5 +1,6 @@
-// All that is a broker's own, for a peer that cannot continue its log: sessions, retained messages,
-// publishes that somebody's cursor has not passed, cursors. In parts; the last one says so.
+// All that is a broker's own, for a peer that cannot continue its log: sessions, publishes that
+// somebody's cursor has not passed, cursors. And all retained messages that it knows: who wrote one
+// may be dead, and nobody has noticed yet. In parts; the last one says so.
 #pragma once
 
 #include "broker/core/broker_core.h"
@@ -9,8 +10,6 @@
 
 namespace romano::cluster {
 
-/// `logs` name those writers that speak for themselves: retained messages that they wrote are left
-/// to them.
 void send_snapshot(const broker::BrokerCore& broker, const Logs& logs, BrokerId to, Outbox& out);
 
 }  // namespace romano::cluster

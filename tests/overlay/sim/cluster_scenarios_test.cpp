@@ -131,6 +131,19 @@ TEST(ClusterScenarios, SessionsAreTakenOverFromTheLastLifeOfTheirHomeAlone) {
     }
 }
 
+TEST_F(ClusterScenario, NewcomerLearnsWhatWasRetainedByOneWhoseDeathIsNotNoticedYet) {
+    Robot& talker = add("talker", 0, "", "");
+    begin();
+    talker.publish("pose", Qos::at_least_once, true);
+    world.run_for(1s);
+    world.broker(0).crash();
+    world.broker(1).crash();
+    world.broker(1).start();
+    world.run_for(3s);
+    EXPECT_EQ(world.broker(1).member().broker().retained().size(), 1U);
+    expect_all_promises_kept();
+}
+
 TEST_F(ClusterScenario, OneAfterAnotherDiesUntilOneIsLeft) {
     add_one_each({Qos::at_least_once, Qos::exactly_once});
     begin();
