@@ -11,6 +11,20 @@ namespace romano::broker {
 
 using mqttsn::Qos;
 
+namespace {
+
+Qos granted_to(const SessionImage& image, const Message& message) {
+    Qos most = Qos::at_most_once;
+    for (const Subscription& subscription : image.subscriptions) {
+        if (subscription.granted > most && mqttsn::matches(subscription.filter, message.topic)) {
+            most = subscription.granted;
+        }
+    }
+    return most;
+}
+
+}  // namespace
+
 bool Adoption::adopt(SessionImage image, std::span<const MessagePtr> missed, Turn& turn) {
     tables_.clock.observe(image.header.last_heard);
     Session* session = tables_.sessions.find(image.header.client_id);
@@ -22,8 +36,8 @@ bool Adoption::adopt(SessionImage image, std::span<const MessagePtr> missed, Tur
     } else {
         session = &tables_.sessions.create(image.header.client_id);
     }
+    image = caught_up(std::move(image), missed);
     restore(*session, image, turn);
-    queue_missed(*session, missed);
     tables_.log.append(turn.out, [&] { return SessionPut{bare_image_of(*session)}; });
     schedule(tables_, *session);
     deliveries_.go_on(*session, turn);
@@ -31,7 +45,6 @@ bool Adoption::adopt(SessionImage image, std::span<const MessagePtr> missed, Tur
 }
 
 void Adoption::restore(Session& session, SessionImage& image, Turn& turn) {
-    image.header.provisional = true;
     const ClientAddress address = image.header.address;
     SessionHeader& header = session.header;
     // The client id stays where it is: tables hold views of it.
@@ -42,7 +55,7 @@ void Adoption::restore(Session& session, SessionImage& image, Turn& turn) {
     header.keep_alive_s = image.header.keep_alive_s;
     header.sleep_s = image.header.sleep_s;
     header.epoch = image.header.epoch;
-    header.provisional = true;
+    header.provisional = image.header.provisional;
     header.last_heard = image.header.last_heard;
 
     session.will = std::move(image.will);
@@ -76,23 +89,19 @@ void Adoption::restore(Session& session, SessionImage& image, Turn& turn) {
     }
 }
 
-void Adoption::queue_missed(Session& session, std::span<const MessagePtr> missed) {
-    if (!session.keeps_messages()) return;
+SessionImage Adoption::caught_up(SessionImage image, std::span<const MessagePtr> missed) {
     for (const MessagePtr& message : missed) {
-        const Qos qos = std::min(message->qos, granted_to(session, *message));
-        if (qos == Qos::at_most_once || !deliveries_.make_room(session)) continue;
-        session.queue.push({.position = message->position, .message = message, .qos = qos});
-    }
-}
-
-Qos Adoption::granted_to(const Session& session, const Message& message) const {
-    Qos most = Qos::at_most_once;
-    for (const Subscription& subscription : session.subscriptions) {
-        if (subscription.granted > most && mqttsn::matches(subscription.filter, message.topic)) {
-            most = subscription.granted;
+        const Qos qos = std::min(message->qos, granted_to(image, *message));
+        if (qos == Qos::at_most_once || !keeps_messages(image.header)) continue;
+        if (image.deliveries.size() >= tables_.limits().queued_per_session) {
+            tables_.count(Drop::queue_full);
+            continue;
         }
+        image.deliveries.push_back({.position = message->position, .message = message, .qos = qos});
     }
-    return most;
+    image.worked_through = later_of(worked_through(tables_), image.worked_through);
+    image.header.provisional = true;
+    return image;
 }
 
 std::optional<SessionImage> Adoption::release(std::string_view client_id, Actions& out) {

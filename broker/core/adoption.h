@@ -23,13 +23,13 @@ public:
 
     /// See BrokerCore::adopt.
     bool adopt(SessionImage image, std::span<const MessagePtr> missed, Turn& turn);
+    /// See BrokerCore::caught_up.
+    SessionImage caught_up(SessionImage image, std::span<const MessagePtr> missed);
     /// See BrokerCore::release.
     std::optional<SessionImage> release(std::string_view client_id, Actions& out);
 
 private:
     void restore(Session& session, SessionImage& image, Turn& turn);
-    void queue_missed(Session& session, std::span<const MessagePtr> missed);
-    [[nodiscard]] mqttsn::Qos granted_to(const Session& session, const Message& message) const;
 
     Tables& tables_;
     DeliveryFlow& deliveries_;

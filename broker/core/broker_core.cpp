@@ -325,6 +325,10 @@ bool BrokerCore::adopt(Instant now, SessionImage image, std::span<const MessageP
     return state_->adoption.adopt(std::move(image), missed, turn);
 }
 
+SessionImage BrokerCore::caught_up(SessionImage image, std::span<const MessagePtr> missed) {
+    return state_->adoption.caught_up(std::move(image), missed);
+}
+
 std::optional<SessionImage> BrokerCore::release(std::string_view client_id, Actions& out) {
     return state_->adoption.release(client_id, out);
 }

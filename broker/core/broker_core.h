@@ -62,6 +62,10 @@ public:
     /// of is skipped for this session when it comes here.
     bool adopt(Instant now, SessionImage image, std::span<const MessagePtr> missed, Actions& out);
 
+    /// The image as adopt() would take it, for another home that lacks what was `missed` and may
+    /// lack the logs that it stands in: queued, and worked through as far as this broker is.
+    [[nodiscard]] SessionImage caught_up(SessionImage image, std::span<const MessagePtr> missed);
+
     /// Stops being the home: appends SessionErased and forgets, publishing no will. Empty when
     /// unknown.
     std::optional<SessionImage> release(std::string_view client_id, Actions& out);

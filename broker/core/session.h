@@ -71,17 +71,14 @@ struct alignas(64) Session {
     Instant departed_at = never;  // when it became disconnected or lost
     Instant paused_until{};       // after "congestion" in a REGACK (G16)
 
-    [[nodiscard]] bool is_connected() const {
-        return header.state == SessionState::active || header.state == SessionState::asleep ||
-               header.state == SessionState::awake;
-    }
+    [[nodiscard]] bool is_connected() const { return broker::is_connected(header); }
     /// Something can be sent to it now.
     [[nodiscard]] bool is_listening() const {
         return reachable &&
                (header.state == SessionState::active || header.state == SessionState::awake);
     }
     /// A publish of QoS 1 or 2 is kept for it.
-    [[nodiscard]] bool keeps_messages() const { return is_connected() || !header.clean; }
+    [[nodiscard]] bool keeps_messages() const { return broker::keeps_messages(header); }
 };
 
 }  // namespace romano::broker

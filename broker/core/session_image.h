@@ -80,6 +80,15 @@ struct SessionHeader {
     friend bool operator==(const SessionHeader&, const SessionHeader&) = default;
 };
 
+[[nodiscard]] inline bool is_connected(const SessionHeader& header) {
+    return header.state == SessionState::active || header.state == SessionState::asleep ||
+           header.state == SessionState::awake;
+}
+/// A publish of QoS 1 or 2 is kept for it.
+[[nodiscard]] inline bool keeps_messages(const SessionHeader& header) {
+    return is_connected(header) || !header.clean;
+}
+
 struct SessionImage {
     SessionHeader header;
     std::optional<Will> will;

@@ -16,11 +16,15 @@ SessionImage bare_image_of(const Session& session) {
     return image;
 }
 
+std::vector<LogPosition> worked_through(const Tables& tables) {
+    std::vector<LogPosition> positions = tables.cursors.all();
+    if (tables.log.writes()) positions.push_back({tables.log.id(), tables.log.last()});
+    return positions;
+}
+
 SessionImage image_of(const Session& session, const Tables& tables) {
     SessionImage image = bare_image_of(session);
-    std::vector<LogPosition> own = tables.cursors.all();
-    if (tables.log.writes()) own.push_back({tables.log.id(), tables.log.last()});
-    image.worked_through = later_of(own, image.worked_through);
+    image.worked_through = later_of(worked_through(tables), image.worked_through);
     return image;
 }
 

@@ -64,6 +64,13 @@ void leave_out_delivered(std::vector<MessagePtr>& missed, const broker::SessionI
     });
 }
 
+broker::SessionImage caught_up(const Effects& effects, const Logs& logs,
+                               broker::SessionImage image) {
+    find_missing_messages(image, effects, logs);
+    const auto missed = missed_publishes(image, logs);
+    return effects.broker.caught_up(std::move(image), missed);
+}
+
 bool adopt(Effects& effects, const Logs& logs, broker::SessionImage image) {
     find_missing_messages(image, effects, logs);
     auto missed = missed_publishes(image, logs);

@@ -25,6 +25,10 @@ struct Logs {
 /// worked through it and has it in no queue any more.
 void leave_out_delivered(std::vector<MessagePtr>& missed, const broker::SessionImage& former);
 
+/// The image of a dead home's session for another one than us: with all that it missed and we have.
+[[nodiscard]] broker::SessionImage caught_up(const Effects& effects, const Logs& logs,
+                                             broker::SessionImage image);
+
 /// False when the own session of that client stays because it outranks the image.
 bool adopt(Effects& effects, const Logs& logs, broker::SessionImage image);
 

@@ -208,11 +208,12 @@ void ClusterCore::on_view(Effects& effects, const ViewAnnouncement& announcement
         const auto log = logs_.find(member);
         if (log != logs_.end()) reset_tables(member.broker, log->second);
     }
-    // Another member adopts what our earlier life left at our address, and hands it to us.
+    // Another member hands us what our earlier life left at our address, if it has not done so yet.
     for (const Assignment& assignment : announcement.assignments) {
-        if (assignment.heir != own_.id().broker && addresses_.is_home(assignment.address) &&
-            addresses_.is_serving(assignment.address)) {
-            hand_back_.expect(effects.now, assignment.address, assignment.heir);
+        const Endpoint& address = assignment.address;
+        if (assignment.heir != own_.id().broker && addresses_.is_home(address) &&
+            addresses_.is_serving(address) && effects.broker.images_via(address).empty()) {
+            hand_back_.expect(effects.now, address, assignment.heir);
         }
     }
     take_over_.on_view(effects.now, announcement);

@@ -20,6 +20,10 @@ bool Peer::is_serving(const Endpoint& address) const {
     return std::ranges::count(beacon.serving, address) > 0;
 }
 
+bool Peer::hears(BrokerId broker) const {
+    return std::ranges::count(beacon.hears, broker) > 0;
+}
+
 Membership::Membership(const ClusterOptions& options, BrokerId self, std::uint64_t seed)
     : options_(options), self_(self), seed_(seed) {
     const election::DetectorOptions times{.beacon_every = options.beacon_every,
@@ -66,7 +70,7 @@ bool Membership::on_beacon(Instant now, const Beacon& beacon) {
         return true;
     }
     heard_->on_beacon(now, node);
-    if (std::ranges::count(beacon.hears, self_) > 0) {
+    if (peer.hears(self_)) {
         linked_->on_beacon(now, node);
         peer.alive = linked_->is_alive(node);
         if (peer.alive) elector_->on_claim(now, beacon.claim);

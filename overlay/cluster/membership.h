@@ -31,6 +31,8 @@ struct Peer {
     bool alive = false;
     [[nodiscard]] bool is_home_of(const Endpoint& address) const;
     [[nodiscard]] bool is_serving(const Endpoint& address) const;
+    /// It says so, and in this life: what is sent to it arrives.
+    [[nodiscard]] bool hears(BrokerId broker) const;
 };
 
 class Membership {

@@ -125,6 +125,7 @@ void PeerLog::freeze() {
 void PeerLog::thaw() {
     if (!frozen_) return;
     frozen_ = false;
+    agreed_end_ = 0;
     left_.clear();
     asked_at_ = Instant::min();  // what was missed meanwhile is asked for at once
     asked_after_ = applied();

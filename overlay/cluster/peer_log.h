@@ -50,6 +50,9 @@ public:
     void freeze();
     void thaw();
     [[nodiscard]] bool is_frozen() const { return frozen_; }
+    /// Of a frozen log: the last event that the members agreed on.
+    void end_at(Seq end) { agreed_end_ = end; }
+    [[nodiscard]] bool has_agreed_end() const { return applied() >= agreed_end_; }
     /// The addresses that the writer's beacon names: robots may come there at any time.
     void heard_serving(const std::vector<Endpoint>& addresses) {
         if (!frozen_) serving_ = {addresses.begin(), addresses.end()};
@@ -79,6 +82,7 @@ private:
     std::optional<SnapshotPart> snapshot_;  // what has come of it
 
     bool frozen_ = false;
+    Seq agreed_end_ = 0;
     std::map<broker::ClientId, Endpoint> left_;  // of a frozen log: not taken; with their via
     std::set<Endpoint> serving_;
 };

@@ -36,40 +36,56 @@ void TakeOver::carry_on(Effects& effects, const Logs& logs, const Membership& me
         const auto log = logs.peers.find(pending.assignment.end.log);
         if (log == logs.peers.end()) return true;
         if (!log->second.is_frozen()) return true;  // it is back
-        if (!is_ready(effects, pending, log->second, membership, view)) return false;
-        carry_out(effects, pending.assignment, log->second, logs, membership, view, addresses);
+        const auto owner = returned_owner(pending.assignment.address, self_, membership, view);
+        if (owner && !membership.find(*owner)->hears(self_)) return false;
+        const auto lacks = lacking(*log, logs, owner.has_value());
+        if (lacks && !is_out_of_patience(effects, pending)) {
+            ask_for(effects, pending, *lacks, membership, view);
+            return false;
+        }
+        carry_out(effects, pending.assignment, log->second, logs, owner, addresses);
         return true;
     });
 }
 
-bool TakeOver::is_ready(Effects& effects, Pending& pending, const PeerLog& log,
-                        const Membership& membership, const View& view) const {
-    const LogPosition& end = pending.assignment.end;
-    if (log.applied() >= end.seq) return true;
-    if (effects.now > pending.since + 4 * patience_) {
-        effects.local.push_back(Notice{"takes over without the last events of a removed broker"});
-        return true;
+/// How far we hold what must be complete first: the dead broker's log. What another broker is to go
+/// on from must be complete in all that is removed: it may hold nothing of that.
+std::optional<LogPosition> TakeOver::lacking(const PeerLogs::value_type& dead, const Logs& logs,
+                                             bool for_another) {
+    if (!dead.second.has_agreed_end()) return LogPosition{dead.first, dead.second.applied()};
+    if (!for_another) return std::nullopt;
+    for (const auto& [id, log] : logs.peers) {
+        if (!log.has_agreed_end()) return LogPosition{id, log.applied()};
     }
-    if (effects.now < pending.asked_at + patience_ / 4) return false;
+    return std::nullopt;
+}
+
+bool TakeOver::is_out_of_patience(Effects& effects, const Pending& pending) const {
+    if (effects.now <= pending.since + 4 * patience_) return false;
+    effects.local.push_back(Notice{"takes over without the last events of a removed broker"});
+    return true;
+}
+
+void TakeOver::ask_for(Effects& effects, Pending& pending, const LogPosition& after,
+                       const Membership& membership, const View& view) const {
+    if (effects.now < pending.asked_at + patience_ / 4) return;
     pending.asked_at = effects.now;
     for (const LogId& member : view.members) {
         const Peer* peer = membership.find(member.broker);
         if (peer == nullptr) continue;
-        const auto applied = std::ranges::find(peer->beacon.applied, end.log, &LogPosition::log);
-        if (applied == peer->beacon.applied.end() || applied->seq <= log.applied()) continue;
-        effects.peers.push_back(
-            {member.broker, TailRequest{view.number, {end.log, log.applied()}, self_}});
+        const auto applied = std::ranges::find(peer->beacon.applied, after.log, &LogPosition::log);
+        if (applied == peer->beacon.applied.end() || applied->seq <= after.seq) continue;
+        effects.peers.push_back({member.broker, TailRequest{view.number, after, self_}});
         break;
     }
-    return false;
 }
 
 void TakeOver::carry_out(Effects& effects, const Assignment& assignment, PeerLog& log,
-                         const Logs& logs, const Membership& membership, const View& view,
+                         const Logs& logs, std::optional<BrokerId> owner,
                          ServiceAddresses& addresses) {
     auto sessions = log.sessions_left(assignment.address);
-    const auto owner = returned_owner(assignment.address, self_, membership, view);
     if (owner) {
+        for (auto& image : sessions) image = caught_up(effects, logs, std::move(image));
         send_handoff(*owner, assignment.address, std::move(sessions), effects.peers);
         log.mark_served(assignment.address);
         return;

@@ -3,9 +3,11 @@
 //
 // It waits until it holds the dead broker's log up to the agreed end, and asks the members for the
 // tail while it lacks it; after some time it goes on with what it has. When the address's own
-// broker is back and serving by then, the sessions go to it instead.
+// broker is back and serving by then, the sessions go to it instead, as soon as it hears us in its
+// new life, and with all that they missed: a newcomer holds none of the removed brokers' logs.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "overlay/cluster/adoption.h"
@@ -34,10 +36,13 @@ private:
         Instant asked_at;
     };
 
-    [[nodiscard]] bool is_ready(Effects& effects, Pending& pending, const PeerLog& log,
-                                const Membership& membership, const View& view) const;
+    [[nodiscard]] static std::optional<LogPosition> lacking(const PeerLogs::value_type& dead,
+                                                            const Logs& logs, bool for_another);
+    [[nodiscard]] bool is_out_of_patience(Effects& effects, const Pending& pending) const;
+    void ask_for(Effects& effects, Pending& pending, const LogPosition& after,
+                 const Membership& membership, const View& view) const;
     void carry_out(Effects& effects, const Assignment& assignment, PeerLog& log, const Logs& logs,
-                   const Membership& membership, const View& view, ServiceAddresses& addresses);
+                   std::optional<BrokerId> owner, ServiceAddresses& addresses);
 
     BrokerId self_;
     Duration patience_;

@@ -275,9 +275,11 @@ void ViewChange::install(Instant now, ViewAnnouncement announcement, PeerLogs& l
     for (auto& [id, log] : logs) {
         if (has(view_, id)) log.thaw();
     }
-    for (const LogPosition& end : announcement.ends) {  // of those whose proposal we did not hear
+    for (const LogPosition& end : announcement.ends) {  // also if we did not hear the proposal
         const auto log = logs.find(end.log);
-        if (log != logs.end()) log->second.freeze();
+        if (log == logs.end()) continue;
+        log->second.freeze();
+        log->second.end_at(end.seq);
     }
     // A view that nobody has looked at yet leaves its assignments to the next one.
     if (installed_) {

@@ -111,6 +111,42 @@ TEST_F(Adoption, MissedMessagesAreQueuedInOrderBehindWhatWaits) {
     robot.hears_nothing();
 }
 
+// The next home may hold neither what was missed nor the log that it stands in.
+TEST_F(Adoption, ImageForAThirdHomeBringsWhatWasMissed) {
+    robot.connects(false);
+    robot.subscribes("cmd");
+    const LogId dead{broker_id_of("dead"), 1};
+    const MessagePtr missed{Message{.topic = "cmd",
+                                    .payload = octets_of("last words"),
+                                    .qos = Qos::exactly_once,
+                                    .position = {dead, 7},
+                                    .published_at = {}}};
+    heir.core.on_peer_message(heir.now, missed, heir.actions);
+    heir.drain();
+    const auto image = heir.core.caught_up(image_of(home, "robot"), {&missed, 1});
+    EXPECT_EQ(image.deliveries.back().position, missed->position);
+
+    ScriptedBroker third{options_of("third")};
+    EXPECT_TRUE(third.core.adopt(third.now, image, {}, third.actions));
+    third.drain();
+    robot.moves_to(third);
+    robot.hears_publish("last words", Qos::exactly_once);
+    third.core.on_peer_message(third.now, missed, third.actions);  // should it come after all
+    third.drain();
+    robot.hears_nothing();
+}
+
+// As when the view changes while the first one is at it.
+TEST_F(Adoption, WhatTwoHeirsOfOneDeadHomeBringIsTakenOnce) {
+    robot.connects(false);
+    robot.subscribes("cmd");
+    const auto image = heir.core.caught_up(image_of(home, "robot"), {});
+    ScriptedBroker third{options_of("third")};
+    EXPECT_TRUE(third.core.adopt(third.now, image, {}, third.actions));
+    EXPECT_FALSE(third.core.adopt(third.now, image, {}, third.actions));
+    third.drain();
+}
+
 TEST_F(Adoption, WhatTheOldHomeHadWorkedThroughIsNotDeliveredAgain) {
     robot.connects(false);
     robot.subscribes("cmd");

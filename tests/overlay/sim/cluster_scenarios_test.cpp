@@ -131,6 +131,33 @@ TEST(ClusterScenarios, SessionsAreTakenOverFromTheLastLifeOfTheirHomeAlone) {
     }
 }
 
+// Both of them come back at once, and hold nothing of each other's former lives.
+TEST(ClusterScenarios, HomesOfAPublisherAndOfASubscriberDieTogetherBehindAPublish) {
+    for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+        SCOPED_TRACE("seed " + std::to_string(seed));
+        ClusterWorldOptions options;
+        options.seed = seed;
+        options.cluster.acks = 2;
+        Scenario scenario(options);
+        Robot& talker = scenario.add("talker", 0, "", "");
+        scenario.add("listener", 1, "", "pose");
+        scenario.begin();
+        ClusterWorld& world = scenario.world;
+        const broker::Mirror& mirror = *world.broker(2).member().mirror(world.broker(0).log());
+        const broker::Seq before = mirror.applied();
+        talker.publish("pose", Qos::exactly_once);
+        ASSERT_TRUE(world.run_until(
+            [&] { return mirror.applied() > before && mirror.image("talker")->unreleased.size(); },
+            1s, 10us));
+        for (const std::size_t victim : {0U, 1U}) {
+            world.broker(victim).crash();
+            world.broker(victim).start();
+        }
+        world.run_for(1s);
+        scenario.expect_all_promises_kept();
+    }
+}
+
 TEST_F(ClusterScenario, NewcomerLearnsWhatWasRetainedByOneWhoseDeathIsNotNoticedYet) {
     Robot& talker = add("talker", 0, "", "");
     begin();
