@@ -1,0 +1,84 @@
+// Random clusters, robots and faults by seed: every promise of the design is kept in each of them.
+// A failure prints the seed and the command that repeats it.
+
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+#include "overlay/sim/run.h"
+
+namespace romano::sim {
+namespace {
+
+using namespace std::chrono_literals;
+
+/// A part of the sweep: small enough that several run side by side.
+struct Shard {
+    std::string name;
+    std::vector<Fault> faults;
+    SeedRange seeds;
+};
+
+std::vector<Shard> shards() {
+    const std::vector<std::pair<std::string, std::vector<Fault>>> kinds{
+        {"Crash", {Fault::crash}},
+        {"Stop", {Fault::stop}},
+        {"Leave", {Fault::leave}},
+        {"BadLinks", {Fault::bad_links}},
+        {"Mixed", {Fault::crash, Fault::stop, Fault::leave, Fault::bad_links}},
+    };
+    constexpr std::uint64_t shards_each = 2;
+    constexpr std::uint64_t seeds_each = 50;
+    std::vector<Shard> all;
+    std::uint64_t next = 1;
+    for (const auto& [name, faults] : kinds) {
+        for (std::uint64_t i = 1; i <= shards_each; ++i, next += seeds_each) {
+            all.push_back({name + std::to_string(i), faults, {next, next + seeds_each - 1}});
+        }
+    }
+    return all;
+}
+
+class Seeds : public testing::TestWithParam<Shard> {};
+
+TEST_P(Seeds, KeepEveryPromise) {
+    RunOptions options;
+    options.faults = GetParam().faults;
+    run_seeds(GetParam().seeds, options, [&](const RunResult& run) {
+        EXPECT_TRUE(run.is_good())
+            << "seed " << run.seed << " (" << run.setting << ")\n"
+            << to_text(run.violations) << "again: " << replay_command(run.seed, options);
+    });
+}
+
+INSTANTIATE_TEST_SUITE_P(Sweep, Seeds, testing::ValuesIn(shards()),
+                         [](const auto& shard) { return shard.param.name; });
+
+TEST(Simulation, IsTheSameByteForByteForTheSameSeed) {
+    const auto trace_of = [](std::uint64_t seed) {
+        std::string text;
+        RunOptions options;
+        options.faults_last = 2s;
+        options.trace = [&text](std::string_view line) { (text += line) += '\n'; };
+        const RunResult run = run_seed(seed, options);
+        return std::pair{run.trace_hash, text};
+    };
+    const auto [hash, text] = trace_of(7);
+    const auto [hash_again, text_again] = trace_of(7);
+    EXPECT_EQ(hash, hash_again);
+    EXPECT_EQ(text, text_again);
+    EXPECT_FALSE(text.empty());
+    EXPECT_NE(trace_of(8).first, hash);
+}
+
+TEST(Simulation, IsTheSameWhetherOrNotSomebodyListens) {
+    RunOptions options;
+    options.faults_last = 2s;
+    const std::uint64_t silent = run_seed(7, options).trace_hash;
+    options.trace = [](std::string_view) {};
+    EXPECT_EQ(run_seed(7, options).trace_hash, silent);
+}
+
+}  // namespace
+}  // namespace romano::sim
