@@ -418,6 +418,12 @@ void BrokerCore::set_congested(bool congested) {
     state_->tables.congested = congested;
 }
 
+void BrokerCore::on_output_dropped(Seq safe) {
+    state_->tables.sessions.visit([safe](Session& session) {
+        session.output_floor = std::min(session.output_floor, safe);
+    });
+}
+
 std::vector<MessagePtr> BrokerCore::retained() const {
     return state_->tables.retained.all();
 }

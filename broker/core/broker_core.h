@@ -100,6 +100,9 @@ public:
     /// While set, whatever would have to be promised is answered by "congestion": CONNECT,
     /// SUBSCRIBE, PUBLISH of QoS 1 and 2.
     void set_congested(bool congested);
+    /// The Sends so far that had to wait for events after `safe` were dropped: what follows need
+    /// not wait behind them.
+    void on_output_dropped(Seq safe);
 
     /// By topic; not $SYS. A deleted one is an empty payload.
     [[nodiscard]] std::vector<MessagePtr> retained() const;

@@ -18,6 +18,8 @@ constexpr const char* examples = R"(Examples:
   romano-broker --listen 127.0.0.1:1883 --name r1 --domain 7 --interface lo --rank 3
   romano-broker --listen 127.0.0.2:1883 --name r2 --domain 7 --interface lo
       two brokers that are one: a client may talk to either, and each takes over from the other
+  romano-broker --store /var/lib/romano/store.db
+      alone; after a crash or a restart its clients' sessions and messages go on
   romano-broker --config r1.toml
       the same options from a file: listen = ["127.0.0.1:1883"], name = "r1", domain = 7, ...
 
@@ -49,6 +51,20 @@ void add_options(CLI::App& app, SettingTexts& texts) {
 
     app.add_flag("--no-romano", texts.no_romano,
                  "Carry no ROMANO server: robots' connection requests go unanswered");
+
+    const std::string store = "Store";
+    app.add_option("--store", texts.store,
+                   "Keep sessions, retained and queued messages in this file; for a broker alone")
+        ->type_name("PATH")
+        ->group(store);
+    app.add_option("--store-limit-mb", texts.store_limit_mb,
+                   "Largest size of that file in MiB; beyond it clients hear \"congestion\" "
+                   "(default 1024)")
+        ->type_name("MIB")
+        ->group(store);
+    app.add_flag("--store-sync", texts.store_sync,
+                 "Wait for the medium before each promise: survives a power cut too, but slower")
+        ->group(store);
 
     const std::string cluster = "Cluster";
     app.add_option("--domain", texts.domain,

@@ -31,6 +31,9 @@ struct SettingTexts {
     std::vector<std::string> predefined = {};
     std::vector<std::string> discovery_group = {};
     bool no_romano = false;
+    std::optional<std::string> store = {};
+    std::optional<std::string> store_limit_mb = {};
+    bool store_sync = false;
     std::string log_level = "info";
 };
 

@@ -24,7 +24,7 @@ LoneBroker::LoneBroker(boost::asio::io_context& io, const Settings& settings,
                        const OnServing& on_serving)
     : io_(io),
       name_(settings.name),
-      options_(broker_options(settings)),
+      options_(options_of(settings)),
       core_(options_, random_seed()),
       server_(settings.name, options_.unix_time_at_zero),
       udp_(io, *this),
@@ -39,9 +39,20 @@ LoneBroker::LoneBroker(boost::asio::io_context& io, const Settings& settings,
         where += (where.empty() ? "" : ", ") + net::to_text(bound);
     }
     join_discovery_groups(udp_, settings);
+    if (persistence_) persistence_->restore(net::now(), core_, options_.log, actions_);
     on_core_wakeup();
     on_status_wakeup();
     on_serving(where);
+}
+
+/// Opens the store, if there is one: it has a say in the number of this life.
+broker::BrokerOptions LoneBroker::options_of(const Settings& settings) {
+    broker::BrokerOptions options = broker_options(settings);
+    if (!settings.store) return options;
+    persistence_.emplace(io_, *settings.store);
+    options.writes_log = true;
+    options.log.incarnation = persistence_->next_incarnation(options.log.incarnation);
+    return options;
 }
 
 void LoneBroker::on_datagram(const Endpoint& via, const Endpoint& from, Bytes octets) {
@@ -88,6 +99,7 @@ void LoneBroker::publish_status() {
 
 void LoneBroker::send() {
     server_.answer(net::now(), core_, actions_);
+    if (persistence_) persistence_->keep(core_, actions_);
     udp_.carry_out(actions_);
     actions_.clear();
 }

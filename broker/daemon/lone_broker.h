@@ -1,12 +1,14 @@
-// A broker without a cluster: the broker core on sockets and one timer. Writes no log; says about
-// itself under $SYS/brokers/ what a member says about all brokers.
+// A broker without a cluster: the broker core on sockets and one timer. Writes a log only for its
+// store; says about itself under $SYS/brokers/ what a member says about all brokers.
 #pragma once
 
 #include <boost/asio/io_context.hpp>
+#include <optional>
 #include <string>
 #include <utility>
 
 #include "broker/core/broker_core.h"
+#include "broker/daemon/persistence.h"
 #include "broker/daemon/running_broker.h"
 #include "broker/net/core_timer.h"
 #include "broker/net/udp_service.h"
@@ -25,11 +27,13 @@ private:
     void on_batch_end() override;
     void on_core_wakeup();
     void on_status_wakeup();
+    [[nodiscard]] broker::BrokerOptions options_of(const Settings& settings);
     void publish_status();
     void send();
 
     boost::asio::io_context& io_;
     std::string name_;
+    std::optional<Persistence> persistence_;
     broker::BrokerOptions options_;
     broker::BrokerCore core_;
     overlay::CarriedServer server_;

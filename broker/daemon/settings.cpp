@@ -159,6 +159,29 @@ std::map<mqttsn::TopicId, std::string> check_predefined(const std::vector<std::s
     return out;
 }
 
+std::optional<StoreSettings> check_store(const SettingTexts& texts) {
+    constexpr std::uint64_t usual_limit = 1024;
+    constexpr std::uint64_t highest_limit = 1U << 20U;
+    const auto mebioctets =
+        texts.store_limit_mb
+            ? number_in<std::uint64_t>("store-limit-mb", *texts.store_limit_mb, 1, highest_limit)
+            : usual_limit;
+    if (!texts.store) {
+        if (texts.store_limit_mb) {
+            refuse("store-limit-mb", *texts.store_limit_mb, "is for a store; give --store too");
+        }
+        if (texts.store_sync) throw Refusal("--store-sync is for a store; give --store too");
+        return std::nullopt;
+    }
+    if (texts.store->empty()) refuse("store", *texts.store, "must be the path of a file");
+    if (texts.domain) {
+        refuse("store", *texts.store,
+               "is for a broker alone: in a cluster the peers keep the sessions; leave out "
+               "--store or --domain");
+    }
+    return StoreSettings{*texts.store, mebioctets << 20U, texts.store_sync};
+}
+
 std::string check_interface(const std::optional<std::string>& text) {
     if (!text) return {};
     if (!text->empty() && if_nametoindex(text->c_str()) != 0) return *text;
@@ -265,6 +288,7 @@ Settings check(const SettingTexts& texts) {
     out.t_retry = profile.t_retry;
     out.n_retry = profile.n_retry;
     out.realtime = texts.realtime;
+    out.store = check_store(texts);
     out.cluster = check_cluster(texts, profile);
     out.log_level = one_of("log-level", texts.log_level, levels);
     return out;

@@ -21,6 +21,12 @@ struct ClusterSettings {
     cluster::ClusterOptions options;
 };
 
+struct StoreSettings {
+    std::string path;
+    std::uint64_t most_octets = 0;
+    bool survives_power_cut = false;
+};
+
 struct Settings {
     std::string name;
     std::vector<Endpoint> listen;
@@ -31,6 +37,7 @@ struct Settings {
     std::chrono::milliseconds t_retry{};
     int n_retry = 0;
     bool realtime = false;
+    std::optional<StoreSettings> store;
     std::optional<ClusterSettings> cluster;
     std::string log_level;
 };

@@ -17,8 +17,7 @@ using mqttsn::MsgId;
 using mqttsn::Qos;
 using mqttsn::ReturnCode;
 
-constexpr auto t_retry = 1s;  // shorter than the specification's, so that tests are short
-constexpr int n_retry = 20;
+constexpr auto patience = 20s;
 
 template <typename M, typename Rule>
 auto is(Rule rule) {
@@ -130,13 +129,18 @@ bool TestClient::ping() {
     return exchange(mqttsn::Pingreq{}, is<mqttsn::Pingresp>([](const auto&) { return true; }));
 }
 
+bool TestClient::disconnect() {
+    return exchange(mqttsn::Disconnect{}, is<mqttsn::Disconnect>([](const auto&) { return true; }));
+}
+
 bool TestClient::exchange(const mqttsn::Message& request, const Matches& answered,
                           const std::function<mqttsn::Message()>& repetition) {
     waiting_for_ = &answered;
     answered_ = false;
-    for (int attempt = 0; attempt <= n_retry && !answered_; ++attempt) {
-        send(attempt > 0 && repetition ? repetition() : request);
-        run_until([this] { return answered_; }, t_retry);
+    const auto end = Clock::now() + patience;
+    for (bool again = false; !answered_ && Clock::now() < end; again = true) {
+        send(again && repetition ? repetition() : request);
+        run_until([this] { return answered_; }, repeats_after);
     }
     waiting_for_ = nullptr;
     return answered_;

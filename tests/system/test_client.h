@@ -37,10 +37,14 @@ public:
     bool publish(mqttsn::TopicId topic, const std::string& data, mqttsn::Qos qos,
                  bool retain = false);
     bool ping();
+    bool disconnect();
 
     /// Serves the socket until `done` or the deadline; true when done.
     bool run_until(const std::function<bool()>& done,
                    std::chrono::milliseconds limit = std::chrono::milliseconds{20'000});
+
+    /// Shorter than the specification's Tretry, so that tests are short.
+    std::chrono::milliseconds repeats_after{1000};
 
     /// Deliveries so far. QoS 2 ones count once.
     std::vector<ReceivedPublish> received;
