@@ -30,7 +30,7 @@ using mqttsn::MsgType;
 class BrokerCore::State {
 public:
     State(const BrokerOptions& options, std::uint64_t seed)
-        : tables(options, seed), strangers_(options.limits.stranger_answers_per_second) {}
+        : tables(options, seed), strangers_(options.limits.stranger_datagrams_per_second) {}
 
     void on_datagram(const Origin& origin, Bytes datagram, bool wrapped, Turn& turn);
     void on_tick(Turn& turn);
@@ -109,6 +109,7 @@ void BrokerCore::State::on_datagram(const Origin& origin, Bytes datagram, bool w
     const auto decoded = mqttsn::decode(datagram);
     if (!decoded) {
         ++tables.counters.malformed[static_cast<std::size_t>(decoded.error())];
+        ++tables.counters.malformed_total;
         return;
     }
     const mqttsn::Message& message = *decoded;
@@ -135,6 +136,11 @@ void BrokerCore::State::on_datagram(const Origin& origin, Bytes datagram, bool w
             }
             return;
         case MsgType::connect:
+            if (tables.sessions.find(origin.from) == nullptr &&
+                !strangers_.allows(origin.from.endpoint, turn.now)) {
+                tables.count(Drop::stranger_rate);
+                return;
+            }
             connect_flow_.on_connect(origin, std::get<mqttsn::Connect>(message), turn);
             return;
         case MsgType::willtopic:
@@ -186,6 +192,10 @@ void BrokerCore::State::on_session_message(const Origin& origin, const mqttsn::M
     const bool connectionless = is_connectionless(message);
     if (session == nullptr && !connectionless) {
         on_stranger(origin, mqttsn::type_of(message), turn);
+        return;
+    }
+    if (session == nullptr && !strangers_.allows(origin.from.endpoint, turn.now)) {
+        tables.count(Drop::stranger_rate);
         return;
     }
     if (session != nullptr) {
@@ -447,6 +457,21 @@ void BrokerCore::observe_time(HybridTime time) {
 
 const Counters& BrokerCore::counters() const {
     return state_->tables.counters;
+}
+
+Census BrokerCore::census() const {
+    Census out;
+    out.retained = state_->tables.retained.size();
+    state_->tables.sessions.visit([&out](const Session& session) {
+        ++out.sessions[static_cast<std::size_t>(session.header.state)];
+        out.subscriptions += session.subscriptions.size();
+        out.topics += session.topics.size();
+        out.queued += session.queue.size();
+        out.longest_queue = std::max(out.longest_queue, session.queue.size());
+        out.in_flight += session.exchange.is_open() ? 1U : 0U;
+        out.unreleased += session.unreleased.size();
+    });
+    return out;
 }
 
 std::size_t BrokerCore::session_count() const {

@@ -2,8 +2,10 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 
+#include "broker/core/session_image.h"
 #include "romano/mqttsn/codec.h"
 
 namespace romano::broker {
@@ -12,7 +14,7 @@ namespace romano::broker {
 enum class Drop : std::uint8_t {
     wrong_direction,    // a message that only brokers send
     unknown_sender,     // no session for it, and no CONNECT
-    stranger_rate,      // as unknown_sender, but over the rate that is answered
+    stranger_rate,      // over the rate at which an address without a session is heeded
     unexpected,         // an answer to nothing asked, a will out of turn
     invalid_topic,      // unknown id, bad name or filter
     too_large,          // a payload over the limit
@@ -28,10 +30,23 @@ struct Counters {
     std::array<std::uint64_t, 256> received_by_type{};  // by MsgType
     std::array<std::uint64_t, 256> sent_by_type{};
     std::array<std::uint64_t, mqttsn::malformed_kinds> malformed{};
+    std::uint64_t malformed_total = 0;  // of all kinds: whoever calls can see that one was
     std::array<std::uint64_t, drop_kinds> dropped{};
     std::uint64_t publishes_received = 0;
     std::uint64_t publishes_sent = 0;
     std::uint64_t retransmissions = 0;
+};
+
+/// What is there now: counted when somebody asks, so that nothing is kept for it.
+struct Census {
+    std::array<std::size_t, session_states> sessions{};  // by SessionState
+    std::size_t subscriptions = 0;
+    std::size_t topics = 0;         // ids given to clients
+    std::size_t queued = 0;         // messages that wait for clients, in flight ones too
+    std::size_t longest_queue = 0;  // of one session
+    std::size_t in_flight = 0;      // exchanges that wait for a client's answer
+    std::size_t unreleased = 0;     // QoS 2 publishes whose PUBREL is outstanding
+    std::size_t retained = 0;
 };
 
 }  // namespace romano::broker

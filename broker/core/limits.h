@@ -24,8 +24,8 @@ struct Limits {
     std::size_t client_id_octets = 64;  // section 5.3.1 says 23; see G20
     std::size_t payload_octets = 65'498;
     std::size_t unreleased_per_session = 64;          // QoS 2 publishes whose PUBREL is outstanding
-    std::uint32_t stranger_answers_per_second = 100;  // DISCONNECT to one unknown address, and
-                                                      // GWINFO to one that searches
+    std::size_t stranger_datagrams_per_second = 200;  // of one address without a session that are
+                                                      // heeded; the rest is dropped unanswered
 };
 
 struct BrokerOptions {

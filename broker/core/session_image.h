@@ -4,6 +4,7 @@
 // Taking a session over means: image in, and go on where it stopped.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -20,6 +21,7 @@ using ClientId = std::string;
 
 /// MQTT-SN 1.2 section 6.14, figure 4.
 enum class SessionState : std::uint8_t { active, asleep, awake, disconnected, lost };
+inline constexpr std::size_t session_states = 5;
 
 struct Subscription {
     std::string filter;  // a name, a filter with wildcards, or a short name

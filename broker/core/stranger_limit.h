@@ -1,5 +1,5 @@
-// How often strangers are answered: at most so many times a second each, so that two brokers cannot
-// echo DISCONNECT for ever and nobody is flooded in another's name (G8).
+// How often an address without a session is heeded: at most so many times a second each, so that
+// two brokers cannot echo DISCONNECT for ever and nobody is flooded in another's name (G8).
 //
 // A fixed table: two addresses may share a place, and are then limited together.
 #pragma once
@@ -16,9 +16,9 @@ namespace romano::broker {
 
 class StrangerLimit {
 public:
-    explicit StrangerLimit(std::uint32_t per_second) : per_second_(per_second) {}
+    explicit StrangerLimit(std::size_t per_second) : per_second_(per_second) {}
 
-    /// True when this address may be answered once more.
+    /// True when this address may be heeded once more.
     bool allows(const Endpoint& address, Instant now) {
         if (now >= until_) {
             answered_.fill(0);
@@ -31,7 +31,7 @@ public:
     }
 
 private:
-    std::uint32_t per_second_;
+    std::size_t per_second_;
     Instant until_{};
     std::array<std::uint32_t, 512> answered_{};
 };
