@@ -191,6 +191,7 @@ void ClusterCore::on(Effects& effects, BrokerId, const ViewAnnouncement& message
 }
 
 void ClusterCore::on_view(Effects& effects, const ViewAnnouncement& announcement) {
+    ++views_seen_;
     const BrokerId leader = view().number.leader;
     effects.local.push_back(
         Notice{"view " + std::to_string(view().number.term) + " of " +

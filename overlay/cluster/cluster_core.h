@@ -87,6 +87,10 @@ public:
     [[nodiscard]] const ServiceAddresses& addresses() const { return addresses_; }
     [[nodiscard]] const PeerLogs& peer_logs() const { return logs_; }
     [[nodiscard]] const OwnLog& own_log() const { return own_; }
+    [[nodiscard]] const Watermark& watermark() const { return watermark_; }
+    [[nodiscard]] const TakeOver& take_over() const { return take_over_; }
+    /// Views that were agreed on so far.
+    [[nodiscard]] std::uint64_t views_seen() const { return views_seen_; }
     /// Peers of the view that are alive.
     [[nodiscard]] std::vector<LogId> live_peers() const;
     /// The own beacon as it would be sent now.
@@ -174,6 +178,7 @@ private:
     Instant next_cursors_ = Instant::min();
     Instant next_trim_ = Instant::min();
     Instant next_addresses_ = Instant::min();
+    std::uint64_t views_seen_ = 0;
     std::uint64_t beacons_sent_ = 0;
     std::uint64_t octets_sent_ = 0;
     std::uint64_t octets_received_ = 0;

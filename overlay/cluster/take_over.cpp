@@ -94,6 +94,7 @@ void TakeOver::carry_out(Effects& effects, const Assignment& assignment, PeerLog
                                    membership.name_of(assignment.end.log.broker)});
     if (assignment.address.family != Endpoint::Family::none) {
         addresses.inherit(effects, assignment.address);
+        ++inherited_;
         log.mark_served(assignment.address);
     }
     for (auto& image : sessions) {

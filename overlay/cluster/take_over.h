@@ -27,6 +27,8 @@ public:
     void carry_on(Effects& effects, const Logs& logs, const Membership& membership,
                   const View& view, ServiceAddresses& addresses);
     [[nodiscard]] bool is_busy() const { return !pending_.empty(); }
+    /// Service addresses of the dead that were inherited so far.
+    [[nodiscard]] std::uint64_t inherited() const { return inherited_; }
     void restart() { pending_.clear(); }
 
 private:
@@ -47,6 +49,7 @@ private:
     BrokerId self_;
     Duration patience_;
     std::vector<Pending> pending_;
+    std::uint64_t inherited_ = 0;
 };
 
 }  // namespace romano::cluster

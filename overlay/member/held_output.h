@@ -37,6 +37,7 @@ public:
 
     [[nodiscard]] std::set<Endpoint> addresses() const;
     [[nodiscard]] bool empty() const { return waiting_.empty(); }
+    [[nodiscard]] std::size_t size() const { return waiting_.size(); }
     [[nodiscard]] std::uint64_t dropped() const { return dropped_; }
 
 private:

@@ -58,6 +58,7 @@ public:
     void on_transport_octets(std::uint64_t sent, std::uint64_t received) {
         cluster_.on_transport_octets(sent, received);
     }
+    [[nodiscard]] MemberFacts facts() const;
     void check_invariants() const;
 
 private:
@@ -92,6 +93,7 @@ private:
     WaitingInput waiting_;
 
     bool has_left_ = false;
+    std::uint64_t replacements_ = 0;
     std::optional<Instant> stalled_until_;  // peers are listened to until then
 
     Instant next_status_ = Instant::min();
@@ -209,6 +211,7 @@ void Member::State::restart(Instant now, MemberActions& out) {
     waiting_.clear();  // of sessions that have lived on elsewhere since
     work_.clear();
     ++log_.incarnation;
+    ++replacements_;
     const auto retained = broker_.retained();
     broker_ = BrokerCore(broker_options(), seed_ + log_.incarnation);
     for (const auto& message : retained) broker_.put_retained(message);
@@ -330,6 +333,17 @@ void Member::State::tell_status(Instant now) {
     }
 }
 
+MemberFacts Member::State::facts() const {
+    MemberFacts out = facts_of(cluster_);
+    if (out.leads) out.leader = options_.name;
+    out.replacements = replacements_;
+    out.held_output = held_.size();
+    out.held_output_dropped = held_.dropped();
+    out.waiting_input = waiting_.size();
+    out.waiting_input_dropped = waiting_.dropped();
+    return out;
+}
+
 void Member::State::check_invariants() const {
     broker_.check_invariants();
     cluster_.check_invariants(broker_);
@@ -366,6 +380,9 @@ void Member::on_transport_octets(std::uint64_t sent, std::uint64_t received) {
 }
 void Member::leave(Instant now, MemberActions& out) {
     state_->leave(now, out);
+}
+MemberFacts Member::facts() const {
+    return state_->facts();
 }
 const broker::LogId& Member::log() const {
     return state_->log();

@@ -17,6 +17,7 @@
 #include "election/failure_detector.h"
 #include "overlay/cluster/options.h"
 #include "overlay/cluster/service_address.h"
+#include "overlay/member/member_facts.h"
 #include "overlay/transport.h"
 #include "romano/base/bytes.h"
 #include "romano/base/endpoint.h"
@@ -80,6 +81,7 @@ public:
     [[nodiscard]] const broker::BrokerCore& broker() const;
     [[nodiscard]] const cluster::View& view() const;
     [[nodiscard]] election::Leadership leadership() const;
+    [[nodiscard]] MemberFacts facts() const;
     /// The copy of a peer's sessions, up to mirror()->applied(); null when there is none.
     [[nodiscard]] const broker::Mirror* mirror(const broker::LogId& log) const;
     /// The service addresses that are answered on now.

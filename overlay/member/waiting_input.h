@@ -24,7 +24,10 @@ public:
     };
 
     void hold(const Endpoint& via, const Endpoint& from, Bytes octets) {
-        if (octets_ + octets.size() + overhead > octets_most) return;
+        if (octets_ + octets.size() + overhead > octets_most) {
+            ++dropped_;
+            return;
+        }
         octets_ += octets.size() + overhead;
         waiting_.push_back({via, from, {octets.begin(), octets.end()}});
     }
@@ -47,6 +50,8 @@ public:
         octets_ = 0;
     }
     [[nodiscard]] bool empty() const { return waiting_.empty(); }
+    [[nodiscard]] std::size_t size() const { return waiting_.size(); }
+    [[nodiscard]] std::uint64_t dropped() const { return dropped_; }
 
 private:
     static constexpr std::size_t octets_most = 8U << 20U;
@@ -54,6 +59,7 @@ private:
 
     std::deque<Datagram> waiting_;
     std::size_t octets_ = 0;
+    std::uint64_t dropped_ = 0;
 };
 
 }  // namespace romano::overlay
