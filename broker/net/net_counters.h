@@ -3,6 +3,8 @@
 
 #include <cstdint>
 
+#include "broker/net/latency_histogram.h"
+
 namespace romano::net {
 
 struct NetCounters {
@@ -11,6 +13,7 @@ struct NetCounters {
     std::uint64_t send_buffer_full = 0;  // dropped: UDP may, and QoS 1 and 2 are sent again
     std::uint64_t send_failed = 0;       // dropped: no route, too large for the path
     std::uint64_t no_such_socket = 0;    // dropped: from an address that is served no more
+    LatencyHistogram handling;           // from a batch being read to its answers being sent
 };
 
 }  // namespace romano::net

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <variant>
 
+#include "broker/net/clock.h"
+
 namespace romano::net {
 
 // Shared with the pending wait, so that an address can be given up while its socket is being read.
@@ -74,13 +76,17 @@ void UdpService::read(const std::shared_ptr<Channel>& channel) {
     constexpr int most_batches = 4;
     for (int round = 0; round < most_batches; ++round) {
         const std::size_t count = channel->socket.read(*batch_);
+        const Instant began = now();
         counters_.received += count;
         for (std::size_t slot = 0; slot < count && !channel->closed; ++slot) {
             const bool group = channel->speaks_as.family != Endpoint::Family::none;
             handler_.on_datagram(group ? channel->speaks_as : channel->socket.via(*batch_, slot),
                                  batch_->from(slot), batch_->octets(slot));
         }
-        if (count > 0) handler_.on_batch_end();
+        if (count > 0) {
+            handler_.on_batch_end();
+            counters_.handling.add(now() - began, count);
+        }
         if (count < ReceiveBatch::capacity || channel->closed) return;
     }
 }

@@ -40,6 +40,7 @@ const std::map<std::string, Folders>& allowed() {
           "broker/core", "overlay", "overlay/cluster"}},
         // shells
         {"broker/net", {"romano/base", "romano/mqttsn", "broker/core"}},
+        {"broker/metrics", {"romano/base", "romano/mqttsn", "broker/core", "broker/net"}},
         {"broker/store", {"romano/base", "romano/mqttsn", "broker/core", "broker/net"}},
         {"overlay/dds",
          {"romano/base", "romano/mqttsn", "election", "broker/core", "overlay", "overlay/cluster"}},
@@ -66,7 +67,7 @@ const std::set<std::string>& cores() {
 
 const std::regex& poison() {
     static const std::regex pattern(
-        "boost/.*|asio.*|google/protobuf/.*|dds/.*|sqlite3\\.h|spdlog/.*|sys/.*|netinet/.*|arpa/.*|unistd\\.h|"
+        "boost/.*|asio.*|prometheus/.*|google/protobuf/.*|dds/.*|sqlite3\\.h|spdlog/.*|sys/.*|netinet/.*|arpa/.*|unistd\\.h|"
         "thread|mutex|condition_variable|future|fstream|iostream|filesystem|random");
     return pattern;
 }

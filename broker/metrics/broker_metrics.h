@@ -1,0 +1,14 @@
+// What the broker core and its sockets counted, as metrics.
+#pragma once
+
+#include "broker/core/counters.h"
+#include "broker/metrics/page.h"
+#include "broker/net/net_counters.h"
+
+namespace romano::metrics {
+
+void add_messages(Page& page, const broker::Counters& counters);
+void add_census(Page& page, const broker::Census& census);
+void add_datagrams(Page& page, const net::NetCounters& counters);
+
+}  // namespace romano::metrics

@@ -1,0 +1,143 @@
+#include "broker/metrics/http_server.h"
+
+#include <boost/beast/core.hpp>
+#include <boost/beast/http.hpp>
+#include <cstring>
+#include <memory>
+#include <utility>
+
+#include "broker/net/socket_address.h"
+
+namespace romano::metrics {
+namespace {
+
+namespace beast = boost::beast;
+namespace http = boost::beast::http;
+using boost::asio::ip::tcp;
+
+constexpr std::size_t most_header_octets = 4096;
+
+tcp::endpoint to_asio(const Endpoint& endpoint) {
+    const net::SocketAddress address = net::to_socket_address(endpoint);
+    tcp::endpoint out;
+    out.resize(address.size);
+    std::memcpy(out.data(), &address.any, address.size);
+    return out;
+}
+
+}  // namespace
+
+/// One request and its answer. Lives as long as an operation on its socket is pending.
+class HttpServer::Connection : public std::enable_shared_from_this<Connection> {
+public:
+    Connection(HttpServer& server, tcp::socket socket)
+        : server_(server), open_(server.open_connections_), stream_(std::move(socket)) {
+        ++*open_;
+        parser_.header_limit(most_header_octets);
+        parser_.body_limit(0);
+    }
+    ~Connection() { --*open_; }
+    Connection(const Connection&) = delete;
+    Connection& operator=(const Connection&) = delete;
+
+    void read() {
+        stream_.expires_after(patience);
+        http::async_read(stream_, buffer_, parser_,
+                         [self = shared_from_this()](beast::error_code error, std::size_t) {
+                             self->on_read(error);
+                         });
+    }
+
+private:
+    void on_read(const beast::error_code& error) {
+        if (!error) {
+            answer(parser_.get());
+        } else if (error.category() == http::make_error_code(http::error::bad_method).category() &&
+                   error != http::error::end_of_stream) {
+            respond(http::status::bad_request, "no HTTP request that is served here\n");
+        }  // else: gone, or too slow
+    }
+
+    void answer(const http::request<http::empty_body>& request) {
+        is_head_ = request.method() == http::verb::head;
+        if (!is_head_ && request.method() != http::verb::get) {
+            respond(http::status::method_not_allowed, "GET /metrics\n");
+        } else if (request.target() == "/metrics" || request.target().starts_with("/metrics?")) {
+            respond(http::status::ok, server_.page());
+        } else {
+            respond(http::status::not_found, "GET /metrics\n");
+        }
+    }
+
+    void respond(http::status status, const std::string& body) {
+        response_.version(11);
+        response_.result(status);
+        response_.keep_alive(false);
+        response_.set(http::field::content_type, "text/plain; version=0.0.4; charset=utf-8");
+        response_.content_length(body.size());
+        if (!is_head_) response_.body() = body;
+        stream_.expires_after(patience);
+        http::async_write(stream_, response_,
+                          [self = shared_from_this()](beast::error_code, std::size_t) {
+                              beast::error_code ignored;
+                              self->stream_.socket().shutdown(tcp::socket::shutdown_send, ignored);
+                          });
+    }
+
+    HttpServer& server_;
+    std::shared_ptr<std::size_t> open_;
+    beast::tcp_stream stream_;
+    beast::flat_static_buffer<2 * most_header_octets> buffer_;
+    http::request_parser<http::empty_body> parser_;
+    http::response<http::string_body> response_;
+    bool is_head_ = false;
+};
+
+HttpServer::HttpServer(boost::asio::io_context& io, std::function<std::string()> make_page)
+    : make_page_(std::move(make_page)),
+      acceptor_(io),
+      pause_(io),
+      open_connections_(std::make_shared<std::size_t>(0)) {}
+
+boost::system::error_code HttpServer::open(const Endpoint& address) {
+    const tcp::endpoint at = to_asio(address);
+    boost::system::error_code error;
+    acceptor_.open(at.protocol(), error);
+    if (!error) acceptor_.set_option(tcp::acceptor::reuse_address(true), error);
+    if (!error) acceptor_.bind(at, error);
+    if (!error) acceptor_.listen(static_cast<int>(most_connections), error);
+    if (!error) accept();
+    return error;
+}
+
+std::uint16_t HttpServer::port() const {
+    return acceptor_.local_endpoint().port();
+}
+
+void HttpServer::accept() {
+    acceptor_.async_accept([this](const boost::system::error_code& error, tcp::socket socket) {
+        if (error == boost::asio::error::operation_aborted) return;
+        if (error) {  // no file descriptor is left: later there may be
+            pause_.expires_after(std::chrono::seconds{1});
+            pause_.async_wait([this](const boost::system::error_code& stopped) {
+                if (!stopped) accept();
+            });
+            return;
+        }
+        if (*open_connections_ < most_connections) {
+            std::make_shared<Connection>(*this, std::move(socket))->read();
+        }
+        accept();
+    });
+}
+
+const std::string& HttpServer::page() {
+    const auto now = std::chrono::steady_clock::now();
+    if (now >= page_until_) {
+        page_ = make_page_();
+        page_until_ = now + page_lives;
+    }
+    return page_;
+}
+
+}  // namespace romano::metrics

@@ -1,0 +1,50 @@
+// GET /metrics over HTTP, on the broker's own io_context.
+//
+// Bounded against bad clients: so many connections at a time (further ones are closed at once), one
+// request each with a small header, five seconds to ask and five to read, and a page that is made
+// anew at most ten times a second.
+#pragma once
+
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <boost/system/error_code.hpp>
+#include <chrono>
+#include <cstddef>
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "romano/base/endpoint.h"
+
+namespace romano::metrics {
+
+class HttpServer {
+public:
+    static constexpr std::size_t most_connections = 16;
+    static constexpr std::chrono::seconds patience{5};
+    static constexpr std::chrono::milliseconds page_lives{100};
+
+    HttpServer(boost::asio::io_context& io, std::function<std::string()> make_page);
+    HttpServer(const HttpServer&) = delete;
+    HttpServer& operator=(const HttpServer&) = delete;
+
+    [[nodiscard]] boost::system::error_code open(const Endpoint& address);
+    /// With the port that was chosen for port 0.
+    [[nodiscard]] std::uint16_t port() const;
+
+private:
+    class Connection;
+
+    void accept();
+    const std::string& page();
+
+    std::function<std::string()> make_page_;
+    boost::asio::ip::tcp::acceptor acceptor_;
+    boost::asio::steady_timer pause_;
+    std::shared_ptr<std::size_t> open_connections_;  // a connection may outlive this
+    std::string page_;
+    std::chrono::steady_clock::time_point page_until_{};
+};
+
+}  // namespace romano::metrics
