@@ -18,6 +18,7 @@ broker::BrokerOptions broker_options(const Settings& settings) {
     out.n_retry = settings.n_retry;
     out.predefined_topics = settings.predefined_topics;
     if (settings.romano) out.observed_topics = overlay::CarriedServer::observed_topics();
+    out.limits = settings.limits;
     return out;
 }
 

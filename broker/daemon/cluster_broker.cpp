@@ -5,8 +5,10 @@
 #include <algorithm>
 
 #include "broker/daemon/broker_options.h"
+#include "broker/daemon/cluster_metrics.h"
 #include "broker/daemon/refusal.h"
 #include "broker/daemon/service_addresses.h"
+#include "broker/metrics/broker_metrics.h"
 #include "broker/net/clock.h"
 #include "broker/net/endpoint_text.h"
 #include "broker/net/interface_address.h"
@@ -145,6 +147,7 @@ void ClusterBroker::start_member() {
 void ClusterBroker::on_datagram(const Endpoint& via, const Endpoint& from, Bytes octets) {
     if (!member_) return;  // clients ask again
     member_->on_datagram(net::now(), via, from, octets, actions_);
+    bad_senders_.look(member_->broker().counters().malformed_total, from, octets);
     if (actions_.clients.list().size() >= most_actions_held) carry_out();
 }
 
@@ -244,6 +247,15 @@ void ClusterBroker::say_when_serving() {
     where += " (domain " + std::to_string(cluster.domain) +
              (cluster.interface.empty() ? "" : " on " + cluster.interface) + ")";
     std::exchange(on_serving_, {})(where);
+}
+
+void ClusterBroker::add_metrics(metrics::Page& page) const {
+    metrics::add_datagrams(page, udp_.counters());
+    add_transport(page, transport_->counters());
+    if (!member_) return;
+    metrics::add_messages(page, member_->broker().counters());
+    metrics::add_census(page, member_->broker().census());
+    add_cluster(page, member_->facts());
 }
 
 void ClusterBroker::leave() {

@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "broker/daemon/bad_senders.h"
 #include "broker/daemon/running_broker.h"
 #include "broker/net/core_timer.h"
 #include "broker/net/moved_addresses.h"
@@ -26,6 +27,7 @@ public:
     /// Throws Refusal. Runs `io` for a moment when an address is held by somebody else.
     ClusterBroker(boost::asio::io_context& io, const Settings& settings, OnServing on_serving);
     void leave() override;
+    void add_metrics(metrics::Page& page) const override;
 
 private:
     void open_addresses();
@@ -58,6 +60,7 @@ private:
     std::unique_ptr<overlay::Member> member_;   // null until every address is accounted for
     overlay::MemberActions actions_;
     net::CoreTimer timer_;
+    BadSenders bad_senders_;
 
     struct Answer {
         Endpoint address;

@@ -5,6 +5,7 @@
 #include <fstream>
 #include <iterator>
 
+#include "broker/daemon/config_file.h"
 #include "broker/daemon/refusal.h"
 
 namespace romano::daemon {
@@ -20,7 +21,9 @@ constexpr const char* examples = R"(Examples:
       two brokers that are one: a client may talk to either, and each takes over from the other
   romano-broker --store /var/lib/romano/store.db
       alone; after a crash or a restart its clients' sessions and messages go on
-  romano-broker --config r1.toml
+  romano-broker --metrics 127.0.0.1:9883
+      tells Prometheus and `romano status` what it counts
+  romano-broker --default-config > r1.toml; romano-broker --config r1.toml
       the same options from a file: listen = ["127.0.0.1:1883"], name = "r1", domain = 7, ...
 
 Exit code: 0 after SIGTERM or SIGINT, 2 when a setting is not possible.)";
@@ -65,6 +68,13 @@ void add_options(CLI::App& app, SettingTexts& texts) {
     app.add_flag("--store-sync", texts.store_sync,
                  "Wait for the medium before each promise: survives a power cut too, but slower")
         ->group(store);
+
+    for (const LimitSetting& setting : limit_settings()) {
+        app.add_option(std::string("--") + setting.key, texts.limits.at(setting.key), setting.help)
+            ->type_name("N")
+            ->capture_default_str()
+            ->group("Limits");
+    }
 
     const std::string cluster = "Cluster";
     app.add_option("--domain", texts.domain,
@@ -124,21 +134,25 @@ void add_options(CLI::App& app, SettingTexts& texts) {
                  "Run before other programs (SCHED_RR) and keep the memory locked: fewer false "
                  "failovers on a busy machine");
 
+    app.add_option("--metrics", texts.metrics,
+                   "Serve Prometheus metrics at http://ADDR:PORT/metrics; also for romano status")
+        ->type_name("ADDR:PORT");
     app.add_option("--log-level", texts.log_level,
                    "Trace on stderr: trace, debug, info, warn, error or off")
         ->type_name("LEVEL")
         ->capture_default_str();
 }
 
-// CLI11 names its own files and formats in this one; people want theirs.
-[[noreturn]] void refuse(const CLI::ParseError& error, const std::string& file) {
-    const std::string what = one_line(error.what());
-    if (error.get_name() == "ConfigError") {
-        const std::string key = what.substr(what.rfind(' ') + 1);
-        throw Refusal("--config '" + file + "': '" + key +
-                      "' is no setting; the keys are the long options of --help");
+/// Throws Refusal for what the file says; the rest are CLI11's own exceptions.
+void parse(CLI::App& app, const CLI::Option& config, int argc, const char* const* argv) {
+    try {
+        app.parse(argc, argv);
+    } catch (const Refusal& refused) {
+        throw Refusal("--config '" + config.as<std::string>() + "': " + refused.what());
+    } catch (const CLI::FileError&) {
+        throw Refusal("--config '" + config.as<std::string>() +
+                      "': the file cannot be read; give a TOML file");
     }
-    throw Refusal(what + "; romano-broker --help lists the settings");
 }
 
 }  // namespace
@@ -147,25 +161,25 @@ std::variant<SettingTexts, Information> read_command_line(int argc, const char* 
     CLI::App app{"An MQTT-SN 1.2 broker over UDP, alone or as one of a cluster.", "romano-broker"};
     app.footer(examples);
     app.set_version_flag("--version", "romano-broker " ROMANO_VERSION);
-    app.allow_config_extras(CLI::config_extras_mode::error);
     app.get_formatter()->column_width(38);
     SettingTexts texts;
     add_options(app, texts);
-    CLI::Option* config =
-        app.set_config("--config", "", "Read settings from this file (TOML or INI)");
+    CLI::Option* config = app.set_config("--config", "", "Read settings from this TOML file");
     config->type_name("FILE");
+    app.config_formatter(std::make_shared<ConfigFile>(app));
+    bool wants_default_config = false;
+    app.add_flag("--default-config", wants_default_config,
+                 "Print a commented configuration file with all defaults and exit");
     try {
-        app.parse(argc, argv);
+        parse(app, *config, argc, argv);
     } catch (const CLI::CallForVersion& version) {
         return Information{std::string(version.what()) + "\n"};
     } catch (const CLI::Success&) {
         return Information{app.help()};
-    } catch (const CLI::FileError&) {
-        throw Refusal("--config '" + config->as<std::string>() +
-                      "': the file cannot be read; give a TOML or INI file");
     } catch (const CLI::ParseError& error) {
-        refuse(error, config->count() > 0 ? config->as<std::string>() : "");
+        throw Refusal(one_line(error.what()) + "; romano-broker --help lists the settings");
     }
+    if (wants_default_config) return Information{default_config(app)};
     return texts;
 }
 

@@ -2,10 +2,13 @@
 // is also a key of the file; what the command line says goes before the file.
 #pragma once
 
+#include <map>
 #include <optional>
 #include <string>
 #include <variant>
 #include <vector>
+
+#include "broker/daemon/limit_settings.h"
 
 namespace romano::daemon {
 
@@ -34,10 +37,12 @@ struct SettingTexts {
     std::optional<std::string> store = {};
     std::optional<std::string> store_limit_mb = {};
     bool store_sync = false;
+    std::map<std::string, std::string> limits = default_limit_texts();  // by key
+    std::optional<std::string> metrics = {};
     std::string log_level = "info";
 };
 
-/// What --help and --version want printed instead.
+/// What --help, --version and --default-config want printed instead.
 struct Information {
     std::string text;
 };

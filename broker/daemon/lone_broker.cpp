@@ -5,6 +5,7 @@
 #include "broker/daemon/broker_options.h"
 #include "broker/daemon/refusal.h"
 #include "broker/daemon/service_addresses.h"
+#include "broker/metrics/broker_metrics.h"
 #include "broker/net/clock.h"
 #include "broker/net/endpoint_text.h"
 
@@ -57,6 +58,7 @@ broker::BrokerOptions LoneBroker::options_of(const Settings& settings) {
 
 void LoneBroker::on_datagram(const Endpoint& via, const Endpoint& from, Bytes octets) {
     core_.on_datagram(net::now(), via, from, octets, actions_);
+    bad_senders_.look(core_.counters().malformed_total, from, octets);
     if (actions_.list().size() >= most_actions_held) send();
 }
 
@@ -102,6 +104,13 @@ void LoneBroker::send() {
     if (persistence_) persistence_->keep(core_, actions_);
     udp_.carry_out(actions_);
     actions_.clear();
+}
+
+void LoneBroker::add_metrics(metrics::Page& page) const {
+    metrics::add_messages(page, core_.counters());
+    metrics::add_census(page, core_.census());
+    metrics::add_datagrams(page, udp_.counters());
+    if (persistence_) persistence_->add_metrics(page);
 }
 
 void LoneBroker::leave() {

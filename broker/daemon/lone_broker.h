@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "broker/core/broker_core.h"
+#include "broker/daemon/bad_senders.h"
 #include "broker/daemon/persistence.h"
 #include "broker/daemon/running_broker.h"
 #include "broker/net/core_timer.h"
@@ -21,6 +22,7 @@ public:
     /// Throws Refusal.
     LoneBroker(boost::asio::io_context& io, const Settings& settings, const OnServing& on_serving);
     void leave() override;
+    void add_metrics(metrics::Page& page) const override;
 
 private:
     void on_datagram(const Endpoint& via, const Endpoint& from, Bytes octets) override;
@@ -42,6 +44,7 @@ private:
     net::CoreTimer core_timer_;
     net::CoreTimer status_timer_;
     std::string last_status_;
+    BadSenders bad_senders_;
 };
 
 }  // namespace romano::daemon

@@ -80,6 +80,7 @@ void Persistence::restore(Instant now, broker::BrokerCore& core, const broker::L
 void Persistence::keep(broker::BrokerCore& core, broker::Actions& actions) {
     if (is_keeping_ && store_.keep(actions)) {
         kept_through_ = core.last_seq();
+        ++batches_;
         return;
     }
     if (is_keeping_) suspend(core);
@@ -92,9 +93,18 @@ void Persistence::suspend(broker::BrokerCore& core) {
         "subscription hear \"congestion\"",
         path_, store_.problem());
     is_keeping_ = false;
+    ++failures_;
     core.set_congested(true);
     core.on_output_dropped(kept_through_);  // so that its clients can hear that, too
     retry_.arm(net::now() + retry_every);
+}
+
+void Persistence::add_metrics(metrics::Page& page) const {
+    page.gauge("romano_store_writable", "0 while the store cannot be written.",
+               is_keeping_ ? 1 : 0);
+    page.counter("romano_store_batches_total", "Batches of datagrams that were kept.", batches_);
+    page.counter("romano_store_failures_total", "Times that the store could not be written.",
+                 failures_);
 }
 
 void Persistence::try_again() {

@@ -10,6 +10,7 @@
 
 #include "broker/core/broker_core.h"
 #include "broker/daemon/settings.h"
+#include "broker/metrics/page.h"
 #include "broker/net/core_timer.h"
 #include "broker/store/session_store.h"
 
@@ -29,7 +30,7 @@ public:
     /// Keeps the events among the actions, and takes out of them what cannot be promised.
     void keep(broker::BrokerCore& core, broker::Actions& actions);
 
-    [[nodiscard]] bool is_keeping() const { return is_keeping_; }
+    void add_metrics(metrics::Page& page) const;
 
 private:
     void suspend(broker::BrokerCore& core);
@@ -40,6 +41,8 @@ private:
     broker::BrokerCore* core_ = nullptr;
     broker::Seq kept_through_ = 0;
     bool is_keeping_ = true;
+    std::uint64_t batches_ = 0;
+    std::uint64_t failures_ = 0;
     net::CoreTimer retry_;
 };
 

@@ -1,4 +1,4 @@
-// A broker that runs on an io_context, alone or in a cluster: what main() needs of it.
+// A broker that runs on an io_context, alone or in a cluster: what its program needs of it.
 #pragma once
 
 #include <boost/asio/io_context.hpp>
@@ -9,6 +9,10 @@
 
 #include "broker/daemon/settings.h"
 
+namespace romano::metrics {
+class Page;
+}
+
 namespace romano::daemon {
 
 class RunningBroker {
@@ -16,14 +20,11 @@ public:
     virtual ~RunningBroker() = default;
     /// An orderly stop; the io_context has nothing left to do soon afterwards.
     virtual void leave() = 0;
+    /// What it counted, for --metrics.
+    virtual void add_metrics(metrics::Page& page) const = 0;
 };
 
 /// Called once, when all addresses of the settings are served, with "127.0.0.1:1883 ...".
 using OnServing = std::function<void(const std::string& where)>;
-
-/// Throws Refusal when a setting turns out to be impossible; nothing runs then.
-[[nodiscard]] std::unique_ptr<RunningBroker> start_broker(boost::asio::io_context& io,
-                                                          const Settings& settings,
-                                                          OnServing on_serving);
 
 }  // namespace romano::daemon

@@ -87,6 +87,15 @@ std::vector<Endpoint> check_listen(const std::vector<std::string>& texts) {
     return out;
 }
 
+std::optional<Endpoint> check_metrics(const std::optional<std::string>& text) {
+    if (!text) return std::nullopt;
+    const Endpoint endpoint = address_and_port("metrics", *text);
+    if (net::is_multicast(endpoint)) {
+        refuse("metrics", *text, "is a multicast group; HTTP needs an address of this machine");
+    }
+    return endpoint;
+}
+
 std::vector<Endpoint> check_groups(const std::vector<std::string>& texts,
                                    const std::vector<Endpoint>& listen) {
     const auto has_family = [&](Endpoint::Family family) {
@@ -155,6 +164,15 @@ std::map<mqttsn::TopicId, std::string> check_predefined(const std::vector<std::s
         if (!out.emplace(static_cast<mqttsn::TopicId>(*id), topic).second) {
             refuse("predefined", text, "gives this topic id a second topic; an id has one");
         }
+    }
+    return out;
+}
+
+broker::Limits check_limits(const std::map<std::string, std::string>& texts) {
+    broker::Limits out;
+    for (const LimitSetting& setting : limit_settings()) {
+        out.*setting.limit =
+            number_in(setting.key, texts.at(setting.key), setting.low, setting.high);
     }
     return out;
 }
@@ -284,6 +302,8 @@ Settings check(const SettingTexts& texts) {
     out.gateway_id = number_in<std::uint8_t>("gateway-id", texts.gateway_id, 1, 255);
     out.predefined_topics = check_predefined(texts.predefined);
     out.romano = !texts.no_romano;
+    out.metrics = check_metrics(texts.metrics);
+    out.limits = check_limits(texts.limits);
     const Profile profile = check_profile(texts);
     out.t_retry = profile.t_retry;
     out.n_retry = profile.n_retry;

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "broker/core/limits.h"
 #include "broker/daemon/command_line.h"
 #include "overlay/cluster/options.h"
 #include "romano/base/endpoint.h"
@@ -34,6 +35,8 @@ struct Settings {
     std::uint8_t gateway_id = 1;
     std::map<mqttsn::TopicId, std::string> predefined_topics;
     bool romano = true;  // carries the ROMANO server
+    std::optional<Endpoint> metrics;
+    broker::Limits limits;
     std::chrono::milliseconds t_retry{};
     int n_retry = 0;
     bool realtime = false;

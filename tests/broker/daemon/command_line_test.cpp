@@ -120,6 +120,74 @@ TEST(CommandLine, RefusesAnUnknownKeyByName) {
     EXPECT_THAT(why, HasSubstr("'bananas'"));
 }
 
+struct BadFile {
+    const char* name;
+    const char* text;
+    const char* says;
+};
+
+class Mistake : public testing::TestWithParam<BadFile> {};
+
+TEST_P(Mistake, IsOneSentenceThatNamesFileLineAndWhatIsAllowed) {
+    const ConfigFile file(GetParam().text);
+    const std::string why = refusal({"--config", file.path()});
+    EXPECT_THAT(why, StartsWith("--config '" + std::string(file.path()) + "': "));
+    EXPECT_THAT(why, HasSubstr(GetParam().says));
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    InTheFile, Mistake,
+    testing::Values(
+        BadFile{"UnclosedList", "name = \"r1\"\nlisten = [\"127.0.0.1:1883\"\n", "in line "},
+        BadFile{"UnclosedText", "name = \"r1\n", "in line 1"},
+        BadFile{"NoValue", "name =\n", "in line 1"},
+        BadFile{"IniStyle", "name = r1\n", "in line 1"},
+        BadFile{"KeyTwice", "rank = 1\nname = \"a\"\nrank = 2\n", "in line 3"},
+        BadFile{"UnknownKey", "\nbananas = 3\n", "'bananas' in line 2 is no setting"},
+        BadFile{"Section", "[broker]\nname = \"a\"\n", "'broker' in line 1 is no setting"},
+        BadFile{"HelpIsNoKey", "help = true\n", "'help' in line 1 is no setting"},
+        BadFile{"ConfigIsNoKey", "config = \"b\"\n", "'config' in line 1 is no setting"},
+        BadFile{"NumberForText", "name = 3\n", "'name' in line 1 must be a text in quotes"},
+        BadFile{"TextForNumber", "rank = \"3\"\n", "'rank' in line 1 must be a whole number"},
+        BadFile{"FractionForNumber", "beacon-ms = 1.5\n", "'beacon-ms' in line 1 must be a whole"},
+        BadFile{"TruthForNumber", "rank = true\n", "'rank' in line 1 must be a whole number"},
+        BadFile{"TextForFlag", "store-sync = \"no\"\n", "'store-sync' in line 1 must be true or"},
+        BadFile{"ListForOne", "name = [\"a\", \"b\"]\n", "'name' in line 1 must be a text"},
+        BadFile{"NumberInList", "listen = [\"a\",\n 5]\n", "'listen' in line 2 must be a list of"},
+        BadFile{"ListInList", "listen = [[\"a\"]]\n", "'listen' in line 1 must be a list of"}),
+    [](const auto& test) { return test.param.name; });
+
+TEST(CommandLine, DefaultConfigReadsBackAsTheDefaults) {
+    std::string text = std::get<Information>(read({"--default-config"})).text;
+    EXPECT_THAT(text, HasSubstr("# Serve clients at this address"));
+    EXPECT_THAT(text, HasSubstr("#max-sessions = 20000\n"));
+    EXPECT_THAT(text, HasSubstr("# domain = 0..230\n"));
+    std::string uncommented;  // "#key" but not "# words"
+    for (std::size_t at = 0; at < text.size(); ++at) {
+        const bool at_key = text[at] == '#' && text[at + 1] != ' ' && text[at + 1] != '\n';
+        if (!at_key) uncommented += text[at];
+    }
+    for (const std::string& file_text : {text, uncommented}) {
+        const ConfigFile file(file_text);
+        const auto from_file = texts({"--config", file.path()});
+        EXPECT_EQ(from_file.limits, SettingTexts{}.limits);
+        EXPECT_EQ(from_file.rank, SettingTexts{}.rank);
+        EXPECT_EQ(from_file.log_level, SettingTexts{}.log_level);
+        EXPECT_EQ(from_file.store, std::nullopt);
+        EXPECT_FALSE(from_file.store_sync);
+        EXPECT_TRUE(from_file.listen.empty());
+    }
+}
+
+TEST(CommandLine, FlagsAndLimitsAreKeysToo) {
+    const ConfigFile file("store = \"/tmp/s.db\"\nstore-sync = true\nmax-queued = 7\n");
+    const auto read = texts({"--config", file.path(), "--max-sessions", "9"});
+    EXPECT_EQ(read.store, "/tmp/s.db");
+    EXPECT_TRUE(read.store_sync);
+    EXPECT_EQ(read.limits.at("max-queued"), "7");
+    EXPECT_EQ(read.limits.at("max-sessions"), "9");
+}
+
 TEST(CommandLine, RefusesAFileThatIsNoConfiguration) {
     const ConfigFile file("\x7f\x45\x4c\x46 this is not toml\n");
     EXPECT_THAT(refusal({"--config", file.path()}), StartsWith("--config '"));

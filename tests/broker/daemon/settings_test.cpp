@@ -39,6 +39,34 @@ TEST(Settings, AloneOnAllAddressesWithoutAnySetting) {
     EXPECT_EQ(settings.gateway_id, 1);
 }
 
+TEST(Settings, EveryLimitReachesTheCoreAndHasARange) {
+    for (const LimitSetting& setting : limit_settings()) {
+        SettingTexts texts;
+        texts.limits[setting.key] = std::to_string(setting.low);
+        EXPECT_EQ(check(texts).limits.*setting.limit, setting.low) << setting.key;
+        for (const std::string wrong : {std::to_string(setting.high + 1), std::string("-1"),
+                                        std::string("many"), std::string()}) {
+            texts.limits[setting.key] = wrong;
+            EXPECT_THAT(refusal(texts), names(setting.key, wrong.c_str()));
+        }
+        EXPECT_GE(broker::Limits{}.*setting.limit, setting.low);
+        EXPECT_LE(broker::Limits{}.*setting.limit, setting.high);
+    }
+}
+
+TEST(Settings, AStoreIsForABrokerAlone) {
+    const Settings settings = check({.store = "/tmp/s.db", .store_limit_mb = "3"});
+    ASSERT_TRUE(settings.store);
+    EXPECT_EQ(settings.store->path, "/tmp/s.db");
+    EXPECT_EQ(settings.store->most_octets, 3U << 20U);
+    EXPECT_THAT(refusal({.domain = "7", .store = "/tmp/s.db"}), names("store", "/tmp/s.db"));
+    EXPECT_THAT(refusal({.store = ""}), names("store", ""));
+    EXPECT_THAT(refusal({.store_limit_mb = "5"}), names("store-limit-mb", "5"));
+    EXPECT_THAT(refusal({.store = "/tmp/s.db", .store_limit_mb = "0"}),
+                names("store-limit-mb", "0"));
+    EXPECT_THAT(refusal({.store_sync = true}), HasSubstr("--store-sync"));
+}
+
 TEST(Settings, TheDefaultNameDiffersBetweenBrokersOfOneHost) {
     EXPECT_NE(check({.listen = {"127.0.0.1:1883"}}).name,
               check({.listen = {"127.0.0.2:1883"}}).name);

@@ -1,0 +1,47 @@
+#include "broker/daemon/limit_settings.h"
+
+#include <array>
+
+namespace romano::daemon {
+namespace {
+
+using broker::Limits;
+
+constexpr std::array<LimitSetting, 10> settings{{
+    {"max-sessions", &Limits::sessions, 1, 1'000'000,
+     "Sessions; then those left behind go, then CONNECT hears \"congestion\""},
+    {"max-connecting", &Limits::connecting, 1, 1'000'000,
+     "Clients amid their will prompts; then CONNECT hears \"congestion\""},
+    {"max-subscriptions", &Limits::subscriptions_per_session, 1, 1'000'000,
+     "Subscriptions of a session; then SUBSCRIBE hears \"congestion\""},
+    {"max-topics", &Limits::topics_per_session, 1, 65'534,
+     "Topic ids of a session; then REGISTER hears \"congestion\""},
+    {"max-queued", &Limits::queued_per_session, 1, 1'000'000,
+     "Messages that wait for a client; then QoS 0 goes, then new ones are dropped"},
+    {"max-retained", &Limits::retained_messages, 0, 10'000'000,
+     "Retained messages; then a new one hears \"congestion\""},
+    {"max-unreleased", &Limits::unreleased_per_session, 1, 65'535,
+     "QoS 2 publishes of a client between PUBREC and PUBREL; then the oldest is forgotten"},
+    {"max-client-id-octets", &Limits::client_id_octets, 1, 1'000,
+     "Length of a client id; a longer one hears \"not supported\""},
+    {"max-payload-octets", &Limits::payload_octets, 1, 65'498,
+     "Length of a message; a longer one hears \"not supported\""},
+    {"max-stranger-rate", &Limits::stranger_datagrams_per_second, 1, 1'000'000,
+     "Datagrams a second of one address without a session; the rest is dropped"},
+}};
+
+}  // namespace
+
+std::span<const LimitSetting> limit_settings() {
+    return settings;
+}
+
+std::map<std::string, std::string> default_limit_texts() {
+    std::map<std::string, std::string> texts;
+    for (const LimitSetting& setting : settings) {
+        texts.emplace(setting.key, std::to_string(Limits{}.*setting.limit));
+    }
+    return texts;
+}
+
+}  // namespace romano::daemon

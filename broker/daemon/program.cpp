@@ -1,0 +1,69 @@
+#include "broker/daemon/program.h"
+
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/signal_set.hpp>
+#include <csignal>
+#include <exception>
+#include <iostream>
+#include <memory>
+#include <utility>
+
+#include "broker/daemon/command_line.h"
+#include "broker/daemon/metrics_endpoint.h"
+#include "broker/daemon/realtime.h"
+#include "broker/daemon/refusal.h"
+#include "broker/daemon/settings.h"
+#include "broker/daemon/trace.h"
+
+namespace romano::daemon {
+namespace {
+
+/// A signal came while the broker was still starting.
+struct Interrupted {};
+
+void run(const Settings& settings, const Program& program) {
+    program.prepare(settings);
+    boost::asio::io_context io{1};  // one thread: no locks within Asio
+    start_trace(settings.log_level);
+    if (settings.realtime) become_realtime();  // before other threads begin: they inherit it
+    std::unique_ptr<RunningBroker> broker;
+    // Before the broker says that it serves, so that whoever waits for that may stop it.
+    boost::asio::signal_set signals(io, SIGTERM, SIGINT);
+    signals.async_wait([&](const auto& error, int) {
+        if (error) return;
+        if (!broker) throw Interrupted{};
+        broker->leave();
+    });
+    MetricsEndpoint metrics(io, settings);
+    broker = program.start(io, settings, [&](const std::string& where) {
+        std::cout << "romano-broker " << settings.name << ": serving " << where << std::endl;
+    });
+    metrics.tell_of(*broker);
+    io.run();
+}
+
+}  // namespace
+
+int run_program(int argc, const char* const* argv, const Program& program) {
+    // Whoever reads our trace may go away; that is no reason to stop serving.
+    std::signal(SIGPIPE, SIG_IGN);
+    try {
+        const auto read = read_command_line(argc, argv);
+        if (const auto* information = std::get_if<Information>(&read)) {
+            std::cout << information->text;
+            return 0;
+        }
+        run(check(std::get<SettingTexts>(read)), program);
+        return 0;
+    } catch (const Interrupted&) {
+        return 0;
+    } catch (const Refusal& refusal) {
+        std::cerr << "romano-broker: " << refusal.what() << '\n';
+        return 2;
+    } catch (const std::exception& error) {
+        std::cerr << "romano-broker: " << error.what() << '\n';
+        return 1;
+    }
+}
+
+}  // namespace romano::daemon
