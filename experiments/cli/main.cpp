@@ -11,6 +11,7 @@
 #include "experiments/cli/pub.h"
 #include "experiments/cli/robots.h"
 #include "experiments/cli/simulate.h"
+#include "experiments/cli/status.h"
 #include "experiments/cli/sub.h"
 #include "experiments/cli/sweep.h"
 #include "experiments/sweep/build_info.h"
@@ -29,6 +30,7 @@ int main(int argc, char** argv) {
     add_pub(program, exit_code);
     add_sub(program, exit_code);
     add_brokers(program, exit_code);
+    add_status(program, exit_code);
     add_load(program, exit_code);
     add_robots(program, exit_code);
     add_robot_commands(program, exit_code);
@@ -39,7 +41,7 @@ int main(int argc, char** argv) {
         program.parse(argc, argv);
         if (program.get_subcommands().empty()) {
             throw CommandError(
-                "a subcommand is needed: pub, sub, brokers, robots, move... (see --help)");
+                "a subcommand is needed: pub, sub, brokers, status, robots... (see --help)");
         }
     } catch (const CLI::Success& asked) {  // --help, --version
         return program.exit(asked);

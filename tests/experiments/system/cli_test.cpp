@@ -54,6 +54,18 @@ TEST_F(Cli, ShowsTheBrokerAsTableAndAsJson) {
     EXPECT_EQ(json.at(0).at("name"), "b1");
 }
 
+TEST_F(Cli, ShowsHowTheBrokerIsDoing) {
+    EXPECT_EQ(run_romano("pub " + at_ + "-r -q 1 -t kept/status -m x").output, "");
+    const std::string metrics = "status " + address_ + ":" + own_port() + " ";
+    const Ran screen = run_romano(metrics + "--every 0.2");
+    EXPECT_EQ(screen.exit_code, 0) << screen.output;
+    EXPECT_THAT(screen.output, HasSubstr("broker    b1, version "));
+    EXPECT_THAT(screen.output, HasSubstr("messages  "));
+    EXPECT_THAT(screen.output, HasSubstr("drops     none"));
+    const auto json = nlohmann::json::parse(run_romano(metrics + "--json").output);
+    EXPECT_EQ(json.at("romano_publishes_received_total").at(0).at("value"), 1);
+}
+
 TEST_F(Cli, EndsWithItsOwnCodeWhenTimeRunsOut) {
     EXPECT_EQ(run_romano("sub " + at_ + "-t nothing -W 0.3").exit_code, 27);
 }
@@ -110,7 +122,9 @@ INSTANTIATE_TEST_SUITE_P(
         Refused{"simulate --acks many", "'many' is not 0 to 31 or all"},
         Refused{"simulate --fault fire", "--fault: fire not in {crash,stop,leave"},
         Refused{"swep", "The following argument was not expected: swep"},
-        Refused{"", "a subcommand is needed: pub, sub, brokers, robots"}));
+        Refused{"", "a subcommand is needed: pub, sub, brokers, status"},
+        Refused{"status 127.50.250.9", "`127.50.250.9`: write HOST:PORT"},
+        Refused{"status 127.50.250.9:9", "no metrics at http://127.50.250.9:9/metrics: "}));
 
 }  // namespace
 }  // namespace romano::experiments

@@ -8,6 +8,8 @@
 #include <chrono>
 #include <cstdio>
 #include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <memory>
 #include <string>
 #include <thread>
@@ -48,10 +50,11 @@ public:
     explicit ServingBroker(const std::string& address) {
         process_ = std::make_unique<BrokerProcess>(
             "b1", BROKER_PROGRAM,
-            std::vector<std::string>{"--name", "b1", "--listen", address + ":" + own_port()},
+            std::vector<std::string>{"--name", "b1", "--listen", address + ":" + own_port(),
+                                     "--metrics", address + ":" + own_port()},
             trace_);
-        // It prints one line when it serves.
-        for (int i = 0; i < 2000 && std::filesystem::file_size(trace_) == 0; ++i) {
+        // It prints a line when it serves.
+        for (int i = 0; i < 2000 && !is_serving(); ++i) {
             std::this_thread::sleep_for(std::chrono::milliseconds{5});
         }
     }
@@ -63,6 +66,12 @@ public:
     ServingBroker& operator=(const ServingBroker&) = delete;
 
 private:
+    [[nodiscard]] bool is_serving() const {
+        std::ifstream trace(trace_);
+        const std::string text{std::istreambuf_iterator<char>(trace), {}};
+        return text.find("serving") != std::string::npos;
+    }
+
     std::filesystem::path trace_ =
         std::filesystem::temp_directory_path() / ("romano-broker-" + std::to_string(::getpid()));
     std::unique_ptr<BrokerProcess> process_;

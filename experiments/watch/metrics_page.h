@@ -1,0 +1,43 @@
+// A broker's page of metrics: fetched over HTTP, read as numbers.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace romano::experiments {
+
+using Labels = std::map<std::string, std::string>;
+
+struct Sample {
+    Labels labels;
+    double value = 0;
+};
+
+class MetricsPage {
+public:
+    /// Lines that are no sample are passed over: pages of several versions may come.
+    explicit MetricsPage(std::string_view text);
+
+    /// All of that name; empty when there is none.
+    [[nodiscard]] const std::vector<Sample>& all(const std::string& name) const;
+    /// The only one, or the one with this label.
+    [[nodiscard]] double value(const std::string& name, double otherwise = 0) const;
+    [[nodiscard]] double value(const std::string& name, const std::string& label,
+                               const std::string& is) const;
+    [[nodiscard]] double sum(const std::string& name) const;
+    [[nodiscard]] bool has(const std::string& name) const { return !all(name).empty(); }
+
+private:
+    std::map<std::string, std::vector<Sample>> samples_;
+};
+
+/// GET http://HOST:PORT/metrics. Throws std::runtime_error with one sentence.
+[[nodiscard]] std::string fetch_metrics(const std::string& host, const std::string& port,
+                                        std::chrono::milliseconds patience);
+
+}  // namespace romano::experiments
