@@ -9,8 +9,11 @@
 #include <cstdio>
 #include <memory>
 #include <stdexcept>
+#include <utility>
 
+#include "broker/daemon/cluster_broker.h"
 #include "broker/daemon/command_line.h"
+#include "broker/daemon/lone_broker.h"
 #include "broker/daemon/refusal.h"
 #include "broker/daemon/running_broker.h"
 #include "broker/daemon/settings.h"
@@ -68,6 +71,13 @@ firmware::SimulatedRobotOptions robot_options(const Settings& settings) {
     return options;
 }
 
+std::unique_ptr<daemon::RunningBroker> start_broker(boost::asio::io_context& io,
+                                                    const daemon::Settings& settings,
+                                                    daemon::OnServing on_serving) {
+    if (!settings.cluster) return std::make_unique<daemon::LoneBroker>(io, settings, on_serving);
+    return std::make_unique<daemon::ClusterBroker>(io, settings, std::move(on_serving));
+}
+
 void run(const Settings& settings) {
     const firmware::SimulatedRobotOptions options = robot_options(settings);
     boost::asio::io_context io{1};
@@ -78,7 +88,7 @@ void run(const Settings& settings) {
     signals.async_wait([&](const auto& error, int) {
         if (!error && broker) broker->leave();
     });
-    broker = daemon::start_broker(io, settings.broker, [&](const std::string& where) {
+    broker = start_broker(io, settings.broker, [&](const std::string& where) {
         std::printf("romano-broker-robot %s: serving %s\n", settings.broker.name.c_str(),
                     where.c_str());
         std::fflush(stdout);

@@ -43,7 +43,7 @@ void TakeOver::carry_on(Effects& effects, const Logs& logs, const Membership& me
             ask_for(effects, pending, *lacks, membership, view);
             return false;
         }
-        carry_out(effects, pending.assignment, log->second, logs, owner, addresses);
+        carry_out(effects, pending.assignment, log->second, logs, membership, owner, addresses);
         return true;
     });
 }
@@ -81,8 +81,8 @@ void TakeOver::ask_for(Effects& effects, Pending& pending, const LogPosition& af
 }
 
 void TakeOver::carry_out(Effects& effects, const Assignment& assignment, PeerLog& log,
-                         const Logs& logs, std::optional<BrokerId> owner,
-                         ServiceAddresses& addresses) {
+                         const Logs& logs, const Membership& membership,
+                         std::optional<BrokerId> owner, ServiceAddresses& addresses) {
     auto sessions = log.sessions_left(assignment.address);
     if (owner) {
         for (auto& image : sessions) image = caught_up(effects, logs, std::move(image));

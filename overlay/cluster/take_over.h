@@ -44,7 +44,8 @@ private:
     void ask_for(Effects& effects, Pending& pending, const LogPosition& after,
                  const Membership& membership, const View& view) const;
     void carry_out(Effects& effects, const Assignment& assignment, PeerLog& log, const Logs& logs,
-                   std::optional<BrokerId> owner, ServiceAddresses& addresses);
+                   const Membership& membership, std::optional<BrokerId> owner,
+                   ServiceAddresses& addresses);
 
     BrokerId self_;
     Duration patience_;
