@@ -62,6 +62,7 @@ ClusterBroker::ClusterBroker(boost::asio::io_context& io, const Settings& settin
 void ClusterBroker::open_addresses() {
     for (const Endpoint& address : settings_.listen) {
         Endpoint bound = address;
+        net::MovedAddresses::forget_earlier_life(address);
         const auto error = udp_.open(address, net::Bind::alone, &bound);
         if (!error) {
             if (!net::is_wildcard(bound)) moved_.announce(bound);
@@ -80,6 +81,20 @@ void ClusterBroker::open_addresses() {
         if (!net::is_wildcard(bound)) options_.home_addresses.push_back(bound);
     }
     if (held_.empty()) join_discovery_groups(udp_, settings_);
+    warn_of_shared_addresses();
+}
+
+// What moves to another machine is not there any more for anything else.
+void ClusterBroker::warn_of_shared_addresses() const {
+    Endpoint own = net::interface_address(settings_.cluster->interface);
+    for (const Endpoint& address : options_.home_addresses) {
+        own.port = address.port;
+        if (address != own || !net::interface_towards(address)) continue;
+        spdlog::warn(
+            "{} is also where peers reach this machine: they can take it over, but not hand it "
+            "back; serve clients at an address of their own",
+            net::to_text(address));
+    }
 }
 
 void ClusterBroker::open_transport() {

@@ -31,6 +31,7 @@ public:
 
 private:
     void open_addresses();
+    void warn_of_shared_addresses() const;
     void open_transport();
     void open_links();
     void wait_for_the_holders();

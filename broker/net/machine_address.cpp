@@ -109,7 +109,69 @@ private:
     Request request_{};
 };
 
+/// One entry of the kernel's list: is it this very address, alone and for a while?
+bool is_lease_of(const nlmsghdr& header, const char* octets, const Endpoint& endpoint) {
+    ifaddrmsg body{};
+    if (header.nlmsg_type != RTM_NEWADDR || header.nlmsg_len < sizeof header + sizeof body) {
+        return false;
+    }
+    std::memcpy(&body, octets + sizeof header, sizeof body);
+    if ((body.ifa_flags & IFA_F_PERMANENT) != 0) return false;
+    if (body.ifa_prefixlen != 8 * octets_of(endpoint)) return false;
+    for (std::size_t at = sizeof header + sizeof body; at + sizeof(rtattr) <= header.nlmsg_len;) {
+        rtattr attribute{};
+        std::memcpy(&attribute, octets + at, sizeof attribute);
+        if (attribute.rta_len < sizeof attribute || at + attribute.rta_len > header.nlmsg_len)
+            break;
+        const std::size_t size = attribute.rta_len - sizeof attribute;
+        if (attribute.rta_type == IFA_ADDRESS && size == octets_of(endpoint) &&
+            std::memcmp(octets + at + sizeof attribute, endpoint.address.data(), size) == 0) {
+            return true;
+        }
+        at += (attribute.rta_len + 3U) & ~3U;
+    }
+    return false;
+}
+
+/// Asks for all addresses of the family.
+bool ask_for_list(int fd, const Endpoint& endpoint) {
+    struct {
+        nlmsghdr header;
+        ifaddrmsg body;
+    } request{};
+    request.header.nlmsg_len = sizeof request;
+    request.header.nlmsg_type = RTM_GETADDR;
+    request.header.nlmsg_flags = NLM_F_REQUEST | NLM_F_DUMP;
+    request.body.ifa_family = endpoint.family == Endpoint::Family::ipv6 ? AF_INET6 : AF_INET;
+    return ::send(fd, &request, sizeof request, 0) > 0;
+}
+
+bool is_in_list(int fd, const Endpoint& endpoint) {
+    std::array<char, 16'384> octets{};
+    for (;;) {
+        const auto received = ::recv(fd, octets.data(), octets.size(), 0);
+        if (received <= 0) return false;
+        const auto size = static_cast<std::size_t>(received);
+        for (std::size_t at = 0; at + sizeof(nlmsghdr) <= size;) {
+            nlmsghdr header{};
+            std::memcpy(&header, octets.data() + at, sizeof header);
+            if (header.nlmsg_len < sizeof header || at + header.nlmsg_len > size) return false;
+            if (header.nlmsg_type == NLMSG_DONE || header.nlmsg_type == NLMSG_ERROR) return false;
+            if (is_lease_of(header, octets.data() + at, endpoint)) return true;
+            at += (header.nlmsg_len + 3U) & ~3U;
+        }
+    }
+}
+
 }  // namespace
+
+bool is_leased(const Endpoint& endpoint) {
+    const int fd = ::socket(AF_NETLINK, SOCK_RAW | SOCK_CLOEXEC, NETLINK_ROUTE);
+    if (fd < 0) return false;
+    const bool found = ask_for_list(fd, endpoint) && is_in_list(fd, endpoint);
+    ::close(fd);
+    return found;
+}
 
 std::optional<InterfaceIndex> interface_towards(const Endpoint& address) {
     ifaddrs* all = nullptr;

@@ -26,6 +26,11 @@ bool MovedAddresses::can_add(const Endpoint& address) {
     return may_add_addresses() && interface_towards(address).has_value();
 }
 
+void MovedAddresses::forget_earlier_life(const Endpoint& address) {
+    const auto interface = interface_towards(address);
+    if (interface && is_leased(address)) (void)remove_address(address, *interface);
+}
+
 error_code MovedAddresses::add(const Endpoint& address) {
     const auto interface = interface_towards(address);
     if (!interface) return make_error_code(boost::system::errc::address_not_available);

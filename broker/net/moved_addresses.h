@@ -26,6 +26,8 @@ public:
 
     /// Could add(), as far as one can know before.
     [[nodiscard]] static bool can_add(const Endpoint& address);
+    /// Removes what an earlier life of this broker had added before it was killed.
+    static void forget_earlier_life(const Endpoint& address);
     /// Gives the machine the address.
     [[nodiscard]] boost::system::error_code add(const Endpoint& address);
     /// Tells the neighbours that the address is here: now, and some times more. Not needed, and not

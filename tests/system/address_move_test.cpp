@@ -21,7 +21,7 @@ constexpr int client_host = 4;
 
 struct Family {
     const char* name;
-    const char* prefix;  // of a host's address
+    const char* prefix;  // of the service address of the broker on a host: not the host's own
     const char* any;     // to bind a client
 };
 
@@ -130,8 +130,8 @@ TEST_P(AddressMove, WhatAKilledHeirTookOverDoesNotStayOnItsMachine) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Of, AddressMove,
-                         testing::Values(Family{"IPv4", "10.60.0.", "0.0.0.0:0"},
-                                         Family{"IPv6", "fd60::", "[::]:0"}),
+                         testing::Values(Family{"IPv4", "10.60.0.10", "0.0.0.0:0"},
+                                         Family{"IPv6", "fd60::10", "[::]:0"}),
                          [](const auto& test) { return std::string(test.param.name); });
 
 }  // namespace

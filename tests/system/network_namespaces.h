@@ -9,7 +9,7 @@ namespace romano::system {
 
 class Lan {
 public:
-    /// Hosts 1 to `hosts`, each with 10.60.0.<host>/24 and fd60::<host>/64.
+    /// Hosts 1 to `hosts`, each with 10.60.0.<host>/24 and fd60::<host>/64 of its own.
     explicit Lan(int hosts);
     ~Lan();
     Lan(const Lan&) = delete;
