@@ -62,11 +62,21 @@ void Adoption::restore(Session& session, SessionImage& image, Turn& turn) {
     session.subscriptions = std::move(image.subscriptions);
     session.topics.restore(image.topics);
     session.unreleased = std::move(image.unreleased);
+    std::ranges::stable_partition(image.deliveries, [](const Delivery& delivery) {
+        return delivery.stage != DeliveryStage::queued;  // the open exchange is about the front
+    });
     for (Delivery& delivery : image.deliveries) {
         if (delivery.msg_id != mqttsn::no_msg_id) {
             session.last_msg_id = static_cast<std::uint16_t>(delivery.msg_id);
         }
-        if (delivery.message) session.queue.push(std::move(delivery));
+        if (delivery.message) {
+            session.queue.push(std::move(delivery));
+        } else if (is_to_come(delivery)) {
+            session.awaited.push_back({.position = delivery.position,
+                                       .message = {},
+                                       .qos = delivery.qos,
+                                       .retain = delivery.retain});
+        }
     }
     if (session.last_msg_id == 0) {
         // The last msg id of the old home is not known: far from it is safe enough.
@@ -87,6 +97,15 @@ void Adoption::restore(Session& session, SessionImage& image, Turn& turn) {
     } else if (address.endpoint.family != Endpoint::Family::none) {
         lifecycle_.move(session, address, turn);
     }
+}
+
+/// The former home knew the message and we do not: its writer is out of our sight, and may be back
+/// with it. What was sent at QoS 2 has most likely arrived, and would come twice.
+bool Adoption::is_to_come(const Delivery& delivery) const {
+    const LogPosition& position = delivery.position;
+    const bool is_new =
+        position.log != tables_.log.id() && position.seq > tables_.cursors.at(position.log);
+    return is_new && (delivery.qos != Qos::exactly_once || delivery.stage == DeliveryStage::queued);
 }
 
 SessionImage Adoption::caught_up(SessionImage image, std::span<const MessagePtr> missed) {

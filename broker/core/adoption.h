@@ -29,6 +29,7 @@ public:
     std::optional<SessionImage> release(std::string_view client_id, Actions& out);
 
 private:
+    [[nodiscard]] bool is_to_come(const Delivery& delivery) const;
     void restore(Session& session, SessionImage& image, Turn& turn);
 
     Tables& tables_;

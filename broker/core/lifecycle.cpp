@@ -22,6 +22,7 @@ void Lifecycle::wipe(Session& session) {
     session.queue.clear();
     session.unreleased.clear();
     session.worked_ahead.clear();
+    session.awaited.clear();
     session.will.reset();
     session.exchange = {};
     session.paused_until = {};

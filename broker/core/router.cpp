@@ -29,7 +29,17 @@ bool waits_with_qos0(const Session& session) {
 
 }  // namespace
 
-void Router::find_receivers(std::string_view topic, Qos qos, const LogPosition& position) {
+/// It was in the session's queue before, by its position alone: now it joins as if it were new.
+bool Router::was_awaited(Session& session, const LogPosition& position, Turn& turn) {
+    const auto awaited = std::ranges::find(session.awaited, position, &Delivery::position);
+    if (awaited == session.awaited.end()) return false;
+    session.awaited.erase(awaited);
+    tables_.log.append(turn.out, [&] { return DeliveryEnded{session.header.client_id, position}; });
+    return true;
+}
+
+void Router::find_receivers(std::string_view topic, Qos qos, const LogPosition& position,
+                            Turn& turn) {
     receivers_.clear();
     repeatable_ = 0;
     ++fan_out_;
@@ -41,7 +51,10 @@ void Router::find_receivers(std::string_view topic, Qos qos, const LogPosition& 
             receiver.qos = std::max(receiver.qos, granted);
             return;
         }
-        if (!session.worked_ahead.empty() && was_ahead(session, position)) return;
+        if (!session.worked_ahead.empty() && !was_awaited(session, position, turn) &&
+            was_ahead(session, position)) {
+            return;
+        }
         session.matched_in = fan_out_;
         session.matched_at = static_cast<std::uint32_t>(receivers_.size());
         receivers_.push_back({&session, granted, grant.topic, false});
@@ -68,7 +81,7 @@ std::vector<Route> Router::routes() const {
 
 void Router::accept(const Publication& publication, const Session* publisher, MsgId msg_id,
                     Turn& turn) {
-    find_receivers(publication.topic, publication.qos, {});
+    find_receivers(publication.topic, publication.qos, {}, turn);
     claim_room();
     message_ = {};
     if (!publication.retain && !tables_.log.writes()) return;
@@ -156,7 +169,7 @@ void Router::on_peer_message(const MessagePtr& message, Turn& turn) {
     tables_.clock.observe(message->published_at);
     if (message->retain) tables_.retained.put(message);
 
-    find_receivers(message->topic, message->qos, message->position);
+    find_receivers(message->topic, message->qos, message->position, turn);
     claim_room();
     if (std::ranges::any_of(receivers_, &Receiver::takes)) {
         tables_.log.append(turn.out, [&] { return Routed{message->position, routes()}; });
@@ -170,7 +183,7 @@ void Router::set_system_topic(std::string_view topic, Bytes payload, Turn& turn)
     const Publication publication{topic, payload, Qos::at_most_once, true};
     message_ = make_message(publication, false, turn);
     tables_.retained.put(message_);
-    find_receivers(topic, Qos::at_most_once, {});
+    find_receivers(topic, Qos::at_most_once, {}, turn);
     deliver(publication, turn);
 }
 

@@ -58,7 +58,9 @@ private:
     };
 
     /// `position`: skip sessions that were ahead of us in that log when they came here.
-    void find_receivers(std::string_view topic, mqttsn::Qos qos, const LogPosition& position);
+    void find_receivers(std::string_view topic, mqttsn::Qos qos, const LogPosition& position,
+                        Turn& turn);
+    bool was_awaited(Session& session, const LogPosition& position, Turn& turn);
     void claim_room();
     [[nodiscard]] std::vector<Route> routes() const;
     MessagePtr make_message(const Publication& publication, bool in_log, Turn& turn);

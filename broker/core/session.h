@@ -62,6 +62,8 @@ struct alignas(64) Session {
     Exchange exchange;
     /// From an adopted image that was ahead of this broker: its part of these logs is done.
     std::vector<LogPosition> worked_ahead;
+    /// But these of them were in its queue, and have not come here yet: not done.
+    std::vector<Delivery> awaited;
     DeliveryQueue queue;
     TopicRegistry topics;
 

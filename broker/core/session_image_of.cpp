@@ -7,7 +7,7 @@ SessionImage bare_image_of(const Session& session) {
                        .will = session.will,
                        .subscriptions = session.subscriptions,
                        .topics = session.topics.bindings(),
-                       .deliveries = {},
+                       .deliveries = session.awaited,
                        .unreleased = session.unreleased,
                        .worked_through = session.worked_ahead};
     for (const Delivery& delivery : session.queue) {

@@ -26,9 +26,6 @@ void find_missing_messages(broker::SessionImage& image, const Effects& effects, 
         delivery.message = find_message(delivery.position, logs);
         if (!delivery.message) delivery.message = effects.broker.retained_at(delivery.position);
     }
-    std::erase_if(image.deliveries, [](const broker::Delivery& delivery) {
-        return !delivery.message;  // nobody alive has it
-    });
 }
 
 }  // namespace

@@ -165,6 +165,34 @@ TEST_F(Adoption, WhatTheOldHomeHadWorkedThroughIsNotDeliveredAgain) {
     robot.hears_nothing();
 }
 
+// P2: its writer is out of the heir's sight, and comes back with the message after a heal.
+TEST_F(Adoption, AQueuedMessageThatTheHeirDoesNotKnowIsDeliveredWhenItComes) {
+    robot.connects(false);
+    robot.subscribes("cmd");
+    SessionImage image = image_of(home, "robot");
+    const LogId peer{broker_id_of("peer"), 1};
+    image.deliveries.push_back({.position = {peer, 3}, .message = {}, .qos = Qos::at_least_once});
+    image.worked_through = {{peer, 4}};
+    EXPECT_TRUE(heir.core.adopt(heir.now, image, {}, heir.actions));
+    heir.drain();
+    robot.moves_to(heir);
+    heir.expects_mirror_to_agree();
+    EXPECT_EQ(heir.core.image("robot")->deliveries.size(), 1U) << "the next heir must know of it";
+    for (const Seq seq : {3U, 4U}) {
+        const MessagePtr message{Message{.topic = "cmd",
+                                         .payload = octets_of(std::to_string(seq)),
+                                         .qos = Qos::at_least_once,
+                                         .position = {peer, seq},
+                                         .published_at = {}}};
+        heir.core.on_peer_message(heir.now, message, heir.actions);
+        heir.drain();
+    }
+    robot.hears_publish("3", Qos::at_least_once);
+    robot.hears_nothing();
+    heir.expects_mirror_to_agree();
+    EXPECT_TRUE(heir.core.image("robot")->deliveries.empty());
+}
+
 TEST_F(Adoption, TopicIdsAndSubscriptionsGoOn) {
     publisher.connects();
     robot.connects(false);
