@@ -481,7 +481,8 @@ void ClusterCore::trim(Instant now) {
         held_by_all = log.applied();
         passed_by_all = log.applied();
         for (const auto& [other, held] : logs_) {
-            if (other == id || (held.is_frozen() && !held.has_sessions_left())) continue;
+            if (other == id) continue;
+            // A removed broker may come back as a home that has not seen what was published since.
             passed_by_all = std::min(passed_by_all, held.mirror().cursor(id));
             if (held.is_frozen()) continue;
             const Peer* peer = membership_.find(other.broker);

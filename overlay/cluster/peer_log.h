@@ -63,7 +63,6 @@ public:
     void mark_served(const Endpoint& address) { serving_.erase(address); }
     /// Sessions of that address that have no new home yet.
     [[nodiscard]] std::vector<broker::SessionImage> sessions_left(const Endpoint& address) const;
-    [[nodiscard]] bool has_sessions_left() const { return !left_.empty(); }
     /// Addresses without a new broker or with sessions left.
     [[nodiscard]] std::vector<Endpoint> addresses_left() const;
 

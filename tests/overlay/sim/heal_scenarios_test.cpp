@@ -71,6 +71,22 @@ TEST_F(HealScenario, ABrokerDiesSoonAfterTheyMetAgain) {
     expect_all_promises_kept();
 }
 
+// Each side speaks to all clients: exactly-once and order are not promised, but nothing is lost.
+TEST_F(HealScenario, NothingIsLostWhenBrokersArePartedAndTheirClientsAreNot) {
+    add_one_each({Qos::at_least_once, Qos::exactly_once});
+    begin();
+    publish(true);
+    for (const std::size_t alone : {0U, 1U, 2U}) {
+        std::set<std::size_t> others{0, 1, 2};
+        others.erase(alone);
+        world.part({{alone}, others}, false);
+        world.run_for(2s);
+        world.heal();
+        world.run_for(1s);
+    }
+    expect_nothing_lost();
+}
+
 TEST_F(HealScenario, RetainedMessagesAreTheSameEverywhereAfterAHeal) {
     Robot& left = add("left", 0, "", "");
     Robot& right = add("right", 1, "", "");
