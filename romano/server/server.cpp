@@ -16,6 +16,7 @@ namespace {
 
 constexpr Duration shortest_patience{2s};
 constexpr Duration long_ago{1h};  // longer than any patience
+constexpr std::size_t entries_a_look = 1000;
 
 void publish(Host& host, std::string_view topic, const message::Message& message) {
     std::array<std::uint8_t, message::max_message> octets{};
@@ -161,16 +162,17 @@ std::uint64_t ServerCore::unix_ms(Instant instant) const {
 }
 
 void ServerCore::on_tick(Instant now, Host& host) {
-    if (now < look_at_) return;
-    look_at_ = now + options_.look_every;
-    look_at_entries(now, host);
+    if (now >= look_at_) look_at_entries(now, host);
 }
 
 /// The entries follow the sessions, whatever happened to both: a session that was adopted, handed
 /// over or ended; an entry that the other side of a partition wrote or deleted.
 void ServerCore::look_at_entries(Instant now, Host& host) {
+    const std::vector<NodeEntry> entries = host.entries();
+    // Many entries are looked at more rarely, so that the looks never take much of the time.
+    look_at_ = now + options_.look_every * static_cast<int>(1 + entries.size() / entries_a_look);
     std::set<RomanoId> seen;
-    for (const NodeEntry& entry : host.entries()) {
+    for (const NodeEntry& entry : entries) {
         seen.insert(entry.id);
         if (look_at(now, entry, host)) {
             unclaimed_.erase(entry.id);

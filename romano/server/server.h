@@ -32,9 +32,9 @@ inline constexpr std::array<std::string_view, 3> observed_topics = {init_topic, 
                                                                     common_topic};
 
 struct ServerOptions {
-    std::string name;               // the broker's
-    Duration unix_time_at_zero{0};  // wall clock at the Instant with count 0
-    Duration look_every{std::chrono::seconds{1}};
+    std::string name;                              // the broker's
+    Duration unix_time_at_zero{0};                 // wall clock at the Instant with count 0
+    Duration look_every{std::chrono::seconds{1}};  // at a thousand entries, more rarely at more
     /// A node is silent after three of its own heartbeat intervals; this long until there is one.
     Duration first_heartbeats_within{std::chrono::seconds{10}};
     Duration heartbeat_told_every{std::chrono::seconds{10}};
