@@ -14,6 +14,7 @@
 
 #include "tests/system/broker_process.h"
 #include "tests/system/test_addresses.h"
+#include "tests/system/test_client.h"
 
 namespace romano::system {
 namespace {
@@ -101,6 +102,25 @@ TEST_F(Robots, WhatTheOperatorCannotMeanIsOneSentence) {
     EXPECT_THAT(said, HasSubstr("no robot abcd1234 is known"));
     EXPECT_EQ(romano(1, {"move", "common", "up", "100mm"}), 2);
     EXPECT_THAT(said, HasSubstr("must be front, back"));
+}
+
+TEST_F(Robots, TheAuthorsFirmwareIsAcknowledgedAndMovedInItsOwnForm) {
+    start_broker(1);
+    TestClient robot{addresses.client(), addresses.service_endpoint(1), "0433ed81"};
+    ASSERT_TRUE(robot.connect());
+    ASSERT_TRUE(robot.subscribe("0433ed81", mqttsn::Qos::at_most_once));
+    ASSERT_TRUE(robot.subscribe("common", mqttsn::Qos::at_most_once));
+    const auto init = robot.register_topic("init_info");
+    ASSERT_TRUE(init);
+    ASSERT_TRUE(robot.publish(*init, "00433ed81", mqttsn::Qos::at_most_once));
+    ASSERT_TRUE(robot.run_until([&] { return !robot.received.empty(); }));
+    EXPECT_EQ(robot.received[0].topic, "0433ed81");
+    EXPECT_EQ(robot.received[0].data, "ACK");
+    EXPECT_EQ(romano(1, {"move", "0433ed81", "front", "500ms"}), 0) << said;
+    EXPECT_TRUE(robot.run_until([&] { return robot.received.size() == 2; }));
+    EXPECT_EQ(robot.received.back().data, "70401f400001e");
+    EXPECT_EQ(romano(1, {"move", "0433ed81", "front", "100mm"}), 2);
+    EXPECT_THAT(said, HasSubstr("drives by time"));
 }
 
 TEST_F(Robots, CommandsKeepArrivingWhenTheHomeIsKilled) {
