@@ -118,8 +118,8 @@ void add_load(CLI::App& program, int& exit_code) {
     auto options = std::make_shared<LoadOptions>();
     CLI::App& command = *program.add_subcommand(
         "load", "Load any MQTT-SN broker or gateway; measure throughput, latency and loss");
+    options->broker.timeout_s = 10;  // gateways to another broker may be slow
     options->broker.add_to(command);
-    options->broker.timeout_s = 10;
     LoadPlan& plan = options->plan;
     command.add_option("--publishers", plan.publishers, "Clients that publish")
         ->check(CLI::Range(1, 100'000))

@@ -36,6 +36,8 @@ public:
     /// Nothing when the client cannot take it now.
     virtual std::optional<PublishId> publish(Instant now, Number client, std::uint32_t topic,
                                              Bytes payload) = 0;
+    /// Soon this client publishes or receives: what it needs in memory may come nearer meanwhile.
+    virtual void expect(Number) {}
     /// Sends what was published, hands over what has come, waits for it until `until` at most.
     virtual void turn(Instant until) = 0;
     virtual void leave() = 0;

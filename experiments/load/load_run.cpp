@@ -144,6 +144,7 @@ void LoadRun::load_until(Instant until, const char* phase) {
         write_off(now);
         tell(phase, in_seconds(now - from) / in_seconds(until - from));
     }
+    if (plan_.rate_per_s) publish_due(net::now(), until);  // what became due in the last turn
 }
 
 void LoadRun::publish_due(Instant now, Instant until) {
@@ -188,13 +189,18 @@ void LoadRun::fill(Instant now, std::uint32_t slot, std::uint32_t stream) {
     slots_[slot] = {stream, next_sequence_[stream],
                     plan_.receivers_of(plan_.topic_of(stream)) + (answered ? 1 : 0), now};
     publish(now, stream, now, slot);
+    clients_.expect(plan_.publisher_of(stream_after(stream)));
+}
+
+/// The stream that a slot takes when its message has arrived.
+std::uint32_t LoadRun::stream_after(std::uint32_t stream) const {
+    return static_cast<std::uint32_t>((stream + plan_.in_flight * stride) % plan_.streams());
 }
 
 /// One of the things that a message on its way waited for has come.
 void LoadRun::arrive(Instant now, std::uint32_t slot) {
     if (--slots_[slot].missing != 0 || !loading_) return;
-    const std::uint64_t next = slots_[slot].stream + plan_.in_flight * stride;
-    fill(now, slot, static_cast<std::uint32_t>(next % plan_.streams()));
+    fill(now, slot, stream_after(slots_[slot].stream));
 }
 
 /// What was lost must not stop the loop.

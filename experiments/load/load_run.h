@@ -65,6 +65,7 @@ private:
     void begin_loop();
     void fill(Instant now, std::uint32_t slot, std::uint32_t stream);
     void arrive(Instant now, std::uint32_t slot);
+    [[nodiscard]] std::uint32_t stream_after(std::uint32_t stream) const;
     void write_off(Instant now);
     void publish(Instant now, std::uint32_t stream, Instant due, std::uint32_t slot);
     [[nodiscard]] bool is_settled() const;
