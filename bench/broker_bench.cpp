@@ -2,9 +2,11 @@
 // the same messages in turn, in one run; see README.md.
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
+#include <chrono>
 #include <cstdio>
 #include <fstream>
-#include <set>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -69,15 +71,30 @@ Row run(const Scenario& scenario, Kind kind, unsigned repetition) {
     return row;
 }
 
-std::vector<Row> run_all(const Options& options) {
+/// All, or those that were asked for.
+std::vector<Scenario> chosen(const Options& options) {
     const auto measured =
         std::chrono::duration_cast<Duration>(std::chrono::duration<double>{options.seconds});
-    const std::set<std::string> only(options.only.begin(), options.only.end());
+    std::vector<Scenario> all = scenarios(measured, options.small);
+    std::string names;
+    for (const Scenario& each : all) names += " " + each.name;
+    for (const std::string& name : options.only) {
+        if (std::ranges::find(all, name, &Scenario::name) == all.end()) {
+            throw std::runtime_error("--only `" + name + "` is no scenario; there are:" + names);
+        }
+    }
+    std::erase_if(all, [&](const Scenario& each) {
+        return !options.only.empty() && std::ranges::count(options.only, each.name) == 0;
+    });
+    return all;
+}
+
+std::vector<Row> run_all(const Options& options) {
+    const std::vector<Scenario> all = chosen(options);
     std::vector<Row> rows;
     take_first_core();
     for (unsigned repetition = 1; repetition <= options.repetitions; ++repetition) {
-        for (const Scenario& scenario : scenarios(measured, options.small)) {
-            if (!only.empty() && !only.contains(scenario.name)) continue;
+        for (const Scenario& scenario : all) {
             for (const Kind kind : {Kind::reflector, Kind::broker, Kind::mosquitto}) {
                 if (kind == Kind::mosquitto &&
                     (!scenario.with_mosquitto || options.without_mosquitto)) {

@@ -192,6 +192,33 @@ void topic_match(benchmark::State& state) {
 }
 BENCHMARK(topic_match)->Arg(10)->Arg(10'000);
 
+void decode_publish(benchmark::State& state) {
+    const Octets datagram = publish(Qos::at_least_once, 7);
+    for (auto _ : state) benchmark::DoNotOptimize(wire::decode(datagram));
+    state.SetItemsProcessed(state.iterations());
+}
+BENCHMARK(decode_publish);
+
+void encode_publish(benchmark::State& state) {
+    const Octets payload(32, 'x');
+    Octets room(64);
+    const Publish message{false,      Qos::at_least_once, false,  TopicIdType::normal,
+                          TopicId{1}, MsgId{7},           payload};
+    for (auto _ : state) {
+        benchmark::DoNotOptimize(wire::encode(message, room));
+        benchmark::ClobberMemory();
+    }
+    state.SetItemsProcessed(state.iterations());
+}
+BENCHMARK(encode_publish);
+
+void decode_puback(benchmark::State& state) {
+    const Octets datagram = encoded(Puback{TopicId{1}, MsgId{7}, ReturnCode::accepted});
+    for (auto _ : state) benchmark::DoNotOptimize(wire::decode(datagram));
+    state.SetItemsProcessed(state.iterations());
+}
+BENCHMARK(decode_puback);
+
 void pingreq_of_20000_sessions(benchmark::State& state) {
     Bench bench;
     for (std::uint32_t i = 0; i < 20'000; ++i) bench.connects(i);
