@@ -15,8 +15,13 @@ const LogId high = test::log_of("high");
 
 // A leader and its peers, which it knows by their beacons.
 struct Leader {
-    ClusterOptions options{.rank = 5};
-    Membership membership{options, self.broker, 1};
+    static ClusterOptions of_rank(std::uint32_t rank) {
+        ClusterOptions options;
+        options.rank = rank;
+        return options;
+    }
+
+    Membership membership{of_rank(5), self.broker, 1};
     ViewChange change{self, 100ms, 10ms};
     PeerLogs logs;
     std::vector<Endpoint> none;
@@ -39,7 +44,7 @@ struct Leader {
     void wait(Duration time) {
         for (const Instant end = now + time; now < end;) {
             now += 10ms;
-            membership.on_tick(now, out);
+            membership.on_tick(now);
             change.on_tick(now, around(), out);
         }
     }
