@@ -33,6 +33,7 @@ std::optional<ViewAnnouncement> ViewChange::take_installed() {
 
 void ViewChange::restart(LogId self) {
     self_ = self;
+    led_since_ = never;
     view_.members.clear();
     proposal_.reset();
     early_.reset();
@@ -44,6 +45,7 @@ void ViewChange::restart(LogId self) {
 void ViewChange::on_tick(Instant now, Surroundings around, Outbox& out) {
     answer_early_proposal(now, around, out);
     if (!around.membership.leads()) {
+        led_since_ = never;
         proposal_.reset();
         refusing_.clear();
         // A proposal whose leader went away before it announced: let the members speak on.
@@ -65,10 +67,22 @@ void ViewChange::on_tick(Instant now, Surroundings around, Outbox& out) {
         }
         return;
     }
+    if (waits_for_company(now, around.membership)) return;
     auto desired = desired_members(around.membership);
     if (needs_change(now, desired, around)) {
         propose(now, std::move(desired), around, out);
     }
+}
+
+/// The first view of a newcomer opens it to clients, whose sessions may be with a peer that does
+/// not follow us yet: it is given a moment.
+bool ViewChange::waits_for_company(Instant now, const Membership& membership) {
+    if (has_view()) return false;
+    if (led_since_ == never) led_since_ = now;
+    if (now >= led_since_ + 2 * patience_) return false;
+    return std::ranges::any_of(membership.peers(), [](const auto& entry) {
+        return entry.second.alive && !entry.second.beacon.claim.leader;
+    });
 }
 
 /// All that are alive, also followers of another leader: to leave one out means to take over its

@@ -55,6 +55,7 @@ private:
         Instant asked_at;
     };
 
+    [[nodiscard]] bool waits_for_company(Instant now, const Membership& membership);
     [[nodiscard]] std::vector<LogId> desired_members(const Membership& membership);
     [[nodiscard]] bool needs_change(Instant now, const std::vector<LogId>& desired,
                                     Surroundings around) const;
@@ -86,6 +87,7 @@ private:
     ViewNumber promised_;  // the highest proposal that was answered; never below view_.number
     Instant promised_at_{};
 
+    Instant led_since_ = never;
     std::optional<Proposal> proposal_;  // while leading
     std::set<BrokerId> refusing_;       // alive, but followers of somebody else
 };

@@ -11,13 +11,18 @@ using namespace std::chrono_literals;
 
 namespace {
 
+std::string name_of(std::size_t broker) {
+    return "broker" + std::to_string(broker);
+}
+
 ClusterBrokerOptions broker_options(const ClusterWorldOptions& world, std::size_t index) {
     Random random(seed_of(world.seed, "broker options", index));
     ClusterBrokerOptions options;
-    options.name = "broker" + std::to_string(index);
+    options.name = name_of(index);
     options.node = World::broker_node(index);
     options.home_addresses = {World::service_address(index)};
     options.cluster = world.cluster;
+    for (std::size_t i = 0; i < world.brokers; ++i) options.cluster.voters.push_back(name_of(i));
     options.cluster.rank = world.cluster.rank + random.below(3);
     options.broker.t_retry = world.t_retry;
     options.broker.n_retry = 20;  // bad links must not make it drop a message

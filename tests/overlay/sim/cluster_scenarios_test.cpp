@@ -171,6 +171,28 @@ TEST_F(ClusterScenario, NewcomerLearnsWhatWasRetainedByOneWhoseDeathIsNotNoticed
     expect_all_promises_kept();
 }
 
+// Raft: neither follows anybody before there is a majority again.
+TEST(ClusterScenarios, BrokerThatIsBackOpensNoViewWithoutAPeerThatLives) {
+    for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+        SCOPED_TRACE("seed " + std::to_string(seed));
+        ClusterWorldOptions options;
+        options.seed = seed;
+        options.brokers = 2;
+        options.cluster.elector = "raft";
+        Scenario scenario(options);
+        scenario.add("talker", 0, "pose", "pose");
+        scenario.begin();
+        scenario.publish(true);
+        scenario.world.run_for(1s);
+        scenario.world.broker(0).crash();
+        scenario.world.run_for(1s);
+        scenario.world.broker(0).start();
+        scenario.world.run_for(1s);
+        scenario.expect_all_promises_kept();
+        scenario.expect_nobody_noticed();
+    }
+}
+
 TEST_F(ClusterScenario, OneAfterAnotherDiesUntilOneIsLeft) {
     add_one_each({Qos::at_least_once, Qos::exactly_once});
     begin();
