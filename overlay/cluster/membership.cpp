@@ -79,6 +79,8 @@ bool Membership::on_beacon(Instant now, const Beacon& beacon) {
 }
 
 void Membership::on_leader(Instant now, BrokerId leader, election::Term term) {
+    // A proposal may be numbered beyond its leader's term; in raft nobody voted for that one.
+    if (options_.elector == "raft") return;
     const auto peer = peers_.find(leader);
     if (peer == peers_.end() || !peer->second.alive) return;
     election::Claim& claim = peer->second.beacon.claim;

@@ -44,7 +44,8 @@ public:
 
     /// False when the beacon is not to be heeded: of an earlier life of the peer, or our own.
     bool on_beacon(Instant now, const Beacon& beacon);
-    /// The leader's claim comes with its proposals too, and may come there before its beacon.
+    /// The leader's claim comes with its proposals too, and may come there before its beacon. Not
+    /// in raft: terms are voted, and only beacons tell of them.
     void on_leader(Instant now, BrokerId leader, election::Term term);
     /// A view left it out, perhaps before the own detectors noticed: gone until its next beacon.
     void on_left_out(Instant now, const LogId& log);

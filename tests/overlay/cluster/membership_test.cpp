@@ -54,6 +54,17 @@ TEST(Membership, APeerThatHearsUsNoMoreIsSuspected) {
     EXPECT_TRUE(observer.membership.is_heard(peer.broker));
 }
 
+TEST(Membership, ARaftLeaderIsNotKnownByItsProposals) {  // P1: their number may be beyond its term
+    ClusterOptions options;
+    options.elector = "raft";
+    Membership membership{options, self.broker, 1};
+    Beacon beacon{.log = peer, .tick = 1, .hears = {self.broker}};
+    beacon.claim = {.rank = {.id = node_of(peer.broker)}, .term = 1, .leader = {}};
+    membership.on_beacon(Instant{1s}, beacon);
+    membership.on_leader(Instant{1s}, peer.broker, 2);
+    EXPECT_EQ(membership.leadership(), (election::Leadership{1, std::nullopt}));
+}
+
 TEST(Membership, SilenceEndsALife) {
     Observer observer;
     observer.hear({self.broker});
