@@ -27,6 +27,7 @@ ClusterBrokerOptions broker_options(const ClusterWorldOptions& world, std::size_
     options.broker.t_retry = world.t_retry;
     options.broker.n_retry = 20;  // bad links must not make it drop a message
     options.broker.t_wait = 1s;
+    options.broker.limits.queued_per_session = 100'000;  // overload is another matter
     options.wall_clock_error =
         random.between(-world.wall_clock_error_max, world.wall_clock_error_max);
     return options;
