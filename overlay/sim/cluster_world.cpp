@@ -83,7 +83,9 @@ std::optional<std::size_t> ClusterWorld::leader() {
 
 std::optional<std::size_t> ClusterWorld::home_of(const std::string& client_id) {
     for (std::size_t i = 0; i < brokers_.size(); ++i) {
-        if (brokers_[i]->is_running() && brokers_[i]->member().broker().image(client_id)) return i;
+        const ClusterBroker& broker = *brokers_[i];
+        if (!broker.is_running() || broker.is_leaving()) continue;
+        if (broker.member().broker().image(client_id)) return i;
     }
     return std::nullopt;
 }
