@@ -167,6 +167,10 @@ TEST_F(Robots, CommandsWaitForARobotThatStandsStill) {
     Process& robot =
         start_robot("abcd1234", 1, {"--heartbeat", "0.2", "--keep-session", "--keepalive", "60"});
     ASSERT_NE(robot.wait_for("established"), "");
+    // Who never sent a heartbeat is missed by nobody.
+    for (int i = 0; i < 100 && said.find("s ago") == std::string::npos; ++i) {
+        ASSERT_EQ(romano(1, {"robots"}), 0);
+    }
     robot.signal(SIGSTOP);
     for (int i = 0; i < 100 && said.find("silent") == std::string::npos; ++i) {
         ASSERT_EQ(romano(1, {"robots"}), 0);
