@@ -429,9 +429,8 @@ void BrokerCore::set_congested(bool congested) {
 }
 
 void BrokerCore::on_output_dropped(Seq safe) {
-    state_->tables.sessions.visit([safe](Session& session) {
-        session.output_floor = std::min(session.output_floor, safe);
-    });
+    state_->tables.sessions.visit(
+        [safe](Session& session) { session.output_floor = std::min(session.output_floor, safe); });
 }
 
 std::vector<MessagePtr> BrokerCore::retained() const {

@@ -14,12 +14,13 @@ namespace romano::daemon {
 namespace {
 
 /// What an option's value is in the file; its type name says so.
-enum class Kind : std::uint8_t { flag, number, text, number_or_text };
+enum class Kind : std::uint8_t { flag, number, fraction, text, number_or_text };
 
 Kind kind_of(const CLI::Option& option) {
     if (option.get_items_expected_max() == 0) return Kind::flag;
     const std::string type = option.get_type_name();
     if (type.find('|') != std::string::npos) return Kind::number_or_text;
+    if (type == "PHI") return Kind::fraction;
     const bool is_number = type == "N" || type == "MS" || type == "MIB" || type == "S" ||
                            (!type.empty() && std::isdigit(static_cast<unsigned char>(type[0])));
     return is_number ? Kind::number : Kind::text;
@@ -31,6 +32,8 @@ const char* words_for(Kind kind) {
             return "true or false";
         case Kind::number:
             return "a whole number";
+        case Kind::fraction:
+            return "a number";
         case Kind::text:
             return "a text in quotes";
         case Kind::number_or_text:
@@ -56,6 +59,13 @@ std::optional<std::string> text_of(const toml::node& node, Kind kind) {
     }
     if (kind != Kind::text) {
         if (const auto number = node.value_exact<std::int64_t>()) return std::to_string(*number);
+    }
+    if (kind == Kind::fraction) {
+        const auto fraction = node.value_exact<double>();
+        if (!fraction) return std::nullopt;
+        std::ostringstream text;
+        text << *fraction;
+        return text.str();
     }
     if (kind != Kind::number) return node.value_exact<std::string>();
     return std::nullopt;

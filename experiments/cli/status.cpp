@@ -51,7 +51,7 @@ std::string label_of(const MetricsPage& page, const char* name, const char* labe
 /// "3 queue_full, 1 no_room" or "none".
 std::string by_label(const MetricsPage& page, const char* name, const char* label) {
     std::string text;
-    for (const Sample& sample : page.all(name)) {
+    for (const MetricSample& sample : page.all(name)) {
         if (sample.value == 0) continue;
         text += (text.empty() ? "" : ", ") + whole(sample.value) + ' ' + sample.labels.at(label);
     }
@@ -61,7 +61,7 @@ std::string by_label(const MetricsPage& page, const char* name, const char* labe
 /// The smallest bound that `share` of the histogram's samples keep.
 std::string within(const MetricsPage& page, const std::string& histogram, double share) {
     const double wanted = page.value(histogram + "_count") * share;
-    for (const Sample& bucket : page.all(histogram + "_bucket")) {
+    for (const MetricSample& bucket : page.all(histogram + "_bucket")) {
         const std::string& bound = bucket.labels.at("le");
         if (bucket.value < wanted) continue;
         if (bound == "+Inf") break;
@@ -155,7 +155,7 @@ private:
                         count("romano_cluster_held_datagrams") + " answers wait for peers");
         SummaryTable peers{
             .head = {"peer", "state", "its log here", "our log there"}, .units = {}, .rows = {}};
-        for (const Sample& alive : now_.all("romano_cluster_peer_alive")) {
+        for (const MetricSample& alive : now_.all("romano_cluster_peer_alive")) {
             const std::string& name = alive.labels.at("peer");
             peers.rows.push_back(
                 {name, alive.value != 0 ? "alive" : "dead",
@@ -177,7 +177,7 @@ std::string to_json(const MetricsPage& page, const std::string& text) {
     for (std::string line; std::getline(lines, line);) {
         const std::string name = line.substr(0, line.find_first_of(" {"));
         if (line.starts_with('#') || all.contains(name)) continue;
-        for (const Sample& sample : page.all(name)) {
+        for (const MetricSample& sample : page.all(name)) {
             all[name].push_back({{"labels", sample.labels}, {"value", sample.value}});
         }
     }

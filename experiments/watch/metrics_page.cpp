@@ -47,7 +47,7 @@ MetricsPage::MetricsPage(std::string_view text) {
         text.remove_prefix(std::min(end + 1, text.size()));
         const auto name_end = line.find_first_of(" {");
         if (line.starts_with('#') || name_end == std::string_view::npos) continue;
-        Sample sample;
+        MetricSample sample;
         std::optional<std::string_view> rest = line.substr(name_end);
         if (line[name_end] == '{') rest = read_labels(line.substr(name_end + 1), sample.labels);
         if (!rest || !rest->starts_with(' ')) continue;
@@ -59,8 +59,8 @@ MetricsPage::MetricsPage(std::string_view text) {
     }
 }
 
-const std::vector<Sample>& MetricsPage::all(const std::string& name) const {
-    static const std::vector<Sample> none;
+const std::vector<MetricSample>& MetricsPage::all(const std::string& name) const {
+    static const std::vector<MetricSample> none;
     const auto found = samples_.find(name);
     return found == samples_.end() ? none : found->second;
 }
@@ -72,7 +72,7 @@ double MetricsPage::value(const std::string& name, double otherwise) const {
 
 double MetricsPage::value(const std::string& name, const std::string& label,
                           const std::string& is) const {
-    for (const Sample& sample : all(name)) {
+    for (const MetricSample& sample : all(name)) {
         const auto found = sample.labels.find(label);
         if (found != sample.labels.end() && found->second == is) return sample.value;
     }
@@ -81,7 +81,7 @@ double MetricsPage::value(const std::string& name, const std::string& label,
 
 double MetricsPage::sum(const std::string& name) const {
     double total = 0;
-    for (const Sample& sample : all(name)) total += sample.value;
+    for (const MetricSample& sample : all(name)) total += sample.value;
     return total;
 }
 

@@ -13,7 +13,7 @@ namespace romano::experiments {
 
 using Labels = std::map<std::string, std::string>;
 
-struct Sample {
+struct MetricSample {
     Labels labels;
     double value = 0;
 };
@@ -24,7 +24,7 @@ public:
     explicit MetricsPage(std::string_view text);
 
     /// All of that name; empty when there is none.
-    [[nodiscard]] const std::vector<Sample>& all(const std::string& name) const;
+    [[nodiscard]] const std::vector<MetricSample>& all(const std::string& name) const;
     /// The only one, or the one with this label.
     [[nodiscard]] double value(const std::string& name, double otherwise = 0) const;
     [[nodiscard]] double value(const std::string& name, const std::string& label,
@@ -33,7 +33,7 @@ public:
     [[nodiscard]] bool has(const std::string& name) const { return !all(name).empty(); }
 
 private:
-    std::map<std::string, std::vector<Sample>> samples_;
+    std::map<std::string, std::vector<MetricSample>> samples_;
 };
 
 /// GET http://HOST:PORT/metrics. Throws std::runtime_error with one sentence.

@@ -67,7 +67,8 @@ const std::set<std::string>& cores() {
 
 const std::regex& poison() {
     static const std::regex pattern(
-        "boost/.*|asio.*|prometheus/.*|google/protobuf/.*|dds/.*|sqlite3\\.h|spdlog/.*|sys/.*|netinet/.*|arpa/.*|unistd\\.h|"
+        "boost/.*|asio.*|prometheus/.*|google/protobuf/.*|dds/.*|sqlite3\\.h|spdlog/.*|sys/"
+        ".*|netinet/.*|arpa/.*|unistd\\.h|"
         "thread|mutex|condition_variable|future|fstream|iostream|filesystem|random");
     return pattern;
 }

@@ -150,6 +150,8 @@ INSTANTIATE_TEST_SUITE_P(
         BadFile{"NumberForText", "name = 3\n", "'name' in line 1 must be a text in quotes"},
         BadFile{"TextForNumber", "rank = \"3\"\n", "'rank' in line 1 must be a whole number"},
         BadFile{"FractionForNumber", "beacon-ms = 1.5\n", "'beacon-ms' in line 1 must be a whole"},
+        BadFile{"TextForFraction", "phi-threshold = \"8\"\n",
+                "'phi-threshold' in line 1 must be a"},
         BadFile{"TruthForNumber", "rank = true\n", "'rank' in line 1 must be a whole number"},
         BadFile{"TextForFlag", "store-sync = \"no\"\n", "'store-sync' in line 1 must be true or"},
         BadFile{"ListForOne", "name = [\"a\", \"b\"]\n", "'name' in line 1 must be a text"},

@@ -45,7 +45,7 @@ TEST(Settings, EveryLimitReachesTheCoreAndHasARange) {
         texts.limits[setting.key] = std::to_string(setting.low);
         EXPECT_EQ(check(texts).limits.*setting.limit, setting.low) << setting.key;
         for (const std::string& wrong : {std::to_string(setting.high + 1), std::string("-1"),
-                                        std::string("many"), std::string()}) {
+                                         std::string("many"), std::string()}) {
             texts.limits[setting.key] = wrong;
             EXPECT_THAT(refusal(texts), names(setting.key, wrong.c_str()));
         }

@@ -152,19 +152,18 @@ TEST_F(DiscoveryTest, ReadsEveryFormOfAGatewaysAddress) {  // 5.3.5, G4
         {{10, 0, 0, 3, 0x27, 0x10}, endpoint(3, 10000)},
         {{6, 10, 0, 0, 3, 0x27, 0x10}, endpoint(3, 10000)},
     };
-    std::uint8_t id = 0;
-    for (const auto& [octets, expected] : forms) {
-        gets(endpoint(9), Gwinfo{id, octets});
-        ASSERT_EQ(discovery.gateways().size(), id + 1u);
-        EXPECT_EQ(discovery.gateways()[id].address, expected);
-        ++id;
-    }
+    const auto read = [this](const Octets& octets) {
+        Discovery fresh({}, 1);
+        Octets datagram(Discovery::largest_datagram);
+        datagram.resize(encode(Message{Gwinfo{1, octets}}, datagram));
+        fresh.on_datagram(now, endpoint(9), datagram);
+        return fresh.gateways().empty() ? Endpoint{} : fresh.gateways()[0].address;
+    };
+    for (const auto& [octets, expected] : forms) EXPECT_EQ(read(octets), expected);
     for (const std::size_t size : {16u, 17u, 18u, 19u}) {
-        gets(endpoint(9), Gwinfo{id, Octets(size, 0xFE)});
-        ASSERT_EQ(discovery.gateways().size(), id + 1u);
-        EXPECT_EQ(discovery.gateways()[id].address.family, Endpoint::Family::ipv6);
-        EXPECT_EQ(discovery.gateways()[id].address.port, size < 18 ? 1883 : 0xFEFE);
-        ++id;
+        const Endpoint address = read(Octets(size, 0xFE));
+        EXPECT_EQ(address.family, Endpoint::Family::ipv6);
+        EXPECT_EQ(address.port, size < 18 ? 1883 : 0xFEFE);
     }
 }
 
