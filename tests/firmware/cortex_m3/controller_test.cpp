@@ -108,7 +108,7 @@ TEST_F(ControllerOnCortexM3, GoesOnWhenItsHomeIsKilled) {
 
 TEST_F(ControllerOnCortexM3, ABadLineBetweenControllerAndRadioLosesNothing) {
     start_broker(1);
-    start_controller({"--bit-errors", "3e-4"});
+    start_controller({"--bit-errors", "1.5e-3"});
     for (int i = 1; i <= 10; ++i) {
         romano(1, {"move", "abcd1234", "back", std::to_string(i) + "mm", "-q", "1"});
         EXPECT_NE(controller->wait_for("back " + std::to_string(i)), "");

@@ -154,8 +154,9 @@ TEST_F(DiscoveryTest, ReadsEveryFormOfAGatewaysAddress) {  // 5.3.5, G4
     };
     const auto read = [this](const Octets& octets) {
         Discovery fresh({}, 1);
-        Octets datagram(Discovery::largest_datagram);
-        datagram.resize(encode(Message{Gwinfo{1, octets}}, datagram));
+        const Message gwinfo = Gwinfo{1, octets};
+        Octets datagram(encoded_size(gwinfo));
+        EXPECT_EQ(encode(gwinfo, datagram), datagram.size());
         fresh.on_datagram(now, endpoint(9), datagram);
         return fresh.gateways().empty() ? Endpoint{} : fresh.gateways()[0].address;
     };
