@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <ostream>
 #include <string>
 #include <vector>
 
@@ -19,6 +20,9 @@ struct Shard {
     std::vector<Fault> faults;
     SeedRange seeds;
 };
+void PrintTo(const Shard& shard, std::ostream* out) {  // for GoogleTest
+    *out << shard.name;
+}
 
 std::vector<Shard> shards() {
     const std::vector<std::pair<std::string, std::vector<Fault>>> kinds{
