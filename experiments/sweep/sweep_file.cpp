@@ -203,7 +203,7 @@ Axes read_axes(const Table& table) {
     axes.qos = table.axis<QosMix>(
         "qos", QosMix{{1}}, [&table](const toml::node& node) { return read_qos(table, node); });
     axes.elector = words(table, "elector", "component", election::elector_names());
-    axes.detector = words(table, "detector", "fixed", election::detector_names());
+    axes.detector = words(table, "detector", "link", election::detector_names());
     axes.acks = table.axis<std::string>(
         "acks", "1", [&table](const toml::node& node) { return read_acks(table, node); });
     axes.fault = table.axis<Fault>("fault", Fault::none, [&table](const toml::node& node) {
