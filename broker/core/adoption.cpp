@@ -23,6 +23,14 @@ Qos granted_to(const SessionImage& image, const Message& message) {
     return most;
 }
 
+/// The msg ids go on where no other home has been lately: one that is cut off from us may speak to
+/// the client as well, and a QoS 2 receiver takes a second message under an id that it has not
+/// released for the first one.
+std::uint16_t far_from(std::uint16_t msg_id, Random& random) {
+    constexpr std::uint16_t least = 0x1000;
+    return static_cast<std::uint16_t>(msg_id + least + random.below(0x10000 - 2 * least));
+}
+
 }  // namespace
 
 bool Adoption::adopt(SessionImage image, std::span<const MessagePtr> missed, Turn& turn) {
@@ -65,9 +73,10 @@ void Adoption::restore(Session& session, SessionImage& image, Turn& turn) {
     std::ranges::stable_partition(image.deliveries, [](const Delivery& delivery) {
         return delivery.stage != DeliveryStage::queued;  // the open exchange is about the front
     });
+    std::uint16_t last_msg_id = 0;
     for (Delivery& delivery : image.deliveries) {
         if (delivery.msg_id != mqttsn::no_msg_id) {
-            session.last_msg_id = static_cast<std::uint16_t>(delivery.msg_id);
+            last_msg_id = static_cast<std::uint16_t>(delivery.msg_id);
         }
         if (delivery.message) {
             session.queue.push(std::move(delivery));
@@ -78,10 +87,7 @@ void Adoption::restore(Session& session, SessionImage& image, Turn& turn) {
                                        .retain = delivery.retain});
         }
     }
-    if (session.last_msg_id == 0) {
-        // The last msg id of the old home is not known: far from it is safe enough.
-        session.last_msg_id = static_cast<std::uint16_t>(tables_.random.below(0xFFFF));
-    }
+    session.last_msg_id = far_from(last_msg_id, tables_.random);
     for (const LogPosition& position : image.worked_through) {
         const bool is_own = position.log == tables_.log.id();
         const Seq ours = is_own ? tables_.log.last() : tables_.cursors.at(position.log);

@@ -73,6 +73,23 @@ TEST_F(Adoption, ReleasedQos2GoesOnWithPubrel) {
     robot.hears_nothing();
 }
 
+TEST_F(Adoption, TwoHomesOfAPartedClusterDoNotUseTheSameMsgIds) {  // P2
+    publisher.connects();
+    robot.connects(false);
+    robot.subscribes("cmd");
+    const auto topic = publisher.registers("cmd");
+    publisher.publishes(topic, "go", Qos::exactly_once);
+    const auto in_flight = static_cast<std::uint16_t>(robot.hears<Publish>().msg_id);
+    publisher.publishes(topic, "stop", Qos::exactly_once);
+    takes_over(robot);
+    robot.says(Pubrec{robot.hears<Publish>().msg_id});
+    robot.says(Pubcomp{robot.hears<Pubrel>().msg_id});
+    // The old home, cut off, may go on with the ids that follow. This one does not.
+    const auto next = static_cast<std::uint16_t>(robot.hears<Publish>().msg_id);
+    EXPECT_GT(static_cast<std::uint16_t>(next - in_flight), 0x1000);
+    EXPECT_LT(static_cast<std::uint16_t>(next - in_flight), 0xF000);
+}
+
 TEST_F(Adoption, RefusedDupFallsBackToANewMsgIdWithoutDup) {  // G25
     publisher.connects();
     robot.connects(false);
