@@ -70,8 +70,8 @@ void Adoption::restore(Session& session, SessionImage& image, Turn& turn) {
     session.subscriptions = std::move(image.subscriptions);
     session.topics.restore(image.topics);
     session.unreleased = std::move(image.unreleased);
-    std::ranges::stable_partition(image.deliveries, [](const Delivery& delivery) {
-        return delivery.stage != DeliveryStage::queued;  // the open exchange is about the front
+    std::stable_partition(image.deliveries.begin(), image.deliveries.end(), [](const Delivery& d) {
+        return d.stage != DeliveryStage::queued;  // the open exchange is about the front
     });
     std::uint16_t last_msg_id = 0;
     for (Delivery& delivery : image.deliveries) {
