@@ -68,15 +68,20 @@ void RaftElector::on_claim(Instant now, const Claim& claim) {
     }
 }
 
+/// The voters take turns: the first one asks at once, which is when a lost link told of the leader's
+/// death to all of them at the same time. Chance would let two ask at once, or all wait.
 void RaftElector::on_suspect(Instant now, NodeId node) {
     heard_.erase(node);
-    if (leader_ == node && role_ == Role::follower) {
-        leader_.reset();
-        // Spread the candidates over half a detection time: the detector has already waited for the
-        // leader.
-        timeout_ =
-            std::min(timeout_, now + random_.between(Duration{0}, options_.detection_time / 2));
-    }
+    if (leader_ != node || role_ != Role::follower) return;
+    leader_.reset();
+    timeout_ = std::min(timeout_, now + turn_after(node) * (options_.detection_time / 8));
+    answer_early_request(now);
+}
+
+std::ptrdiff_t RaftElector::turn_after(NodeId leader) const {
+    const auto self = std::ranges::find(options_.voters, options_.self.id);
+    return std::count_if(options_.voters.begin(), self,
+                         [leader](NodeId voter) { return voter != leader; });
 }
 
 void RaftElector::on_tick(Instant now) {
@@ -159,6 +164,7 @@ void RaftElector::on_ballot(Instant now, NodeId from, const Ballot& ballot) {
 void RaftElector::answer_request(Instant now, NodeId from, const Ballot& ballot) {
     const bool pre_vote = ballot.kind == pre_vote_request;
     if (now < may_vote_at_ || hears_leader(now)) {
+        if (pre_vote) early_ = EarlyRequest{from, ballot, now};
         outbox_.push_back({from, {refusal, term_, 0}});
         return;
     }
@@ -175,6 +181,12 @@ void RaftElector::answer_request(Instant now, NodeId from, const Ballot& ballot)
         restart_timeout(now);
     }
     outbox_.push_back({from, {pre_vote ? pre_vote_grant : vote_grant, ballot.term, 0}});
+}
+
+void RaftElector::answer_early_request(Instant now) {
+    if (!early_) return;
+    const EarlyRequest early = *std::exchange(early_, std::nullopt);
+    if (now < early.at + options_.detection_time) answer_request(now, early.from, early.ballot);
 }
 
 void RaftElector::count_grant(Instant now, NodeId from, const Ballot& ballot) {

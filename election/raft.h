@@ -8,6 +8,7 @@
 // time-outs.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <map>
 #include <optional>
@@ -43,9 +44,12 @@ private:
     void start_vote(Instant now);
     void become_leader(Instant now);
     void answer_request(Instant now, NodeId from, const Ballot& ballot);
+    void answer_early_request(Instant now);
     void count_grant(Instant now, NodeId from, const Ballot& ballot);
     void ask_voters(std::uint8_t kind, Term term);
     void restart_timeout(Instant now);
+    /// Its place among the voters, without that one.
+    [[nodiscard]] std::ptrdiff_t turn_after(NodeId leader) const;
     [[nodiscard]] bool is_voter(NodeId node) const;
     [[nodiscard]] bool is_majority(std::size_t count) const {
         return 2 * count > options_.voters.size();
@@ -65,6 +69,15 @@ private:
     Instant timeout_ = never;      // the next election; of a leader: the next look at its majority
     Instant may_vote_at_ = never;  // set by the first tick
     std::vector<BallotTo> outbox_;
+
+    /// A pre-vote that was refused because of the leader: its sender noticed before us that this
+    /// one is gone. Answered again as soon as we do.
+    struct EarlyRequest {
+        NodeId from;
+        Ballot ballot;
+        Instant at;
+    };
+    std::optional<EarlyRequest> early_;
 };
 
 }  // namespace romano::election

@@ -6,6 +6,7 @@
 // before it waits for the next one.
 #pragma once
 
+#include <algorithm>
 #include <set>
 #include <span>
 #include <string>
@@ -47,7 +48,9 @@ public:
     void on_address(Effects& effects, const Endpoint& address, bool served);
     void on_link(Effects& effects, const LogId& process, election::Link link);
     void on_transport_octets(std::uint64_t sent, std::uint64_t received);
-    [[nodiscard]] Instant next_wakeup() const { return next_tick_; }
+    [[nodiscard]] Instant next_wakeup() const {
+        return std::min(next_tick_, membership_.next_wakeup());
+    }
 
     // --- the own log
     void append(Seq seq, LogEvent event) { own_.append(seq, std::move(event)); }

@@ -133,10 +133,6 @@ void Membership::bury_suspects(Instant now) {
     }
 }
 
-Instant Membership::next_wakeup() const {
-    return std::min({heard_->next_wakeup(), linked_->next_wakeup(), elector_->next_wakeup()});
-}
-
 void Membership::describe(Beacon& beacon) const {
     beacon.claim = elector_->claim();
     for (const auto& [id, peer] : peers_) {

@@ -55,7 +55,8 @@ public:
     void on_tick(Instant now);
     /// What the elector has to say since the last call.
     void send_ballots(Outbox& out);
-    [[nodiscard]] Instant next_wakeup() const;
+    /// The elector's next wish; detectors count beacon times.
+    [[nodiscard]] Instant next_wakeup() const { return elector_->next_wakeup(); }
 
     /// Fills in what the own beacon says about the others.
     void describe(Beacon& beacon) const;

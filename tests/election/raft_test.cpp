@@ -51,6 +51,31 @@ TEST(RaftElector, ReplacesALeaderThatCrashed) {
     EXPECT_GT(room.leadership(witness).term, term);
 }
 
+/// Where a lost link tells of a death, all voters learn of it at nearly the same time.
+void tell_of_death(Electorate& room, NodeId dead, const std::vector<NodeId>& to, Duration apart) {
+    for (const NodeId node : to) {
+        room.node(node).on_suspect(room.now(), dead);
+        room.run_for(apart);
+    }
+}
+
+TEST(RaftElector, WhenItsLinkIsLostTheNextLeaderIsThereInTwoRoundTrips) {
+    for (const Duration apart : {0ms, 2ms, 5ms}) {  // the first to know may ask too early
+        for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+            Electorate room(3, seed, make);
+            room.run_for(1s);
+            const NodeId old = leader_of(room, n1);
+            std::vector<NodeId> others{n1, n2, n3};
+            std::erase(others, old);
+            room.crash(old);
+            tell_of_death(room, old, others, apart);
+            room.run_for(4 * 3ms + 1ms);  // pre-vote, vote: letters take up to 3 ms
+            EXPECT_TRUE(room.leadership(others[0]).leader) << "seed " << seed;
+            EXPECT_NE(room.leadership(others[0]).leader, old) << "seed " << seed;
+        }
+    }
+}
+
 TEST(RaftElector, AMinorityHasNoLeader) {  // P1; thesis 6.2: a leader without majority steps down
     Electorate room(5, 4, make);
     room.run_for(1s);
