@@ -143,6 +143,7 @@ void ClusterCore::break_silence(Effects& effects) {
 
 void ClusterCore::on(Effects& effects, BrokerId, const Beacon& beacon) {
     if (!membership_.on_beacon(effects.now, beacon)) return;
+    has_heard_a_peer_ = true;
     if (membership_.is_alive(beacon.log)) heed(beacon);
     heed_news_of_peers(effects);
 }

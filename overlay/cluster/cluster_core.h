@@ -105,7 +105,12 @@ public:
     void restart(Effects& effects, LogId log);
     void leave(Effects& effects);
     /// We were away for a while: listen to the peers, and say nothing before resume().
-    void listen_only() { listens_only_ = true; }
+    void listen_only() {
+        listens_only_ = true;
+        has_heard_a_peer_ = false;
+    }
+    /// A beacon came since listen_only().
+    [[nodiscard]] bool has_heard_a_peer() const { return has_heard_a_peer_; }
     void resume(Instant now) {
         listens_only_ = false;
         next_tick_ = now;
@@ -177,6 +182,7 @@ private:
     std::set<Endpoint> silent_;  // of those that are served
 
     bool listens_only_ = false;
+    bool has_heard_a_peer_ = false;
     Instant next_tick_ = Instant::min();
     Instant next_cursors_ = Instant::min();
     Instant next_trim_ = Instant::min();

@@ -9,6 +9,9 @@
 namespace romano::cluster {
 namespace {
 
+// On a busy machine it takes some detection times until two processes hear each other.
+constexpr int patience_with_the_unmet = 20;
+
 bool has(const View& view, const LogId& log) {
     return std::ranges::binary_search(view.members, log);
 }
@@ -33,6 +36,7 @@ std::optional<ViewAnnouncement> ViewChange::take_installed() {
 
 void ViewChange::restart(LogId self) {
     self_ = self;
+    was_replaced_ = true;
     led_since_ = never;
     view_.members.clear();
     proposal_.reset();
@@ -75,14 +79,26 @@ void ViewChange::on_tick(Instant now, Surroundings around, Outbox& out) {
 }
 
 /// The first view of a newcomer opens it to clients, whose sessions may be with a peer that does
-/// not follow us yet: it is given a moment.
+/// not follow us yet: it is given a moment. A peer whose beacons come here while ours do not reach
+/// it yet will be with us, too, and whoever was replaced knows that somebody is there: a view
+/// without them would take their clients over.
 bool ViewChange::waits_for_company(Instant now, const Membership& membership) {
     if (has_view()) return false;
     if (led_since_ == never) led_since_ = now;
-    if (now >= led_since_ + 2 * patience_) return false;
-    return std::ranges::any_of(membership.peers(), [](const auto& entry) {
-        return entry.second.alive && !entry.second.beacon.claim.leader;
-    });
+    const auto& peers = membership.peers();
+    const bool is_early = now < led_since_ + 2 * patience_;
+    if (is_early && std::ranges::any_of(peers, [](const auto& entry) {
+            return entry.second.alive && !entry.second.beacon.claim.leader;
+        })) {
+        return true;
+    }
+    if (now >= led_since_ + patience_with_the_unmet * patience_) return false;
+    if (std::ranges::any_of(peers, [](const auto& entry) { return entry.second.alive; })) {
+        return false;
+    }
+    return was_replaced_ || std::ranges::any_of(peers, [&](const auto& entry) {
+               return membership.is_heard(entry.first);
+           });
 }
 
 /// All that are alive, also followers of another leader: to leave one out means to take over its
@@ -284,6 +300,7 @@ ViewHoldings ViewChange::holdings(const View& view, Surroundings around) const {
 
 void ViewChange::install(Instant now, ViewAnnouncement announcement, PeerLogs& logs) {
     view_ = announcement.view;
+    was_replaced_ = false;
     promised_ = view_.number;
     installed_at_ = now;
     for (auto& [id, log] : logs) {

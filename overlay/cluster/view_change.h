@@ -75,6 +75,7 @@ private:
     Duration beacon_every_;
     View view_;
     Instant installed_at_{};
+    bool was_replaced_ = false;  // and is in no view since
     std::optional<ViewAnnouncement> installed_;
 
     /// Of a leader that we do not follow yet: it noticed before we did that the former one is gone.

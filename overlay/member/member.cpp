@@ -25,6 +25,7 @@ using cluster::Effects;
 namespace {
 
 constexpr Duration status_every = 1s;
+constexpr int most_detection_times_waited = 20;  // for peers, after a stall
 
 }  // namespace
 
@@ -94,7 +95,13 @@ private:
 
     bool has_left_ = false;
     std::uint64_t replacements_ = 0;
-    std::optional<Instant> stalled_until_;  // peers are listened to until then
+
+    struct Stall {
+        Instant listen_until;  // nothing is said before
+        Instant give_up_at;    // nobody is there who could say that we were replaced
+        bool is_drained;       // what came while we stood still was read
+    };
+    std::optional<Stall> stall_;
 
     Instant next_status_ = Instant::min();
     cluster::ViewNumber told_view_;
@@ -118,7 +125,7 @@ void Member::State::on_datagram(Instant now, const Endpoint& via, const Endpoint
     notice_stall(now);
     if (cluster_.is_deaf(via)) return;  // its sessions are with another broker by now
     Effects acting = effects(now, out);
-    if (stalled_until_ || cluster_.must_wait(acting, via, from, datagram)) {
+    if (stall_ || cluster_.must_wait(acting, via, from, datagram)) {
         waiting_.hold(via, from, datagram);
         return;
     }
@@ -131,7 +138,7 @@ void Member::State::on_peer_message(Instant now, const Envelope& envelope, Membe
     notice_stall(now);
     Effects acting = effects(now, out);
     cluster_.on_message(acting, envelope);
-    if (stalled_until_ && cluster_.was_replaced()) restart(now, out);
+    if (stall_ && cluster_.was_replaced()) restart(now, out);
     carry_out(now, out);
 }
 
@@ -154,9 +161,10 @@ void Member::State::on_link(Instant now, const LogId& process, election::Link li
 void Member::State::on_tick(Instant now, MemberActions& out) {
     if (has_left_) return;
     notice_stall(now);
-    if (stalled_until_) {
-        if (now < *stalled_until_) return;
+    if (stall_) {
+        if (now < stall_->listen_until) return;
         end_stall(now, out);
+        if (stall_) return;
     }
     broker_.set_congested(cluster_.is_short_of_peers());
     broker_.on_tick(now, work_);
@@ -172,7 +180,7 @@ void Member::State::on_tick(Instant now, MemberActions& out) {
 
 Instant Member::State::next_wakeup() const {
     if (has_left_) return never;
-    if (stalled_until_) return *stalled_until_;  // (the server's turns come with the beacons')
+    if (stall_) return stall_->listen_until;  // (the server's turns come with the beacons')
     return std::min(broker_.next_wakeup(), cluster_.next_wakeup());
 }
 
@@ -188,25 +196,34 @@ void Member::State::leave(Instant now, MemberActions& out) {
 void Member::State::notice_stall(Instant now) {
     const Duration beacon = options_.cluster.beacon_every;
     const Instant due = cluster_.next_wakeup();
-    if (stalled_until_ || due == Instant::min()) return;
+    if (stall_ || due == Instant::min()) return;
     if (now < due + std::max(cluster_.detection_time() - 2 * beacon, 2 * beacon)) return;
-    stalled_until_ = now + 3 * beacon;
+    const Duration longest_wait = most_detection_times_waited * cluster_.detection_time();
+    stall_ = {.listen_until = now + 3 * beacon,
+              .give_up_at = now + std::min(now - due, longest_wait),
+              .is_drained = false};
     cluster_.listen_only();
 }
 
+/// What was read first may have waited since before the others replaced us, and after a long stall
+/// their transport must find us again: only a fresh beacon tells.
 void Member::State::end_stall(Instant now, MemberActions& out) {
-    if (cluster_.was_replaced()) {
-        restart(now, out);
-    } else {
-        stalled_until_.reset();
-        cluster_.resume(now);
+    if (cluster_.was_replaced()) return restart(now, out);
+    const bool must_hear = !stall_->is_drained || !cluster_.has_heard_a_peer();
+    if (must_hear && !cluster_.live_peers().empty() && now < stall_->give_up_at) {
+        if (!stall_->is_drained) cluster_.listen_only();
+        stall_->is_drained = true;
+        stall_->listen_until = now + options_.cluster.beacon_every;
+        return;
     }
+    stall_.reset();
+    cluster_.resume(now);
 }
 
 /// Others have our sessions and addresses: begin anew, empty, under a new log, and get them back.
 void Member::State::restart(Instant now, MemberActions& out) {
     out.local.push_back(Notice{"was replaced while it stood still: joins again"});
-    stalled_until_.reset();
+    stall_.reset();
     held_.clear();
     waiting_.clear();  // of sessions that have lived on elsewhere since
     work_.clear();
@@ -226,7 +243,7 @@ void Member::State::restart(Instant now, MemberActions& out) {
 void Member::State::carry_out(Instant now, MemberActions& out) {
     absorb(now, out);
     serve_waiting(now, out);
-    if (stalled_until_) return;
+    if (stall_) return;
     const auto fate_of = [this](const Endpoint& via) {
         if (cluster_.is_silent(via)) return HeldOutput::Fate::is_dropped;
         return cluster_.is_taking(via) ? HeldOutput::Fate::waits : HeldOutput::Fate::leaves;
@@ -249,7 +266,7 @@ void Member::State::absorb(Instant now, MemberActions& out) {
         if (const auto* datagram = std::get_if<broker::Send>(&action)) {
             send(*datagram, safe, out);
         } else if (const auto* multicast = std::get_if<broker::Multicast>(&action)) {
-            if (stalled_until_) continue;
+            if (stall_) continue;
             const Bytes octets = work_.octets(*multicast);
             std::ranges::copy(octets, out.clients.reserve(octets.size()).begin());
             out.clients.push(broker::Multicast{.radius = multicast->radius,
@@ -263,7 +280,7 @@ void Member::State::absorb(Instant now, MemberActions& out) {
 void Member::State::send(const broker::Send& send, broker::Seq safe, MemberActions& out) {
     if (cluster_.is_silent(send.via)) return;
     const Bytes octets = work_.octets(send);
-    if (stalled_until_ || send.after > safe || cluster_.is_taking(send.via)) {
+    if (stall_ || send.after > safe || cluster_.is_taking(send.via)) {
         held_.hold(send, octets);
         return;
     }
@@ -275,7 +292,7 @@ void Member::State::send(const broker::Send& send, broker::Seq safe, MemberActio
 }
 
 void Member::State::serve_waiting(Instant now, MemberActions& out) {
-    if (waiting_.empty() || stalled_until_) return;
+    if (waiting_.empty() || stall_) return;
     const auto ready = waiting_.take_unless([this](const auto& datagram) {
         return cluster_.must_still_wait(datagram.via, datagram.from);
     });

@@ -33,8 +33,8 @@ namespace romano::sim {
 struct BrokerNetworkOptions {
     LinkQuality quality;
     Duration repeat_after{std::chrono::milliseconds{20}};  // a lost reliable message
-    Duration match_after_max{std::chrono::milliseconds{50}};
-    Duration lease{std::chrono::seconds{10}};
+    Duration match_after_max{std::chrono::milliseconds{150}};
+    Duration lease{std::chrono::seconds{1}};
 };
 
 class BrokerNetwork {

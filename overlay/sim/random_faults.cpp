@@ -140,7 +140,8 @@ void RandomFaults::part() {
 void RandomFaults::heal() {
     world_.peers().join_all();
     ++structural_;
-    world_.events().after(100ms, [this] {
+    const Duration brokers_meet = world_.peers().options().match_after_max + 100ms;
+    world_.events().after(brokers_meet, [this] {
         --structural_;
         world_.clients().cuts().join_all();
     });

@@ -49,5 +49,33 @@ TEST_F(StallScenario, AnAddressIsHandedBackWithoutAPauseInItsQueues) {
     EXPECT_LT(longest_delay(resumed - 500ms), 1s);
 }
 
+ClusterWorldOptions with_brokers_that_match_slowly() {
+    ClusterWorldOptions options = with_patient_brokers();
+    options.peers.lease = 1s;
+    options.peers.match_after_max = 400ms;
+    return options;
+}
+
+class SlowMatchScenario : public ClusterScenario {
+protected:
+    SlowMatchScenario() : ClusterScenario(with_brokers_that_match_slowly()) {}
+};
+
+// Alone in a view it would go on for all its peers, whose clients hear everything twice then.
+TEST_F(SlowMatchScenario, AReplacedBrokerWaitsForItsPeers) {
+    add_one_each({Qos::at_least_once, Qos::exactly_once});
+    begin();
+    for (std::size_t round = 0; round < 6; ++round) {
+        publish(true);
+        world.run_for(300ms);
+        world.broker(round % 3).stop();
+        world.run_for(2s);
+        world.broker(round % 3).go_on();
+        world.run_for(2s);
+        expect_all_promises_kept();
+    }
+    expect_nobody_noticed();
+}
+
 }  // namespace
 }  // namespace romano::sim
