@@ -94,7 +94,7 @@ void qos0_one_to_one(benchmark::State& state) {
     }
     const Octets datagram = publish(Qos::at_most_once, 0);
     std::uint32_t at = 0;
-    for (auto _ : state) {
+    for ([[maybe_unused]] auto _ : state) {
         bench.hears(2 * at, datagram);
         benchmark::DoNotOptimize(bench.out().list().data());
         at = (at + 7919) % pairs;
@@ -113,7 +113,7 @@ void qos0_fan_out(benchmark::State& state) {
         bench.subscribes(i, "common", Qos::at_most_once);
     }
     const Octets datagram = publish(Qos::at_most_once, 0);
-    for (auto _ : state) bench.hears(0, datagram);
+    for ([[maybe_unused]] auto _ : state) bench.hears(0, datagram);
     state.SetItemsProcessed(state.iterations() * state.range(0));
 }
 BENCHMARK(qos0_fan_out)->Arg(50)->Arg(1'000);
@@ -127,7 +127,7 @@ void qos0_wildcard(benchmark::State& state) {
     const Octets datagram = publish(Qos::at_most_once, 0);
     bench.hears(0, datagram);
     bench.hears(1, encoded(Regack{TopicId{1}, MsgId{1}, ReturnCode::accepted}));
-    for (auto _ : state) bench.hears(0, datagram);
+    for ([[maybe_unused]] auto _ : state) bench.hears(0, datagram);
     state.SetItemsProcessed(state.iterations());
 }
 BENCHMARK(qos0_wildcard);
@@ -140,7 +140,7 @@ void qos1_one_to_one(benchmark::State& state) {
     bench.registers(0, "pose");
     bench.subscribes(1, "pose", Qos::at_least_once);
     std::uint16_t msg_id = 0;
-    for (auto _ : state) {
+    for ([[maybe_unused]] auto _ : state) {
         if (++msg_id == 0) msg_id = 1;
         bench.hears(0, publish(Qos::at_least_once, msg_id));
         bench.hears(1, encoded(Puback{TopicId{1}, MsgId{msg_id}, ReturnCode::accepted}));
@@ -157,7 +157,7 @@ void qos2_one_to_one(benchmark::State& state) {
     bench.registers(0, "pose");
     bench.subscribes(1, "pose", Qos::exactly_once);
     std::uint16_t msg_id = 0;
-    for (auto _ : state) {
+    for ([[maybe_unused]] auto _ : state) {
         if (++msg_id == 0) msg_id = 1;
         bench.hears(0, publish(Qos::exactly_once, msg_id));
         bench.hears(0, encoded(Pubrel{MsgId{msg_id}}));
@@ -183,7 +183,7 @@ void topic_match(benchmark::State& state) {
     }
     std::size_t at = 0;
     std::uint64_t found = 0;
-    for (auto _ : state) {
+    for ([[maybe_unused]] auto _ : state) {
         tree.match(names[at++ % names.size()],
                    [&](std::uint32_t who, std::uint32_t) { found += who; });
     }
@@ -194,7 +194,7 @@ BENCHMARK(topic_match)->Arg(10)->Arg(10'000);
 
 void decode_publish(benchmark::State& state) {
     const Octets datagram = publish(Qos::at_least_once, 7);
-    for (auto _ : state) benchmark::DoNotOptimize(wire::decode(datagram));
+    for ([[maybe_unused]] auto _ : state) benchmark::DoNotOptimize(wire::decode(datagram));
     state.SetItemsProcessed(state.iterations());
 }
 BENCHMARK(decode_publish);
@@ -204,7 +204,7 @@ void encode_publish(benchmark::State& state) {
     Octets room(64);
     const Publish message{false,      Qos::at_least_once, false,  TopicIdType::normal,
                           TopicId{1}, MsgId{7},           payload};
-    for (auto _ : state) {
+    for ([[maybe_unused]] auto _ : state) {
         benchmark::DoNotOptimize(wire::encode(message, room));
         benchmark::ClobberMemory();
     }
@@ -214,7 +214,7 @@ BENCHMARK(encode_publish);
 
 void decode_puback(benchmark::State& state) {
     const Octets datagram = encoded(Puback{TopicId{1}, MsgId{7}, ReturnCode::accepted});
-    for (auto _ : state) benchmark::DoNotOptimize(wire::decode(datagram));
+    for ([[maybe_unused]] auto _ : state) benchmark::DoNotOptimize(wire::decode(datagram));
     state.SetItemsProcessed(state.iterations());
 }
 BENCHMARK(decode_puback);
@@ -224,7 +224,7 @@ void pingreq_of_20000_sessions(benchmark::State& state) {
     for (std::uint32_t i = 0; i < 20'000; ++i) bench.connects(i);
     const Octets ping = encoded(Pingreq{});
     std::uint32_t at = 0;
-    for (auto _ : state) bench.hears(at++ % 20'000, ping);
+    for ([[maybe_unused]] auto _ : state) bench.hears(at++ % 20'000, ping);
     state.SetItemsProcessed(state.iterations());
 }
 BENCHMARK(pingreq_of_20000_sessions);
@@ -232,7 +232,7 @@ BENCHMARK(pingreq_of_20000_sessions);
 /// Heap of a session that has connected, registered a topic and subscribed to two.
 void quiet_session_memory(benchmark::State& state) {
     constexpr std::uint32_t sessions = 20'000;
-    for (auto _ : state) {
+    for ([[maybe_unused]] auto _ : state) {
         const auto before = mallinfo2().uordblks;
         Bench bench;
         for (std::uint32_t i = 0; i < sessions; ++i) {

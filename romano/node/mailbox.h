@@ -51,7 +51,7 @@ static inline bool romano_mailbox_put(struct romano_mailbox* box, uint16_t type,
     }
     struct romano_command* slot = &box->commands[written % ROMANO_MAILBOX_COMMANDS];
     slot->type = type;
-    slot->size = (uint8_t)size;
+    slot->size = size & 0xFFU;
     if (size != 0U) memcpy(slot->arguments, arguments, size);
     __atomic_store_n(&box->written, written + 1U, __ATOMIC_RELEASE);
     return true;
@@ -75,8 +75,9 @@ static inline uint32_t romano_mailbox_refused(const struct romano_mailbox* box) 
 /* The argument of the six standard movements, mm or millidegrees; 0 for others. */
 static inline uint32_t romano_command_amount(const struct romano_command* command) {
     if (command->type > 5U || command->size != 4U) return 0U;
-    return ((uint32_t)command->arguments[0] << 24U) | ((uint32_t)command->arguments[1] << 16U) |
-           ((uint32_t)command->arguments[2] << 8U) | (uint32_t)command->arguments[3];
+    uint32_t amount = 0U;
+    for (uint32_t i = 0U; i < 4U; ++i) amount = (amount << 8U) | command->arguments[i];
+    return amount;
 }
 
 #ifdef __cplusplus

@@ -4,6 +4,7 @@
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <cstdlib>
+#include <exception>
 #include <iostream>
 #include <utility>
 
@@ -23,7 +24,7 @@ void beat(boost::asio::steady_timer& timer, dds::DdsTransport& transport) {
 
 }  // namespace
 
-int main(int argc, char** argv) {
+int main(int argc, char** argv) try {
     if (argc != 2) return 2;
     boost::asio::io_context io;
     const dds::Domain domain({static_cast<std::uint32_t>(std::atoi(argv[1])), "lo"});
@@ -37,4 +38,7 @@ int main(int argc, char** argv) {
     boost::asio::steady_timer timer(io);
     beat(timer, transport);
     io.run();
+} catch (const std::exception& error) {
+    std::cerr << "dds_peer: " << error.what() << std::endl;
+    return 2;
 }
