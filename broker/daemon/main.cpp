@@ -30,14 +30,14 @@ using namespace romano::daemon;
 }  // namespace
 
 int main(int argc, char** argv) {
-    return run_program(
-        argc, argv,
-        {.prepare =
-             [argv](const Settings& settings) {
-                 if (settings.cluster) become("romano-broker-member", argv);
-             },
-         .start =
-             [](boost::asio::io_context& io, const Settings& settings, OnServing on_serving) {
-                 return std::make_unique<LoneBroker>(io, settings, on_serving);
-             }});
+    return run_program(argc, argv,
+                       {.prepare =
+                            [argv](const Settings& settings) {
+                                if (settings.cluster) become("romano-broker-member", argv);
+                            },
+                        .start =
+                            [](boost::asio::io_context& io, const Settings& settings,
+                               const OnServing& on_serving) {
+                                return std::make_unique<LoneBroker>(io, settings, on_serving);
+                            }});
 }

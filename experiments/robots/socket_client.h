@@ -24,9 +24,9 @@ using BrokerAddress = boost::asio::ip::udp::endpoint;
 /// commands many robots.
 struct SocketLimits {
     static constexpr std::size_t datagram_octets = 65'507;
-    static constexpr std::size_t queue_octets = 512 * 1024;
+    static constexpr std::size_t queue_octets = 512UL * 1024;
     static constexpr std::size_t topics = 1024;
-    static constexpr std::size_t name_octets = 64 * 1024;
+    static constexpr std::size_t name_octets = 64UL * 1024;
     static constexpr std::size_t unreleased = 64;
 };
 

@@ -260,7 +260,7 @@ Pattern read_pattern(const Table& table) {
 
 /// Two octets of a loopback network: "127.50".
 std::string read_network(const Table& table) {
-    const std::string network = table.word("network", "127.50");
+    std::string network = table.word("network", "127.50");
     int second = -1;
     int used = 0;
     const bool fine = std::sscanf(network.c_str(), "127.%3d%n", &second, &used) == 1 &&

@@ -9,7 +9,7 @@ namespace {
 using Register = volatile std::uint32_t;
 
 Register& at(std::uint32_t address) {
-    return *reinterpret_cast<Register*>(address);
+    return *reinterpret_cast<Register*>(address);  // NOLINT(performance-no-int-to-ptr): as wired
 }
 
 constexpr std::uint32_t rcc = 0x400FE060;    // system clock

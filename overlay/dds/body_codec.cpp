@@ -7,7 +7,7 @@
 namespace romano::dds {
 namespace {
 
-constexpr std::size_t block_octets = 256 * 1024;
+constexpr std::size_t block_octets = 256UL * 1024;
 
 google::protobuf::ArenaOptions with_first_block(char* block) {
     google::protobuf::ArenaOptions options;

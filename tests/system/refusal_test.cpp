@@ -22,7 +22,7 @@ std::string refusal(const std::vector<std::string>& arguments) {
     BrokerProcess broker(arguments);
     EXPECT_EQ(broker.wait_for_exit(), 2);
     EXPECT_EQ(broker.next_line(), "") << "stdout is for a broker that serves";
-    const std::string errors = broker.errors();
+    std::string errors = broker.errors();
     EXPECT_EQ(std::ranges::count(errors, '\n'), 1) << errors;
     EXPECT_THAT(errors, StartsWith("romano-broker: "));
     return errors;

@@ -18,7 +18,7 @@ using Octets = std::vector<std::uint8_t>;
 constexpr Instant start{};
 
 Octets drain(Link& link) {
-    const Octets octets{link.line_out().begin(), link.line_out().end()};
+    Octets octets{link.line_out().begin(), link.line_out().end()};
     link.clear_line_out();
     return octets;
 }

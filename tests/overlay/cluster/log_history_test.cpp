@@ -49,8 +49,7 @@ TEST(LogHistory, EventsAndPublishesAreForgottenApart) {
 TEST(LogHistory, P2_PublishesStayForAWhileAfterAllCursorsPassedThem) {
     LogHistory history = history_of(10, 100);
     const Duration step = LogHistory::kept_on / 4;
-    for (int i = 0; i < 4; ++i)
-        history.forget_publishes(Instant{} + i * step, static_cast<Seq>(3 + i));
+    for (Seq i = 0; i < 4; ++i) history.forget_publishes(Instant{} + i * step, 3 + i);
     EXPECT_EQ(history.publishes_kept(), 10U);
     history.forget_publishes(Instant{LogHistory::kept_on}, 10);
     EXPECT_EQ(history.publishes_kept(), 7U);
