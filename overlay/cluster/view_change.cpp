@@ -79,26 +79,37 @@ void ViewChange::on_tick(Instant now, Surroundings around, Outbox& out) {
 }
 
 /// The first view of a newcomer opens it to clients, whose sessions may be with a peer that does
-/// not follow us yet: it is given a moment. A peer whose beacons come here while ours do not reach
-/// it yet will be with us, too, and whoever was replaced knows that somebody is there: a view
+/// not follow us yet: it is given a moment. Longer, whoever is there but was not met yet: a view
 /// without them would take their clients over.
 bool ViewChange::waits_for_company(Instant now, const Membership& membership) {
     if (has_view()) return false;
     if (led_since_ == never) led_since_ = now;
-    const auto& peers = membership.peers();
-    const bool is_early = now < led_since_ + 2 * patience_;
-    if (is_early && std::ranges::any_of(peers, [](const auto& entry) {
-            return entry.second.alive && !entry.second.beacon.claim.leader;
-        })) {
+    if (now < led_since_ + patience_with_the_unmet * patience_ && misses_company(membership)) {
         return true;
     }
-    if (now >= led_since_ + patience_with_the_unmet * patience_) return false;
-    if (std::ranges::any_of(peers, [](const auto& entry) { return entry.second.alive; })) {
-        return false;
+    if (now >= led_since_ + 2 * patience_) return false;
+    return std::ranges::any_of(membership.peers(), [](const auto& entry) {
+        return entry.second.alive && !entry.second.beacon.claim.leader;
+    });
+}
+
+/// A peer's beacons come here while ours do not reach it yet; or a peer that we met hears another;
+/// or we have met nobody, and know from being replaced that somebody is there.
+bool ViewChange::misses_company(const Membership& membership) const {
+    const auto is_met = [&](BrokerId id) {
+        const Peer* peer = membership.find(id);
+        return id == self_.broker || (peer != nullptr && peer->alive);
+    };
+    bool is_alone = true;
+    for (const auto& [id, peer] : membership.peers()) {
+        if (!peer.alive) {
+            if (membership.is_heard(id)) return true;
+            continue;
+        }
+        is_alone = false;
+        if (!std::ranges::all_of(peer.beacon.hears, is_met)) return true;
     }
-    return was_replaced_ || std::ranges::any_of(peers, [&](const auto& entry) {
-               return membership.is_heard(entry.first);
-           });
+    return is_alone && was_replaced_;
 }
 
 /// All that are alive, also followers of another leader: to leave one out means to take over its

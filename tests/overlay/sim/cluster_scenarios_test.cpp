@@ -143,6 +143,7 @@ TEST(ClusterScenarios, HomesOfAPublisherAndOfASubscriberDieTogetherBehindAPublis
         scenario.add("listener", 1, "", "pose");
         scenario.begin();
         ClusterWorld& world = scenario.world;
+        world.run_for(1s);  // in the first view some may not have met yet
         const broker::Mirror& mirror = *world.broker(2).member().mirror(world.broker(0).log());
         const broker::Seq before = mirror.applied();
         talker.publish("pose", Qos::exactly_once);

@@ -51,6 +51,7 @@ TEST_F(StallScenario, AnAddressIsHandedBackWithoutAPauseInItsQueues) {
 
 ClusterWorldOptions with_brokers_that_match_slowly() {
     ClusterWorldOptions options = with_patient_brokers();
+    options.brokers = 4;
     options.peers.lease = 1s;
     options.peers.match_after_max = 400ms;
     return options;
@@ -72,6 +73,27 @@ TEST_F(SlowMatchScenario, AReplacedBrokerWaitsForItsPeers) {
         world.run_for(2s);
         world.broker(round % 3).go_on();
         world.run_for(2s);
+        expect_all_promises_kept();
+    }
+    expect_nobody_noticed();
+}
+
+// It leads as soon as it has met one of them; the other may be the heir of a broker that died
+// meanwhile.
+TEST_F(SlowMatchScenario, AReplacedLeaderWaitsForThePeersOfItsPeers) {
+    add_one_each({Qos::at_least_once, Qos::exactly_once});
+    begin();
+    for (std::size_t round = 0; round < 4; ++round) {
+        publish(true);
+        world.run_for(300ms);
+        world.broker(0).stop();
+        world.run_for(300ms);
+        world.broker(1).crash();
+        world.run_for(1700ms);
+        world.broker(0).go_on();
+        world.run_for(1s);
+        world.broker(1).start();
+        world.run_for(1s);
         expect_all_promises_kept();
     }
     expect_nobody_noticed();
