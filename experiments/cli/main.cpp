@@ -7,6 +7,7 @@
 #include "experiments/cli/apply.h"
 #include "experiments/cli/broker_options.h"
 #include "experiments/cli/brokers.h"
+#include "experiments/cli/cost.h"
 #include "experiments/cli/load.h"
 #include "experiments/cli/pub.h"
 #include "experiments/cli/robots.h"
@@ -37,6 +38,7 @@ int main(int argc, char** argv) {
     add_apply(program, exit_code);
     add_sweep(program, exit_code);
     add_simulate(program, exit_code);
+    add_cost(program, exit_code);
     try {
         program.parse(argc, argv);
         if (program.get_subcommands().empty()) {

@@ -214,7 +214,7 @@ void add_simulate(CLI::App& program, int& exit_code) {
         ->capture_default_str();
     command
         .add_option("--brokers", options->run.brokers, "Brokers (default: the seed says, 2 to 5)")
-        ->check(CLI::Range(1, 32));
+        ->check(CLI::Range(1, 100));
     command.add_option("--robots", options->run.robots, "Robots (default: the seed says, 2 to 7)")
         ->check(CLI::Range(1, 1000));
     command
@@ -223,9 +223,9 @@ void add_simulate(CLI::App& program, int& exit_code) {
                     "(default: the seed says)")
         ->check([](const std::string& text) {
             const auto number = number_of(text);
-            return text == "all" || (number && *number <= 31)
+            return text == "all" || (number && *number <= 99)
                        ? std::string{}
-                       : "'" + text + "' is not 0 to 31 or all";
+                       : "'" + text + "' is not 0 to 99 or all";
         });
     command
         .add_option("--fault", options->faults,

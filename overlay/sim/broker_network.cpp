@@ -97,7 +97,9 @@ void BrokerNetwork::break_link(Node from, Node to) {
 void BrokerNetwork::send(const broker::LogId& from, const overlay::Outgoing& outgoing) {
     ++sent_;
     const Delivery delivery = cluster::delivery_of(outgoing.message);
-    const auto message = std::make_shared<const cluster::ClusterMessage>(outgoing.message);
+    const std::size_t octets = options_.octets_of ? options_.octets_of(outgoing.message) : 0;
+    count(traffic_[node_of_.at(from)].sent, delivery, octets);
+    const auto message = std::make_shared<const Sample>(Sample{outgoing.message, octets});
     for (const auto& [to, peer] : peers_) {
         if (to == from || (outgoing.to && *outgoing.to != to.broker)) continue;
         if (!is_matched(from, to)) continue;
@@ -161,8 +163,17 @@ void BrokerNetwork::deliver(const StreamId& id, const Shared& message) {
     const auto& [from, to, delivery] = id;
     const auto peer = peers_.find(to);
     if (peer == peers_.end()) return;
-    trace_.note(events_.now(), "broker", node_of_.at(from), "->", peer->second.node, *message);
-    peer->second.port->receive({from, *message});
+    count(traffic_[peer->second.node].received, delivery, message->octets);
+    trace_.note(events_.now(), "broker", node_of_.at(from), "->", peer->second.node,
+                message->message);
+    peer->second.port->receive({from, message->message});
+}
+
+void BrokerNetwork::count(TrafficByDelivery& traffic, Delivery delivery, std::size_t octets) const {
+    if (!options_.octets_of) return;
+    Traffic& counted = traffic[delivery];
+    ++counted.messages;
+    counted.octets += octets;
 }
 
 void BrokerNetwork::cut(Node from, Node to) {

@@ -30,8 +30,17 @@
 
 namespace romano::sim {
 
+/// What one node's processes sent or got, of one delivery. A message to all is sent once.
+struct Traffic {
+    std::uint64_t messages = 0;
+    std::uint64_t octets = 0;
+};
+using TrafficByDelivery = std::map<cluster::Delivery, Traffic>;
+
 struct BrokerNetworkOptions {
     LinkQuality quality;
+    /// The size of a message on a real network. Without it traffic is not counted.
+    std::function<std::size_t(const cluster::ClusterMessage&)> octets_of{};
     Duration repeat_after{std::chrono::milliseconds{20}};  // a lost reliable message
     Duration match_after_max{std::chrono::milliseconds{150}};
     Duration lease{std::chrono::seconds{1}};
@@ -64,10 +73,18 @@ public:
     void go_on(Node node);
 
     [[nodiscard]] std::uint64_t messages_sent() const { return sent_; }
+    [[nodiscard]] const TrafficByDelivery& sent_by(Node node) { return traffic_[node].sent; }
+    [[nodiscard]] const TrafficByDelivery& received_by(Node node) {
+        return traffic_[node].received;
+    }
 
 private:
     class Port;
-    using Shared = std::shared_ptr<const cluster::ClusterMessage>;
+    struct Sample {
+        cluster::ClusterMessage message;
+        std::size_t octets;  // 0 when nobody counts
+    };
+    using Shared = std::shared_ptr<const Sample>;
 
     struct Peer {
         Node node;
@@ -87,7 +104,13 @@ private:
     using Pair = std::pair<broker::LogId, broker::LogId>;
     using StreamId = std::tuple<broker::LogId, broker::LogId, cluster::Delivery>;
 
+    struct NodeTraffic {
+        TrafficByDelivery sent;
+        TrafficByDelivery received;
+    };
+
     void detach(const broker::LogId& process);
+    void count(TrafficByDelivery& traffic, cluster::Delivery delivery, std::size_t octets) const;
     void send(const broker::LogId& from, const overlay::Outgoing& outgoing);
     void send_reliable(const StreamId& id, const Shared& message);
     void send_best_effort(const StreamId& id, const Shared& message);
@@ -106,6 +129,7 @@ private:
     Random random_;
     Cuts cuts_;
     std::uint64_t sent_ = 0;
+    std::map<Node, NodeTraffic> traffic_;
     std::map<Node, Instant> stalled_;
     std::map<broker::LogId, Peer> peers_;
     std::map<broker::LogId, Node> node_of_;  // of all that ever were: their last words are traced

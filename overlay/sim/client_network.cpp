@@ -1,9 +1,44 @@
 #include "overlay/sim/client_network.h"
 
 #include <algorithm>
+#include <chrono>
 #include <utility>
 
+#include "romano/mqttsn/decode.h"
+
 namespace romano::sim {
+namespace {
+
+using namespace std::chrono_literals;
+using mqttsn::MsgType;
+
+constexpr Duration late_copy_after_max = 30ms;
+
+/// A copy behind later steps of its exchange tells the receiver nothing false. Of what begins or
+/// ends a session it would, and of QoS 2.
+bool may_come_late(Bytes datagram) {
+    const auto frame = mqttsn::decode_frame(datagram);
+    if (!frame) return false;
+    switch (frame->type) {
+        case MsgType::publish: {
+            const auto publish = mqttsn::decode_publish(frame->body);
+            return publish && publish->qos != mqttsn::Qos::exactly_once;
+        }
+        case MsgType::puback:
+        case MsgType::pubrec:
+        case MsgType::pubrel:
+        case MsgType::pubcomp:
+        case MsgType::register_:
+        case MsgType::regack:
+        case MsgType::subscribe:
+        case MsgType::suback:
+            return true;
+        default:
+            return false;
+    }
+}
+
+}  // namespace
 
 ClientNetwork::Binding ClientNetwork::bind(const Endpoint& address, Node node, Receiver receiver) {
     const Binding id{++last_binding_};
@@ -36,10 +71,14 @@ void ClientNetwork::send(Node sender, const Endpoint& from, const Endpoint& to, 
         Instant& last = last_arrival_[{from, to}];
         arrival = last = std::max(last, arrival);
     }
-    events_.at(arrival, [this, sender, from, to, copies,
-                         octets = std::vector<std::uint8_t>(datagram.begin(), datagram.end())] {
+    const std::vector<std::uint8_t> octets(datagram.begin(), datagram.end());
+    events_.at(arrival, [this, sender, from, to, copies, octets] {
         for (int i = 0; i < copies; ++i) arrive(sender, from, to, octets);
     });
+    if (may_come_late(datagram) && random_.happens(quality_.late_copy_ppm)) {
+        events_.at(arrival + random_.between(Duration{0}, late_copy_after_max),
+                   [this, sender, from, to, octets] { arrive(sender, from, to, octets); });
+    }
 }
 
 void ClientNetwork::arrive(Node sender, const Endpoint& from, const Endpoint& to, Bytes datagram) {

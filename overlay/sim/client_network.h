@@ -4,7 +4,8 @@
 // that overtakes the PUBLISH which a new home repeats at once is a new message to any receiver. A
 // copy comes right behind its original, as radios make them. One that came behind the next step
 // of its exchange would be a new QoS 2 message to any receiver, because PUBREL frees the message id
-// (MQTT-SN 1.2 section 6.6): no broker and no client can keep P3 on such a network.
+// (MQTT-SN 1.2 section 6.6): no broker and no client can keep P3 on such a network. What misleads
+// nobody may come once more much later.
 //
 // An address may be bound by several nodes, as with SO_REUSEADDR on one host or with an address
 // that moved between hosts: a datagram goes to the newest binding that its sender can reach. What

@@ -60,14 +60,22 @@ void ClusterBroker::leave() {
     later(100ms, [this] { crash(); });
 }
 
-void ClusterBroker::take(const Datagram& datagram) {
-    member_->on_datagram(local_now(), datagram.via, datagram.from, datagram.octets, actions_);
+template <typename Step>
+void ClusterBroker::let_member(Step&& step) {
+    const auto begun = std::chrono::steady_clock::now();
+    step();
+    core_time_ += std::chrono::steady_clock::now() - begun;
     carry_out();
 }
 
+void ClusterBroker::take(const Datagram& datagram) {
+    let_member([&] {
+        member_->on_datagram(local_now(), datagram.via, datagram.from, datagram.octets, actions_);
+    });
+}
+
 void ClusterBroker::take(const cluster::Envelope& envelope) {
-    member_->on_peer_message(local_now(), envelope, actions_);
-    carry_out();
+    let_member([&] { member_->on_peer_message(local_now(), envelope, actions_); });
 }
 
 void ClusterBroker::take(const broker::LogId& process, election::Link link) {
@@ -76,8 +84,7 @@ void ClusterBroker::take(const broker::LogId& process, election::Link link) {
 }
 
 void ClusterBroker::tick() {
-    member_->on_tick(local_now(), actions_);
-    carry_out();
+    let_member([&] { member_->on_tick(local_now(), actions_); });
 }
 
 void ClusterBroker::answer_address(const Endpoint& address, bool served) {

@@ -4,6 +4,7 @@
 // addresses as it is told, and carries messages between the member and both networks.
 #pragma once
 
+#include <chrono>
 #include <functional>
 #include <memory>
 #include <vector>
@@ -38,6 +39,8 @@ public:
     [[nodiscard]] const broker::LogId& log() const { return member_->log(); }
     [[nodiscard]] broker::BrokerId id() const { return broker::broker_id_of(name()); }
     [[nodiscard]] const ClusterBrokerOptions& options() const { return options_; }
+    /// The host's time that the member's steps took so far; network and bookkeeping excluded.
+    [[nodiscard]] std::chrono::nanoseconds core_time() const { return core_time_; }
     /// Called after every step of the member.
     void set_observer(std::function<void()> observer) { observer_ = std::move(observer); }
 
@@ -51,6 +54,8 @@ private:
     [[nodiscard]] Instant next_wakeup() const override { return member_->next_wakeup(); }
     void on_stop() override { peers_.stall(node()); }
     void on_go_on() override { peers_.go_on(node()); }
+    template <typename Step>
+    void let_member(Step&& step);
     void carry_out();
     void take_address(const Endpoint& address);
     void answer_address(const Endpoint& address, bool served);
@@ -63,6 +68,7 @@ private:
     std::unique_ptr<overlay::Transport> transport_;
     overlay::MemberActions actions_;
     bool leaving_ = false;
+    std::chrono::nanoseconds core_time_{0};
     std::function<void()> observer_;
 };
 

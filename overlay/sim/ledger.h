@@ -50,6 +50,8 @@ struct WillSeen {
     std::string subscriber;
     std::string of;
     Instant at;
+    mqttsn::Qos qos{};  // as delivered
+    bool retain = false;
 };
 
 struct Ledger {
@@ -57,7 +59,9 @@ struct Ledger {
     std::vector<Reception> receptions;
     std::vector<SubscriptionSpan> subscriptions;
     std::vector<WillSeen> wills;
-    /// When a robot with a will fell silent for good.
+    /// Where the wills go of robots whose broker has taken one.
+    std::map<std::string, std::string> will_topics;
+    /// When a robot fell silent for good.
     std::map<std::string, Instant> silenced;
 };
 

@@ -22,6 +22,7 @@ struct LinkQuality {
     bool overtaking = false;  // a datagram may come before one that was sent earlier
     std::uint32_t loss_ppm = 0;
     std::uint32_t duplication_ppm = 0;
+    std::uint32_t late_copy_ppm = 0;  // clients' links, where no receiver is misled by it
 
     [[nodiscard]] Duration delay(Random& random) const {
         return random.between(delay_min, delay_max + Duration{1});

@@ -89,9 +89,27 @@ void judge_needless_wills(const Ledger& ledger, Violations& out) {
         if (silenced == ledger.silenced.end() || silenced->second > will.at) {
             out.push_back({Promise::will_once, will.subscriber + " got at " + seconds(will.at) +
                                                    " the will of " + will.of + ", which lives"});
-        } else if (++count[{will.subscriber, will.of}] == 2) {
+        } else if (will.qos == Qos::exactly_once && !will.retain &&
+                   ++count[{will.subscriber, will.of}] == 2) {
             out.push_back(
                 {Promise::will_once, will.subscriber + " got the will of " + will.of + " twice"});
+        }
+    }
+}
+
+/// P7: who was subscribed when the robot fell silent has got its will by now.
+void judge_missing_wills(const Ledger& ledger, Violations& out) {
+    std::set<std::pair<std::string, std::string>> seen;
+    for (const WillSeen& will : ledger.wills) seen.emplace(will.subscriber, will.of);
+    for (const auto& [robot, at] : ledger.silenced) {
+        const auto topic = ledger.will_topics.find(robot);
+        if (topic == ledger.will_topics.end()) continue;
+        for (const SubscriptionSpan& span : ledger.subscriptions) {
+            if (span.until || span.from > at || span.granted == Qos::at_most_once) continue;
+            if (!mqttsn::matches(span.filter, topic->second)) continue;
+            if (seen.contains({span.subscriber, robot})) continue;
+            out.push_back({Promise::will_once, span.subscriber + " never got the will of " + robot +
+                                                   ", silent since " + seconds(at)});
         }
     }
 }
@@ -120,6 +138,7 @@ void judge_safety(const Ledger& ledger, const Judgement& judgement, Violations& 
 }
 
 void judge_completeness(const Ledger& ledger, Violations& out) {
+    judge_missing_wills(ledger, out);
     std::set<DeliveryKey> got;
     for (const Reception& r : ledger.receptions) {
         got.insert({r.subscriber, {r.publisher, r.number}});

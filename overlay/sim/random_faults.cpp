@@ -22,15 +22,18 @@ RandomFaults::RandomFaults(ClusterWorld& world, const RandomFaultsOptions& optio
       options_(options),
       random_(seed_of(seed, "faults")),
       good_clients_(world.clients().quality()),
-      good_peers_(world.peers().options().quality) {}
+      good_peers_(world.peers().options().quality),
+      lives_(world, seed) {}
 
 void RandomFaults::begin() {
     active_ = true;
+    watch();
     next();
 }
 
 void RandomFaults::end() {
     active_ = false;
+    lives_.end();
     heal();
     world_.clients().set_quality(good_clients_);
     world_.peers().set_quality(good_peers_);
@@ -49,22 +52,46 @@ void RandomFaults::next() {
     });
 }
 
-bool RandomFaults::is_calm() {
-    if (structural_ > 0 || disagreement(world_)) {
+void RandomFaults::watch() {
+    if (!active_) return;
+    world_.events().after(50ms, [this] { watch(); });
+    if (apart_ > 0 || disagreement(world_)) {
         calm_since_ = never;
-        return false;
+        return;
     }
     if (calm_since_ == never) calm_since_ = world_.now();
-    if (world_.now() - calm_since_ < options_.calm_before_crash) return false;
+    if (!is_calm()) return;
     if (!parted_.empty()) parted_.back().until = std::min(parted_.back().until, world_.now());
-    return true;
+    settled_ = world_.broker_count() - down_;
+    crashed_ = 0;
+}
+
+bool RandomFaults::is_calm() const {
+    return calm_since_ != never && world_.now() - calm_since_ >= options_.calm_before_crash;
+}
+
+bool RandomFaults::may_crash() const {
+    return apart_ == 0 && crashed_ < options_.crashes_at_once && crashed_ + 1 < settled_;
+}
+
+/// Brokers are parted, stopped and sent away one thing at a time.
+bool RandomFaults::may_happen(Fault fault) const {
+    switch (fault) {
+        case Fault::crash:
+            return may_crash();
+        case Fault::stop:
+        case Fault::leave:
+        case Fault::partition:
+        case Fault::one_way_cut:
+            return down_ == 0 && apart_ == 0 && is_calm();
+        default:
+            return true;
+    }
 }
 
 void RandomFaults::happen(Fault fault) {
-    const bool is_structural = fault != Fault::bad_links;
-    if (is_structural && !is_calm()) {
-        // Not yet; asked again soon, so that calm does not pass unnoticed.
-        world_.events().after(100ms, [this, fault] {
+    if (!may_happen(fault)) {
+        world_.events().after(50ms, [this, fault] {
             if (active_) happen(fault);
         });
         return;
@@ -83,18 +110,25 @@ void RandomFaults::happen(Fault fault) {
             return cut_one_way();
         case Fault::bad_links:
             return spoil_links();
+        case Fault::roam:
+            return lives_.roam();
+        case Fault::sleep:
+            return lives_.sleep();
+        case Fault::die:
+            return lives_.die();
     }
 }
 
-void RandomFaults::for_a_while(EventQueue::Event undo) {
-    ++structural_;
+void RandomFaults::for_a_while(std::uint32_t& lasting, EventQueue::Event undo) {
+    ++lasting;
     calm_since_ = never;
     // Short ones are as interesting as long ones: the length's logarithm is uniform.
     const Duration longest = options_.lasts_max / (1U << random_.below(8));
-    world_.events().after(random_.between(longest / 2, longest), [this, undo = std::move(undo)] {
-        --structural_;
-        if (active_) undo();
-    });
+    world_.events().after(random_.between(longest / 2, longest),
+                          [this, &lasting, undo = std::move(undo)] {
+                              --lasting;
+                              if (active_) undo();
+                          });
 }
 
 std::size_t RandomFaults::some_broker() {
@@ -102,26 +136,35 @@ std::size_t RandomFaults::some_broker() {
 }
 
 void RandomFaults::crash() {
-    const std::size_t most = std::min(options_.crashes_at_once, world_.broker_count() - 1);
+    const std::size_t most = std::min(options_.crashes_at_once, settled_ - 1) - crashed_;
     const std::size_t count = 1 + random_.below(static_cast<std::uint32_t>(most));
-    std::size_t victim = some_broker();
-    for (std::size_t i = 0; i < count; ++i, victim = (victim + 1) % world_.broker_count()) {
-        ClusterBroker& broker = world_.broker(victim);
-        broker.crash();
-        for_a_while([&broker] { broker.start(); });
+    const bool at_once = random_.below(2) == 0;
+    for (std::size_t i = 0; i < count; ++i) {
+        world_.events().after(at_once ? 0ms : random_.between(0ms, 500ms), [this] {
+            if (active_ && may_crash()) crash_one();
+        });
     }
+}
+
+void RandomFaults::crash_one() {
+    std::size_t victim = some_broker();
+    while (!world_.broker(victim).is_up()) victim = (victim + 1) % world_.broker_count();
+    ClusterBroker& broker = world_.broker(victim);
+    ++crashed_;
+    broker.crash();
+    for_a_while(down_, [&broker] { broker.start(); });
 }
 
 void RandomFaults::stop() {
     ClusterBroker& broker = world_.broker(some_broker());
     broker.stop();
-    for_a_while([&broker] { broker.go_on(); });
+    for_a_while(apart_, [&broker] { broker.go_on(); });
 }
 
 void RandomFaults::leave() {
     ClusterBroker& broker = world_.broker(some_broker());
     broker.leave();
-    for_a_while([&broker] {
+    for_a_while(apart_, [&broker] {
         broker.crash();
         broker.start();
     });
@@ -134,15 +177,15 @@ void RandomFaults::part() {
     const bool clients_too = random_.below(2) == 0;
     if (!clients_too) parted_.push_back({world_.now(), never});
     world_.part(sides, clients_too);
-    for_a_while([this] { heal(); });
+    for_a_while(apart_, [this] { heal(); });
 }
 
 void RandomFaults::heal() {
     world_.peers().join_all();
-    ++structural_;
+    ++apart_;
     const Duration brokers_meet = world_.peers().options().match_after_max + 100ms;
     world_.events().after(brokers_meet, [this] {
-        --structural_;
+        --apart_;
         world_.clients().cuts().join_all();
     });
 }
@@ -153,13 +196,14 @@ void RandomFaults::cut_one_way() {
     if (from == to) return;
     parted_.push_back({world_.now(), never});
     world_.cut(from, to);
-    for_a_while([this] { heal(); });
+    for_a_while(apart_, [this] { heal(); });
 }
 
 void RandomFaults::spoil_links() {
     LinkQuality clients = good_clients_;
     clients.loss_ppm = random_.below(200'000);
     clients.duplication_ppm = random_.below(50'000);
+    clients.late_copy_ppm = random_.below(50'000);
     clients.delay_max += random_.between(0ms, 20ms);
     clients.overtaking = options_.kinds == std::vector{Fault::bad_links};
     LinkQuality peers = good_peers_;

@@ -4,8 +4,10 @@
 // beacon time is enough for brokers to fall silent, and who hears a stale home before that may get
 // a message twice (overlay/cluster, known limits).
 //
-// It keeps to what P2 is about: brokers crash (at most `acks` at once) only when the cluster has
-// been calm for a while, so that what was acknowledged has reached the peers that promise it.
+// It keeps to what P2 is about: once the cluster has been calm for a while, what was acknowledged
+// has reached the peers that promise it, and from then on at most `acks` of those brokers crash
+// until it is calm again: at once, while it has not settled after another crash, or while one comes
+// back.
 #pragma once
 
 #include <array>
@@ -15,14 +17,25 @@
 #include <vector>
 
 #include "overlay/sim/cluster_world.h"
+#include "overlay/sim/random_lives.h"
 #include "romano/base/random.h"
 
 namespace romano::sim {
 
-enum class Fault : std::uint8_t { crash, stop, leave, partition, one_way_cut, bad_links };
-inline constexpr std::size_t fault_kinds = 6;
+enum class Fault : std::uint8_t {
+    crash,
+    stop,
+    leave,
+    partition,
+    one_way_cut,
+    bad_links,
+    roam,  // these three are robots' (random_lives.h)
+    sleep,
+    die,
+};
+inline constexpr std::size_t fault_kinds = 9;
 inline constexpr std::array<std::string_view, fault_kinds> fault_names{
-    "crash", "stop", "leave", "partition", "one-way-cut", "bad-links"};
+    "crash", "stop", "leave", "partition", "one-way-cut", "bad-links", "roam", "sleep", "die"};
 using FaultCounts = std::array<std::uint32_t, fault_kinds>;
 
 [[nodiscard]] constexpr std::string_view name_of(Fault fault) {
@@ -32,7 +45,8 @@ using FaultCounts = std::array<std::uint32_t, fault_kinds>;
 
 struct RandomFaultsOptions {
     std::vector<Fault> kinds{Fault::crash,     Fault::stop,        Fault::leave,
-                             Fault::partition, Fault::one_way_cut, Fault::bad_links};
+                             Fault::partition, Fault::one_way_cut, Fault::bad_links,
+                             Fault::roam,      Fault::sleep,       Fault::die};
     std::size_t crashes_at_once = 1;                     // at most
     Duration pause_min{std::chrono::milliseconds{200}};  // from one fault to the next
     Duration pause_max{std::chrono::seconds{2}};
@@ -57,15 +71,20 @@ private:
     void next();
     void happen(Fault fault);
     void crash();
+    void crash_one();
     void stop();
     void leave();
     void part();
     void cut_one_way();
     void spoil_links();
-    void for_a_while(EventQueue::Event undo);
+    void for_a_while(std::uint32_t& lasting, EventQueue::Event undo);
     void heal();
     [[nodiscard]] std::size_t some_broker();
-    [[nodiscard]] bool is_calm();
+    /// Looks whether the cluster has come to rest.
+    void watch();
+    [[nodiscard]] bool is_calm() const;
+    [[nodiscard]] bool may_happen(Fault fault) const;
+    [[nodiscard]] bool may_crash() const;
 
     ClusterWorld& world_;
     RandomFaultsOptions options_;
@@ -74,8 +93,12 @@ private:
     LinkQuality good_peers_;
     FaultCounts counts_{};
     bool active_ = false;
-    std::uint32_t structural_ = 0;  // faults that last now and keep brokers apart or down
+    RandomLives lives_;
+    std::uint32_t down_ = 0;   // crashed brokers
+    std::uint32_t apart_ = 0;  // other faults that keep brokers from each other, now
     Instant calm_since_ = never;
+    std::size_t settled_ = 0;  // brokers that agreed when it was calm last
+    std::size_t crashed_ = 0;  // of them, since
     std::vector<Span> parted_;
 };
 

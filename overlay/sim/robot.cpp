@@ -70,6 +70,27 @@ void Robot::switch_off() {
     ledger_.silenced.emplace(options_.name, events_.now());
 }
 
+void Robot::roam_to(const Endpoint& broker) {
+    trace_.note(events_.now(), options_.name, "roams to", broker);
+    options_.broker = broker;
+}
+
+void Robot::fall_asleep(std::chrono::seconds duration) {
+    if (!client_.is_connected()) return;
+    trace_.note(events_.now(), options_.name, "falls asleep");
+    client_.sleep(events_.now(), duration, out_);
+    drain();
+}
+
+void Robot::come_back() {
+    if (is_sleeping()) connect(false);
+}
+
+bool Robot::is_sleeping() const {
+    return client_.state() == client::State::falling_asleep ||
+           client_.state() == client::State::asleep || client_.state() == client::State::awake;
+}
+
 void Robot::end_spans(const std::string* filter) {
     for (SubscriptionSpan& span : ledger_.subscriptions) {
         if (span.subscriber != options_.name || span.until) continue;
@@ -108,7 +129,8 @@ void Robot::publish_next() {
         };
         const std::string topic = pick(options_.topics);
         const Qos qos = pick(options_.qos);
-        (void)publish(topic, qos, random_.happens(options_.retain_ppm));
+        const bool retain = random_.happens(options_.retain_ppm);
+        if (!is_sleeping()) (void)publish(topic, qos, retain);
         publish_next();
     });
 }
@@ -175,6 +197,9 @@ void Robot::on_event(const client::Event& event) {
         Overloaded{
             [this](const client::Connected&) {
                 trace_.note(events_.now(), options_.name, "is connected");
+                if (options_.will_topic) {
+                    ledger_.will_topics.emplace(options_.name, *options_.will_topic);
+                }
                 if (std::exchange(subscribed_, true)) return;
                 for (const auto& [filter, qos] : options_.subscriptions) subscribe(filter, qos);
             },
@@ -232,7 +257,11 @@ void Robot::on_received(const client::Received& received) {
     const std::string payload{as_text(received.data)};
     if (const auto robot = from_will_payload(payload)) {
         trace_.note(events_.now(), options_.name, "receives the will of", *robot);
-        ledger_.wills.push_back({options_.name, *robot, events_.now()});
+        ledger_.wills.push_back({.subscriber = options_.name,
+                                 .of = *robot,
+                                 .at = events_.now(),
+                                 .qos = received.qos,
+                                 .retain = received.retain});
         return;
     }
     const auto message = from_payload(payload);

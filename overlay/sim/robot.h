@@ -1,8 +1,9 @@
 // A robot: the shipped client core, and an application that publishes numbered messages, subscribes
 // and writes down in the ledger what it asked for, what was acknowledged and what it got.
 //
-// A conforming client. It talks to one fixed address; when the broker counts as lost or says
-// DISCONNECT it connects again without clean session, and relies on its subscriptions being kept.
+// A conforming client. It talks to one address until it roams to another one, which it does not tell
+// anybody; when the broker counts as lost or says DISCONNECT it connects again without clean
+// session, and relies on its subscriptions being kept. Asleep, it publishes nothing.
 #pragma once
 
 #include <chrono>
@@ -65,11 +66,17 @@ public:
     void unsubscribe(const std::string& filter);
     /// Falls silent without a word, for good.
     void switch_off();
+    /// From now on it is in reach of another broker, and goes on as if nothing had happened.
+    void roam_to(const Endpoint& broker);
+    /// Says so, and collects its messages within each `duration` until it comes back.
+    void fall_asleep(std::chrono::seconds duration);
+    void come_back();
 
     [[nodiscard]] const RobotOptions& options() const { return options_; }
     [[nodiscard]] const std::string& name() const { return options_.name; }
     [[nodiscard]] bool is_on() const { return on_; }
     [[nodiscard]] bool is_connected() const { return client_.is_connected(); }
+    [[nodiscard]] bool is_sleeping() const;
     /// Connected, subscribed to everything, and nothing waits for the broker.
     [[nodiscard]] bool is_idle() const { return client_.is_connected() && client_.is_idle(); }
     /// CONNECTs asked for by the application; one, when it never noticed anything.

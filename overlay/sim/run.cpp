@@ -46,7 +46,8 @@ ClusterWorldOptions world_options(std::uint64_t seed, const RunOptions& run) {
 /// Robots of every kind of traffic: who publishes where, who listens to what, at which QoS.
 void add_robots(ClusterWorld& world, std::uint64_t seed, const RunOptions& run) {
     static constexpr const char* topics[] = {"pose", "map/a", "map/b", "cmd"};
-    static constexpr const char* filters[] = {"pose", "map/+", "map/a", "cmd", "#"};
+    static constexpr const char* filters[] = {"pose", "map/+", "map/a", "cmd", "#", "will/+"};
+    static constexpr std::chrono::seconds keep_alives[] = {4s, 6s, 60s};
     static constexpr Qos some_qos[] = {Qos::at_least_once, Qos::exactly_once, Qos::exactly_once};
     Random random(seed_of(seed, "robots"));
     const std::size_t count = run.robots > 0 ? run.robots : 2 + random.below(6);
@@ -70,6 +71,10 @@ void add_robots(ClusterWorld& world, std::uint64_t seed, const RunOptions& run) 
         robot.qos = {Qos::at_least_once, Qos::exactly_once};
         if (random.below(4) == 0) robot.qos.push_back(Qos::at_most_once);
         robot.retain_ppm = random.below(3) == 0 ? 100'000 : 0;
+        robot.keep_alive = one_of(random, keep_alives);
+        if (robot.keep_alive < 60s && random.below(2) == 0) {
+            robot.will_topic = "will/" + std::to_string(i);
+        }
         robot.publish_every_min = random.between(5ms, 50ms);
         robot.publish_every_max = robot.publish_every_min * 4;
         world.add_robot(std::move(robot));

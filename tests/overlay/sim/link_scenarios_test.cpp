@@ -10,7 +10,10 @@ using mqttsn::Qos;
 
 class LinkScenario : public ClusterScenario {
 protected:
-    LinkScenario() : ClusterScenario(with_links()) { add_one_each({Qos::exactly_once}); }
+    explicit LinkScenario(const ClusterWorldOptions& options = with_links())
+        : ClusterScenario(options) {
+        add_one_each({Qos::exactly_once});
+    }
     static ClusterWorldOptions with_links() {
         ClusterWorldOptions options;
         options.cluster.detector = "link";
@@ -75,6 +78,34 @@ TEST_F(LinkScenario, AnOrderlyLeaveEndsLikeACrash) {
     world.broker(victim).leave();
     EXPECT_TRUE(world.run_until([&] { return is_served_by_another_than(victim); }, 9ms, 100us));
     world.run_for(2s);
+    expect_all_promises_kept();
+    expect_nobody_noticed();
+}
+
+class RaftLinkScenario : public LinkScenario {
+protected:
+    RaftLinkScenario()
+        : LinkScenario([] {
+              ClusterWorldOptions options = with_links();
+              options.cluster.elector = "raft";
+              return options;
+          }()) {}
+};
+
+TEST_F(RaftLinkScenario, ADeadLeaderIsReplacedBeforeABeaconIsMissed) {
+    begin();
+    publish(true);
+    for (int i = 0; i < 3; ++i) {
+        world.run_for(1s);
+        const std::size_t victim = *world.leader();
+        world.broker(victim).crash();
+        // Pre-vote, vote, proposal and answer: eight ways of 0.3 ms at most.
+        EXPECT_TRUE(world.run_until([&] { return is_served_by_another_than(victim); }, 9ms, 100us))
+            << victim;
+        world.run_for(1s);
+        world.broker(victim).start();
+        EXPECT_TRUE(world.run_until([&] { return !disagreement(world); }, 5s));
+    }
     expect_all_promises_kept();
     expect_nobody_noticed();
 }

@@ -98,14 +98,14 @@ TEST_F(PromisesTest, P5AllowsQos1DuplicatesLate) {
 }
 
 TEST_F(PromisesTest, P7TheWillOfARobotThatLives) {
-    ledger.wills.push_back({"listener", "talker", Instant{1s}});
+    ledger.wills.push_back({"listener", "talker", Instant{1s}, Qos::exactly_once});
     EXPECT_THAT(judged(), testing::ElementsAre(Promise::will_once));
 }
 
 TEST_F(PromisesTest, P7AWillTwice) {
     ledger.silenced["talker"] = Instant{0s};
-    ledger.wills.push_back({"listener", "talker", Instant{1s}});
-    ledger.wills.push_back({"listener", "talker", Instant{2s}});
+    ledger.wills.push_back({"listener", "talker", Instant{1s}, Qos::exactly_once});
+    ledger.wills.push_back({"listener", "talker", Instant{2s}, Qos::exactly_once});
     EXPECT_THAT(judged(), testing::ElementsAre(Promise::will_once));
 }
 

@@ -30,10 +30,14 @@ std::vector<Shard> shards() {
         {"Stop", {Fault::stop}},
         {"Leave", {Fault::leave}},
         {"BadLinks", {Fault::bad_links}},
-        {"Mixed", {Fault::crash, Fault::stop, Fault::leave, Fault::bad_links}},
+        {"Partition", {Fault::partition}},
+        {"OneWayCut", {Fault::one_way_cut}},
+        {"Robots", {Fault::roam, Fault::sleep, Fault::die}},
+        {"RobotsAndCrash", {Fault::roam, Fault::sleep, Fault::die, Fault::crash}},
+        {"Mixed", {}},
     };
     constexpr std::uint64_t shards_each = 2;
-    constexpr std::uint64_t seeds_each = 50;
+    constexpr std::uint64_t seeds_each = 30;
     std::vector<Shard> all;
     std::uint64_t next = 1;
     for (const auto& [name, faults] : kinds) {

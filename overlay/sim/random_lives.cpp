@@ -1,0 +1,63 @@
+#include "overlay/sim/random_lives.h"
+
+#include <chrono>
+#include <vector>
+
+#include "overlay/sim/seed.h"
+
+namespace romano::sim {
+
+using namespace std::chrono_literals;
+
+namespace {
+
+/// Longer than this a robot that only listens would be out of its new broker's sight.
+constexpr auto roamer_keep_alive_max = 10s;
+
+}  // namespace
+
+RandomLives::RandomLives(ClusterWorld& world, std::uint64_t seed)
+    : world_(world), random_(seed_of(seed, "lives")) {}
+
+template <typename IsFit>
+Robot* RandomLives::some_robot(IsFit&& is_fit) {
+    std::vector<Robot*> fit;
+    for (std::size_t i = 0; i < world_.robot_count(); ++i) {
+        Robot& robot = world_.robot(i);
+        if (robot.is_on() && robot.is_connected() && is_fit(robot)) fit.push_back(&robot);
+    }
+    if (fit.empty()) return nullptr;
+    return fit[random_.below(static_cast<std::uint32_t>(fit.size()))];
+}
+
+void RandomLives::roam() {
+    Robot* robot = some_robot([](const Robot& candidate) {
+        return candidate.options().keep_alive <= roamer_keep_alive_max;
+    });
+    if (robot == nullptr) return;
+    const auto brokers = static_cast<std::uint32_t>(world_.broker_count());
+    robot->roam_to(World::service_address(random_.below(brokers)));
+}
+
+void RandomLives::sleep() {
+    Robot* robot = some_robot([](const Robot&) { return true; });
+    if (robot == nullptr) return;
+    robot->fall_asleep(std::chrono::seconds{1 + random_.below(2)});
+    world_.events().after(random_.between(200ms, 5s), [this, robot] {
+        if (active_) robot->come_back();
+    });
+}
+
+void RandomLives::die() {
+    Robot* robot = some_robot([this](const Robot& candidate) {
+        return world_.ledger().will_topics.contains(candidate.name());
+    });
+    if (robot != nullptr) robot->switch_off();
+}
+
+void RandomLives::end() {
+    active_ = false;
+    for (std::size_t i = 0; i < world_.robot_count(); ++i) world_.robot(i).come_back();
+}
+
+}  // namespace romano::sim
