@@ -62,6 +62,7 @@ bool Membership::on_beacon(Instant now, const Beacon& beacon) {
         linked_->on_restart(node);
     }
     peer.beacon = beacon;
+    peer.heard_at = now;
 
     if (beacon.leaving) {
         heard_->on_gone(now, node);
@@ -148,6 +149,10 @@ const Peer* Membership::find(BrokerId id) const {
 bool Membership::is_alive(const LogId& log) const {
     const Peer* peer = find(log.broker);
     return peer != nullptr && peer->alive && peer->beacon.log == log;
+}
+
+bool Membership::is_heard_clearly(const LogId& log, Instant now) const {
+    return is_alive(log) && now < find(log.broker)->heard_at + detection_time() / 2;
 }
 
 std::string Membership::name_of(BrokerId id) const {

@@ -29,6 +29,7 @@ namespace romano::cluster {
 struct Peer {
     Beacon beacon;
     bool alive = false;
+    Instant heard_at{};  // its last beacon
     [[nodiscard]] bool is_home_of(const Endpoint& address) const;
     [[nodiscard]] bool is_serving(const Endpoint& address) const;
     /// It says so, and in this life: what is sent to it arrives.
@@ -68,6 +69,8 @@ public:
     [[nodiscard]] bool is_heard(BrokerId id) const { return heard_->is_alive(node_of(id)); }
     /// Alive, and in this life.
     [[nodiscard]] bool is_alive(const LogId& log) const;
+    /// Its last beacon is much younger than a silence that means death.
+    [[nodiscard]] bool is_heard_clearly(const LogId& log, Instant now) const;
     [[nodiscard]] election::Leadership leadership() const { return elector_->leadership(); }
     [[nodiscard]] bool leads() const;
     /// The peer's name, as its beacons say it; empty when unknown.

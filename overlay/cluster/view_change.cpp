@@ -260,10 +260,12 @@ void ViewChange::on_proposal(Instant now, const ViewProposal& proposal, Surround
                              Outbox& out) {
     const View& view = proposal.view;
     if (!is_newer(view)) return;
-    if (around.membership.leadership().leader != node_of(view.number.leader)) {
-        early_ = EarlyProposal{proposal, now};
+    if (must_wait(now, proposal, around.membership)) {
+        const bool is_known = early_ && early_->message.view.number == view.number;
+        early_ = EarlyProposal{proposal, is_known ? early_->first : now, now};
         return;
     }
+    early_.reset();
     promised_ = view.number;
     promised_at_ = now;
     freeze_the_dead(view, around);
@@ -274,12 +276,26 @@ void ViewChange::on_proposal(Instant now, const ViewProposal& proposal, Surround
     out.push_back({view.number.leader, holdings(view, around)});
 }
 
+/// Until we follow that leader; and, for some time, while somebody whom it leaves out is well to be
+/// heard here: then not that one is dead, but the way between the two.
+bool ViewChange::must_wait(Instant now, const ViewProposal& proposal,
+                           const Membership& membership) const {
+    const ViewNumber& number = proposal.view.number;
+    if (membership.leadership().leader != node_of(number.leader)) return true;
+    const bool is_known = early_ && early_->message.view.number == number;
+    if (is_known && now >= early_->first + 2 * patience_) return false;
+    return std::ranges::any_of(
+        proposal.removed, [&](const LogId& log) { return membership.is_heard_clearly(log, now); });
+}
+
 void ViewChange::answer_early_proposal(Instant now, Surroundings around, Outbox& out) {
     if (!early_) return;
-    const auto leader = node_of(early_->message.view.number.leader);
-    if (around.membership.leadership().leader != leader) return;
-    const EarlyProposal early = *std::exchange(early_, std::nullopt);
-    if (now <= early.since + 2 * beacon_every_) on_proposal(now, early.message, around, out);
+    if (now > early_->last + 2 * beacon_every_) {
+        early_.reset();
+    } else if (!must_wait(now, early_->message, around.membership)) {
+        const ViewProposal proposal = early_->message;
+        on_proposal(now, proposal, around, out);
+    }
 }
 
 void ViewChange::on_announcement(Instant now, const ViewAnnouncement& announcement,

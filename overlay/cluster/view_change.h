@@ -62,6 +62,8 @@ private:
                                     Surroundings around) const;
     [[nodiscard]] bool is_newer(const View& view) const;
     void answer_early_proposal(Instant now, Surroundings around, Outbox& out);
+    [[nodiscard]] bool must_wait(Instant now, const ViewProposal& proposal,
+                                 const Membership& membership) const;
     void propose(Instant now, std::vector<LogId> members, Surroundings around, Outbox& out);
     [[nodiscard]] ViewNumber next_number(const Membership& membership) const;
     [[nodiscard]] bool is_outnumbered(const Membership& membership) const;
@@ -80,10 +82,12 @@ private:
     std::optional<ViewAnnouncement> installed_;
 
     /// Of a leader that we do not follow yet: it noticed before we did that the former one is gone.
-    /// Answered when we follow it, unless it must have asked again since.
+    /// Or it leaves somebody out whom we hear well: it may hear that one again. Answered when that
+    /// has changed, unless it must have asked again since.
     struct EarlyProposal {
         ViewProposal message;
-        Instant since;
+        Instant first;  // when the leader first asked this
+        Instant last;
     };
     std::optional<EarlyProposal> early_;
     ViewNumber promised_;  // the highest proposal that was answered; never below view_.number

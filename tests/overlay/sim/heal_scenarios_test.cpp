@@ -44,6 +44,28 @@ TEST_F(HealScenario, ACutThatOnlyOneSideNoticedEndsInOneView) {
     expect_all_promises_kept();
 }
 
+TEST_F(HealScenario, WhomTheOthersHearIsNotTakenOverBecauseTheLeaderDoesNot) {
+    add_one_each({Qos::exactly_once});
+    begin();
+    publish(true);
+    const std::size_t leader = *world.leader();
+    const std::size_t unheard = (leader + 1) % 3;
+    for (const Duration length : {105ms, 120ms, 150ms, 180ms}) {
+        world.run_for(500ms);
+        world.cut(leader, unheard);
+        world.cut(unheard, leader);
+        world.run_for(length);
+        EXPECT_EQ(world.home_of("robot" + std::to_string(unheard)), unheard);
+        for (std::size_t other = 0; other < 3; ++other) {
+            if (other == unheard) continue;
+            EXPECT_FALSE(
+                world.broker(other).member().broker().image("robot" + std::to_string(unheard)));
+        }
+        world.heal();
+    }
+    expect_all_promises_kept();
+}
+
 TEST_F(HealScenario, TwoPartitionsInARow) {
     add_one_each({Qos::at_least_once, Qos::exactly_once});
     begin();
