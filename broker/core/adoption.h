@@ -1,6 +1,7 @@
 // Sessions that come from another home and go to one (design: hand-off, take-over).
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <span>
 #include <string_view>
@@ -25,6 +26,8 @@ public:
     bool adopt(SessionImage image, std::span<const MessagePtr> missed, Turn& turn);
     /// See BrokerCore::caught_up.
     SessionImage caught_up(SessionImage image, std::span<const MessagePtr> missed);
+    /// See BrokerCore::forget_logs.
+    void forget_logs(const std::function<bool(const LogId&)>& are_over, Actions& out);
     /// See BrokerCore::release.
     std::optional<SessionImage> release(std::string_view client_id, Actions& out);
 

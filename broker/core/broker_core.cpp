@@ -329,6 +329,15 @@ void BrokerCore::advance_cursor(const LogPosition& through) {
     state_->tables.cursors.advance(through);
 }
 
+void BrokerCore::set_audience(const Audience& peers) {
+    state_->tables.peers = &peers;
+}
+
+void BrokerCore::forget_logs(const std::function<bool(const LogId&)>& are_over, Actions& out) {
+    state_->tables.cursors.forget(are_over);
+    state_->adoption.forget_logs(are_over, out);
+}
+
 bool BrokerCore::adopt(Instant now, SessionImage image, std::span<const MessagePtr> missed,
                        Actions& out) {
     Turn turn{now, out};
@@ -379,6 +388,15 @@ std::optional<SessionImage> BrokerCore::image(std::string_view client_id) const 
 const SessionHeader* BrokerCore::header(std::string_view client_id) const {
     const Session* session = state_->tables.sessions.find(client_id);
     return session == nullptr ? nullptr : &session->header;
+}
+
+std::vector<ClientId> BrokerCore::client_ids() const {
+    std::vector<ClientId> all;
+    all.reserve(session_count());
+    for (const Session* session : state_->tables.sessions.by_client_id()) {
+        all.push_back(session->header.client_id);
+    }
+    return all;
 }
 
 std::vector<SessionImage> BrokerCore::images() const {

@@ -7,6 +7,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -14,6 +15,7 @@
 #include <vector>
 
 #include "broker/core/actions.h"
+#include "broker/core/audience.h"
 #include "broker/core/counters.h"
 #include "broker/core/limits.h"
 #include "broker/core/log_event.h"
@@ -51,6 +53,9 @@ public:
     /// Takes note that the log has been worked through up to `through` although it held no
     /// publishes there.
     void advance_cursor(const LogPosition& through);
+    /// Nothing of these logs can come here any more: forgets how far they were worked through, and
+    /// what sessions still awaited of them.
+    void forget_logs(const std::function<bool(const LogId&)>& are_over, Actions& out);
 
     /// Becomes the home of the session: appends SessionPut, queues the `missed` messages that match
     /// its subscriptions, in order, and sends again what was in flight (PUBLISH with DUP). An own
@@ -66,6 +71,9 @@ public:
     /// lack the logs that it stands in: queued, and worked through as far as this broker is.
     [[nodiscard]] SessionImage caught_up(SessionImage image, std::span<const MessagePtr> missed);
 
+    /// Who is asked whether a peer wants a QoS 0 message; it must outlive this broker.
+    void set_audience(const Audience& peers);
+
     /// Stops being the home: appends SessionErased and forgets, publishing no will. Empty when
     /// unknown.
     std::optional<SessionImage> release(std::string_view client_id, Actions& out);
@@ -80,6 +88,7 @@ public:
     /// Of the session that is homed here; null when there is none. Valid until the next input.
     [[nodiscard]] const SessionHeader* header(std::string_view client_id) const;
     [[nodiscard]] std::vector<SessionImage> images() const;  // by client id
+    [[nodiscard]] std::vector<ClientId> client_ids() const;  // sorted
     [[nodiscard]] std::vector<SessionImage> images_via(const Endpoint& via) const;
 
     /// Sets a retained message of the broker itself under $SYS; neither logged nor forwarded.

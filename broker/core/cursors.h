@@ -48,6 +48,13 @@ public:
         cursor.logged = std::max(cursor.logged, position.seq);
     }
 
+    /// Nothing can come of these logs any more.
+    template <typename IsOver>
+    void forget(IsOver&& is_over) {
+        std::erase_if(by_log_, [&](const auto& entry) { return is_over(entry.first); });
+    }
+    [[nodiscard]] std::size_t size() const { return by_log_.size(); }
+
     /// Those that the own log does not know yet.
     [[nodiscard]] std::vector<LogPosition> unlogged() const {
         std::vector<LogPosition> found;

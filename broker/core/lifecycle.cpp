@@ -61,13 +61,26 @@ void Lifecycle::wake(Session& session, Turn& turn) {
 
 void Lifecycle::disconnect(Session& session, Turn& turn) {
     depart(session, SessionState::disconnected, turn);
+    log_header(session, turn);
 }
 
 void Lifecycle::lose(Session& session, Turn& turn) {
     depart(session, SessionState::lost, turn);
-    if (!session.will || session.will->topic.empty()) return;
+    if (!session.will || session.will->topic.empty()) {
+        log_header(session, turn);
+    } else {
+        publish_will(session, turn);
+    }
+}
+
+/// One event for both, so that no heir finds the session lost and the will unsaid. A will of QoS 0
+/// is in no log, like all of QoS 0.
+void Lifecycle::publish_will(Session& session, Turn& turn) {
     const Will will = *session.will;
-    router_.publish({will.topic, will.message, will.qos, will.retain}, turn);
+    const Publication publication{will.topic, will.message, will.qos, will.retain};
+    if (!Router::is_logged(publication)) log_header(session, turn);
+    router_.accept(publication, nullptr, mqttsn::no_msg_id, turn, session.header.client_id);
+    router_.deliver(publication, turn);
 }
 
 void Lifecycle::depart(Session& session, SessionState state, Turn& turn) {
@@ -76,7 +89,6 @@ void Lifecycle::depart(Session& session, SessionState state, Turn& turn) {
     session.header.state = state;
     session.fresh = session.fresh_will = false;
     tables_.sessions.depart(session, turn.now);
-    log_header(session, turn);
     schedule(tables_, session);
 }
 

@@ -42,6 +42,7 @@ public:
 
 private:
     void depart(Session& session, SessionState state, Turn& turn);
+    void publish_will(Session& session, Turn& turn);
 
     Tables& tables_;
     Router& router_;

@@ -61,6 +61,9 @@ struct Published {
     ClientId publisher;  // empty unless QoS 2 from a session
     mqttsn::MsgId msg_id = mqttsn::no_msg_id;
     std::vector<Route> routes;  // the writer's own sessions (QoS 1 and 2 only)
+    /// The message is the will of this session, which is lost with this event: nobody ever holds
+    /// the one and not the other.
+    ClientId will_of = {};
 };
 /// The writer worked on a peer's message (or a retained one): queued for these of its sessions.
 /// Implies Cursor at that position when the message is of a peer's log and a live one: the routes

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <optional>
 #include <span>
 #include <string>
@@ -44,12 +45,22 @@ public:
     /// How far the home says that it worked through each peer's log.
     [[nodiscard]] std::vector<LogPosition> cursors() const { return cursors_.all(); }
     [[nodiscard]] Seq cursor(const LogId& log) const { return cursors_.at(log); }
+    /// See BrokerCore::forget_logs.
+    void forget_logs(const std::function<bool(const LogId&)>& are_over) {
+        cursors_.forget(are_over);
+    }
 
     [[nodiscard]] std::size_t size() const { return sessions_.size(); }
     [[nodiscard]] bool contains(std::string_view client_id) const;
     [[nodiscard]] std::optional<SessionImage> image(std::string_view client_id) const;
     [[nodiscard]] std::vector<SessionImage> images() const;  // by client id
     [[nodiscard]] std::vector<SessionImage> images_via(const Endpoint& via) const;
+    /// Calls `look(const SessionImage&)` with each as it is here, in no order: `worked_through` is
+    /// that of the last SessionPut.
+    template <typename Look>
+    void visit(Look&& look) const {
+        for (const auto& [client_id, image] : sessions_) look(image);
+    }
 
 private:
     struct TextHash {

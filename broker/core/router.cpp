@@ -80,13 +80,15 @@ std::vector<Route> Router::routes() const {
 }
 
 void Router::accept(const Publication& publication, const Session* publisher, MsgId msg_id,
-                    Turn& turn) {
+                    Turn& turn, const ClientId& will_of) {
     find_receivers(publication.topic, publication.qos, {}, turn);
     claim_room();
     message_ = {};
     if (!publication.retain && !tables_.log.writes()) return;
 
-    const bool in_log = publication.qos != Qos::at_most_once || publication.retain;
+    const bool in_log = is_logged(publication);
+    const Audience* peers = tables_.peers;
+    if (!in_log && peers != nullptr && !peers->wants(publication.topic)) return;
     message_ = make_message(publication, in_log, turn);
     if (!in_log) {
         turn.out.push(Forward{message_});
@@ -94,7 +96,7 @@ void Router::accept(const Publication& publication, const Session* publisher, Ms
     }
     tables_.log.append(turn.out, [&] {
         return Published{message_, publisher == nullptr ? ClientId{} : publisher->header.client_id,
-                         msg_id, routes()};
+                         msg_id, routes(), will_of};
     });
     if (publication.retain) tables_.retained.put(message_);
 }

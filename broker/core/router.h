@@ -29,9 +29,9 @@ public:
         : tables_(tables), outbox_(outbox), deliveries_(deliveries) {}
 
     /// Finds the receivers and writes the message into the log and the retained store. `publisher`
-    /// and `msg_id` only for QoS 2.
+    /// and `msg_id` only for QoS 2; `will_of` see Published.
     void accept(const Publication& publication, const Session* publisher, mqttsn::MsgId msg_id,
-                Turn& turn);
+                Turn& turn, const ClientId& will_of = {});
     /// Hands what was accepted last to its receivers.
     void deliver(const Publication& publication, Turn& turn);
 
@@ -39,6 +39,11 @@ public:
     void publish(const Publication& publication, Turn& turn) {
         accept(publication, nullptr, mqttsn::no_msg_id, turn);
         deliver(publication, turn);
+    }
+
+    /// What goes into the log: QoS 1 and 2, and retained.
+    [[nodiscard]] static bool is_logged(const Publication& publication) {
+        return publication.qos != mqttsn::Qos::at_most_once || publication.retain;
     }
 
     void on_peer_message(const MessagePtr& message, Turn& turn);

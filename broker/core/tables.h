@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "broker/core/actions.h"
+#include "broker/core/audience.h"
 #include "broker/core/counters.h"
 #include "broker/core/cursors.h"
 #include "broker/core/deadlines.h"
@@ -50,6 +51,7 @@ struct Tables {
     RetainedStore retained;
     Cursors cursors;
     Counters counters;
+    const Audience* peers = nullptr;  // null: they may want everything
     bool congested = false;  // no new promises (BrokerCore::set_congested)
 
     void count(Drop reason) { ++counters.dropped[static_cast<std::size_t>(reason)]; }

@@ -57,6 +57,7 @@ EventRows::EventRows(Database& database, std::uint64_t incarnation)
       put_topic_(database,
                  "INSERT OR REPLACE INTO topics(session, id, name, known_to_client)"
                  " SELECT id, ?2, ?3, ?4 FROM sessions WHERE client_id = ?1"),
+      lose_session_(database, "UPDATE sessions SET state = ?2 WHERE client_id = ?1"),
       put_unreleased_(database,
                       "INSERT INTO unreleased(session, msg_id)"
                       " SELECT id, ?2 FROM sessions WHERE client_id = ?1"),
@@ -165,6 +166,9 @@ void EventRows::put_topic(const ClientId& client_id, const broker::TopicBinding&
 
 void EventRows::on(const broker::Published& event) {
     if (!event.publisher.empty()) put_unreleased_.run(event.publisher, number(event.msg_id));
+    if (!event.will_of.empty()) {
+        lose_session_.run(event.will_of, number(broker::SessionState::lost));
+    }
     const broker::Message& message = *event.message;
     const bool is_kept = message.retain && !message.payload.empty();
     std::int64_t row = 0;

@@ -59,6 +59,7 @@ private:
     Statement put_subscription_;
     Statement erase_subscription_;
     Statement put_topic_;
+    Statement lose_session_;
     Statement put_unreleased_;
     Statement erase_unreleased_;
     Statement put_message_;

@@ -66,7 +66,7 @@ void ClusterCore::on_tick(Effects& effects, const std::set<Endpoint>& pending_ou
     }
     if (effects.now >= next_trim_) {
         next_trim_ = effects.now + trim_every;
-        trim(effects.now);
+        trim(effects);
     }
     if (effects.now >= next_addresses_) {
         next_addresses_ = effects.now + addresses_every;
@@ -202,13 +202,16 @@ void ClusterCore::on_view(Effects& effects, const ViewAnnouncement& announcement
     // silent, at the very moment at which it takes the address over.
     for (const LogPosition& end : announcement.ends) membership_.on_left_out(effects.now, end.log);
     for (const auto& [id, log] : logs_) {
-        if (!log.is_frozen()) continue;
-        interest_.forget(id.broker);
-        homes_.forget(id.broker);
+        const auto shown = in_tables_.find(id.broker);
+        if (log.is_frozen() && shown != in_tables_.end() && shown->second == id) {
+            forget_tables(id.broker);
+        }
     }
     for (const LogId& member : view().members) {
         const auto log = logs_.find(member);
-        if (log != logs_.end()) reset_tables(member.broker, log->second);
+        const auto shown = in_tables_.find(member.broker);
+        if (log == logs_.end() || (shown != in_tables_.end() && shown->second == member)) continue;
+        reset_tables(member, log->second);
     }
     // Another member hands us what our earlier life left at our address, if it has not done so yet.
     for (const Assignment& assignment : announcement.assignments) {
@@ -370,7 +373,7 @@ void ClusterCore::on(Effects& effects, BrokerId from, const SnapshotPart& part) 
     for (const auto& message : snapshot->retained) effects.broker.put_retained(message);
     if (snapshot->as_of.seq <= log.applied()) return;
     log.restart(*snapshot);
-    reset_tables(id.broker, log);
+    reset_tables(id, log);
     for (const auto& image : snapshot->sessions) mark_taken(image.header.client_id);
     for (const auto& message : snapshot->publishes) {
         if (message->position.seq > effects.broker.cursor(id)) {
@@ -396,6 +399,9 @@ void ClusterCore::apply_event(Effects& effects, const LogId& id, PeerLog& log) {
     if (!log.is_frozen()) {
         interest_.on_event(id.broker, event);
         homes_.on_event(id.broker, event);
+    } else if (const auto shown = in_tables_.find(id.broker);
+               shown != in_tables_.end() && shown->second == id) {
+        in_tables_.erase(shown);  // they lack this event
     }
     MessagePtr published;
     if (const auto* publish = std::get_if<broker::Published>(&event)) published = publish->message;
@@ -431,10 +437,16 @@ void ClusterCore::mark_taken(const broker::ClientId& client) {
     for (auto& [id, log] : logs_) log.mark_taken(client);
 }
 
-void ClusterCore::reset_tables(BrokerId peer, const PeerLog& log) {
-    const auto sessions = log.mirror().images();
-    interest_.reset(peer, sessions);
-    homes_.reset(peer, sessions);
+void ClusterCore::reset_tables(const LogId& id, const PeerLog& log) {
+    interest_.reset(id.broker, log.mirror());
+    homes_.reset(id.broker, log.mirror());
+    in_tables_.insert_or_assign(id.broker, id);
+}
+
+void ClusterCore::forget_tables(BrokerId peer) {
+    interest_.forget(peer);
+    homes_.forget(peer);
+    in_tables_.erase(peer);
 }
 
 void ClusterCore::learn(const MessagePtr& message) {
@@ -450,10 +462,23 @@ void ClusterCore::ask_for_gaps(Effects& effects) {
     }
 }
 
-void ClusterCore::trim(Instant now) {
+/// A broker writes one log a life, and none of an earlier life once a later one was heard.
+void ClusterCore::forget_old_lives(Effects& effects) {
+    const auto are_over = [this](const LogId& id) {
+        if (logs_.contains(id)) return false;
+        if (id.broker == own_.id().broker) return id.incarnation < own_.id().incarnation;
+        const Peer* peer = membership_.find(id.broker);
+        return peer != nullptr && id.incarnation < peer->beacon.log.incarnation;
+    };
+    effects.broker.forget_logs(are_over, effects.clients);
+    for (auto& [id, log] : logs_) log.mirror().forget_logs(are_over);
+}
+
+void ClusterCore::trim(Effects& effects) {
+    const Instant now = effects.now;
     // Logs of brokers that are gone are kept for a while: they may come back, and until then what
     // is held of them may be all that there is.
-    std::erase_if(logs_, [&](const auto& entry) {
+    const auto dropped = std::erase_if(logs_, [&](const auto& entry) {
         const LogId& id = entry.first;
         const bool is_gone =
             entry.second.is_frozen() || (!view_change_.contains(id) && !membership_.is_alive(id));
@@ -463,9 +488,12 @@ void ClusterCore::trim(Instant now) {
         }
         if (now < gone_since_.try_emplace(id, now).first->second + removed_kept_for) return false;
         watermark_.forget(id);
+        const auto shown = in_tables_.find(id.broker);
+        if (shown != in_tables_.end() && shown->second == id) forget_tables(id.broker);
         gone_since_.erase(id);
         return true;
     });
+    if (dropped > 0) forget_old_lives(effects);
 
     constexpr Seq all = std::numeric_limits<Seq>::max();
     Seq held_by_all = all;

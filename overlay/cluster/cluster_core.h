@@ -57,6 +57,7 @@ public:
     void flush(Outbox& out);
     /// To peers with a matching subscriber.
     void forward(const MessagePtr& message, Outbox& out) const;
+    [[nodiscard]] const broker::Audience& audience() const { return interest_; }
     /// The log is held by enough peers up to here.
     Seq safe();
 
@@ -153,11 +154,15 @@ private:
     void send_beacon(Effects& effects);
     /// What was said from an address while it was silent went nowhere: says it again.
     void break_silence(Effects& effects);
-    void reset_tables(BrokerId peer, const PeerLog& log);
+    /// Interest and homes follow the events of logs that are not frozen.
+    void reset_tables(const LogId& id, const PeerLog& log);
+    void forget_tables(BrokerId peer);
     /// Tries again for addresses that should be served here and are served by nobody.
     void seek_addresses(Effects& effects);
     void ask_for_gaps(Effects& effects);
-    void trim(Instant now);
+    void trim(Effects& effects);
+    /// Of logs that nobody can write any more and that are held no more.
+    void forget_old_lives(Effects& effects);
     [[nodiscard]] Surroundings surroundings(const Effects& effects);
     [[nodiscard]] Logs logs() { return {logs_, own_}; }
 
@@ -172,6 +177,7 @@ private:
     std::map<LogId, Instant> gone_since_;
     Interest interest_;
     Homes homes_;
+    std::map<BrokerId, LogId> in_tables_;  // whose sessions the two tables have, all of them
     Watermark watermark_;
     ViewChange view_change_;
     TakeOver take_over_;

@@ -12,9 +12,9 @@ void Homes::on_event(BrokerId peer, const broker::LogEvent& event) {
     }
 }
 
-void Homes::reset(BrokerId peer, std::span<const broker::SessionImage> sessions) {
+void Homes::reset(BrokerId peer, const broker::Mirror& sessions) {
     forget(peer);
-    for (const auto& image : sessions) put(peer, image.header);
+    sessions.visit([&](const broker::SessionImage& image) { put(peer, image.header); });
 }
 
 void Homes::forget(BrokerId peer) {

@@ -4,10 +4,10 @@
 
 #include <map>
 #include <optional>
-#include <span>
 #include <string>
 #include <unordered_map>
 
+#include "broker/core/mirror.h"
 #include "overlay/cluster/messages.h"
 
 namespace romano::cluster {
@@ -21,7 +21,7 @@ class Homes {
 public:
     void on_event(BrokerId peer, const broker::LogEvent& event);
     /// Replaces all that is known of the peer.
-    void reset(BrokerId peer, std::span<const broker::SessionImage> sessions);
+    void reset(BrokerId peer, const broker::Mirror& sessions);
     void forget(BrokerId peer);
 
     [[nodiscard]] std::optional<Home> of(const broker::ClientId& client) const;

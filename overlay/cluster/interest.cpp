@@ -19,9 +19,9 @@ void Interest::on_event(BrokerId peer, const broker::LogEvent& event) {
     }
 }
 
-void Interest::reset(BrokerId peer, std::span<const broker::SessionImage> sessions) {
+void Interest::reset(BrokerId peer, const broker::Mirror& sessions) {
     forget(peer);
-    for (const auto& image : sessions) put(peer, image);
+    sessions.visit([&](const broker::SessionImage& image) { put(peer, image); });
 }
 
 void Interest::forget(BrokerId peer) {
@@ -30,6 +30,12 @@ void Interest::forget(BrokerId peer) {
     for (const auto& [client, filters] : known.mapped()) {
         for (const auto& filter : filters) remove(peer, filter);
     }
+}
+
+bool Interest::wants(std::string_view topic) const {
+    bool somebody = false;
+    tree_.match(topic, [&somebody](BrokerId, std::uint32_t) { somebody = true; });
+    return somebody;
 }
 
 std::vector<BrokerId> Interest::interested_in(std::string_view topic) const {

@@ -5,23 +5,25 @@
 #include <cstdint>
 #include <map>
 #include <set>
-#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "broker/core/audience.h"
+#include "broker/core/mirror.h"
 #include "broker/core/topic_tree.h"
 #include "overlay/cluster/messages.h"
 
 namespace romano::cluster {
 
-class Interest {
+class Interest final : public broker::Audience {
 public:
     void on_event(BrokerId peer, const broker::LogEvent& event);
     /// Replaces all that is known of the peer.
-    void reset(BrokerId peer, std::span<const broker::SessionImage> sessions);
+    void reset(BrokerId peer, const broker::Mirror& sessions);
     void forget(BrokerId peer);
 
+    [[nodiscard]] bool wants(std::string_view topic) const override;
     /// Sorted, each once.
     [[nodiscard]] std::vector<BrokerId> interested_in(std::string_view topic) const;
 

@@ -117,9 +117,9 @@ void PeerLog::restart(const SnapshotPart& snapshot) {
 void PeerLog::freeze() {
     if (frozen_) return;
     frozen_ = true;
-    for (const auto& image : mirror_.images()) {
+    mirror_.visit([this](const broker::SessionImage& image) {
         left_.emplace(image.header.client_id, image.header.via);
-    }
+    });
 }
 
 void PeerLog::thaw() {

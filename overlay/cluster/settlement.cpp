@@ -8,16 +8,15 @@ namespace romano::cluster {
 
 void Settlement::on_peer_session(const Effects& effects, BrokerId peer,
                                  const broker::ClientId& client) {
-    if (effects.broker.image(client)) conflicts_.emplace(client, peer);
+    if (effects.broker.header(client) != nullptr) conflicts_.emplace(client, peer);
 }
 
 void Settlement::compare(const Effects& effects, const PeerLogs& logs, const View& view) {
-    const auto own = effects.broker.images();
+    const auto own = effects.broker.client_ids();
     for (const LogId& member : view.members) {
         const auto log = logs.find(member);
         if (log == logs.end()) continue;
-        for (const auto& image : own) {
-            const broker::ClientId& client = image.header.client_id;
+        for (const broker::ClientId& client : own) {
             if (log->second.mirror().contains(client)) conflicts_.emplace(client, member.broker);
         }
     }

@@ -58,6 +58,7 @@ struct Writer {
         to.set_publisher(e.publisher);
         to.set_msg_id(static_cast<std::uint32_t>(e.msg_id));
         for (const auto& route : e.routes) to_proto(route, *to.add_routes());
+        to.set_will_of(e.will_of);
     }
     void operator()(const broker::Routed& e) const {
         auto& to = *out.mutable_routed();
@@ -114,7 +115,7 @@ Maybe read_published(const Published& in) {
     auto message = from_proto(in.message());
     const auto msg_id = narrow<mqttsn::MsgId>(in.msg_id());
     if (!in.has_message() || !message || !msg_id) return std::nullopt;
-    broker::Published out{std::move(*message), in.publisher(), *msg_id, {}};
+    broker::Published out{std::move(*message), in.publisher(), *msg_id, {}, in.will_of()};
     if (!read_routes(in.routes(), out.routes)) return std::nullopt;
     return out;
 }

@@ -42,7 +42,9 @@ public:
                     .log = log_,
                     .home_addresses = options.home_addresses,
                     .link = {options.link, options.incarnation}},
-                   seed + 1) {}
+                   seed + 1) {
+        broker_.set_audience(cluster_.audience());
+    }
 
     void on_datagram(Instant now, const Endpoint& via, const Endpoint& from, Bytes datagram,
                      MemberActions& out);
@@ -144,6 +146,7 @@ void Member::State::on_peer_message(Instant now, const Envelope& envelope, Membe
 
 void Member::State::on_address(Instant now, const Endpoint& address, bool served,
                                MemberActions& out) {
+    if (has_left_) return;
     Effects acting = effects(now, out);
     cluster_.on_address(acting, address, served);
     carry_out(now, out);
@@ -231,6 +234,7 @@ void Member::State::restart(Instant now, MemberActions& out) {
     ++replacements_;
     const auto retained = broker_.retained();
     broker_ = BrokerCore(broker_options(), seed_ + log_.incarnation);
+    broker_.set_audience(cluster_.audience());
     for (const auto& message : retained) broker_.put_retained(message);
     told_.clear();
     Effects acting = effects(now, out);

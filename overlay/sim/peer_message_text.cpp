@@ -90,7 +90,8 @@ std::string event(const TopicBound& e) {
     return "topic " + e.client_id + ' ' + e.binding.name;
 }
 std::string event(const Published& e) {
-    return "published " + text(e.message) + " for" + text(e.routes);
+    return "published " + text(e.message) + " for" + text(e.routes) +
+           (e.will_of.empty() ? "" : " will of lost " + e.will_of);
 }
 std::string event(const Routed& e) {
     return "routed " + text(e.message) + " for" + text(e.routes);

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <map>
 #include <memory>
 #include <string>
@@ -208,6 +209,26 @@ TEST_F(Adoption, AQueuedMessageThatTheHeirDoesNotKnowIsDeliveredWhenItComes) {
     robot.hears_nothing();
     heir.expects_mirror_to_agree();
     EXPECT_TRUE(heir.core.image("robot")->deliveries.empty());
+}
+
+TEST_F(Adoption, WhatAForgottenLogStillOwedIsAwaitedNoMore) {  // P8
+    robot.connects(false);
+    robot.subscribes("cmd");
+    SessionImage image = image_of(home, "robot");
+    const LogId former{broker_id_of("peer"), 1};
+    const LogId present{broker_id_of("peer"), 2};
+    image.deliveries.push_back({.position = {former, 3}, .message = {}, .qos = Qos::at_least_once});
+    image.deliveries.push_back(
+        {.position = {present, 3}, .message = {}, .qos = Qos::at_least_once});
+    image.worked_through = {{former, 4}, {present, 4}};
+    EXPECT_TRUE(heir.core.adopt(heir.now, image, {}, heir.actions));
+    heir.core.forget_logs([&](const LogId& log) { return log == former; }, heir.actions);
+    heir.drain();
+    const auto left = *heir.core.image("robot");
+    ASSERT_EQ(left.deliveries.size(), 1U);
+    EXPECT_EQ(left.deliveries[0].position.log, present);
+    EXPECT_EQ(std::ranges::count(left.worked_through, former, &LogPosition::log), 0);
+    EXPECT_EQ(std::ranges::count(left.worked_through, present, &LogPosition::log), 1);
 }
 
 TEST_F(Adoption, TopicIdsAndSubscriptionsGoOn) {

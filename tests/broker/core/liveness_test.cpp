@@ -45,6 +45,28 @@ TEST_F(Living, SilenceIsToleratedForHalfAKeepAliveMore) {  // G6
     EXPECT_EQ(state_of(robot), SessionState::lost);
 }
 
+TEST_F(Living, ALossAndTheWillAreOneEvent) {  // P7: no heir knows of one without the other
+    for (const Qos qos : {Qos::at_least_once, Qos::exactly_once}) {
+        Connect connect = robot.connect(false, 20);
+        connect.will = true;
+        robot.says(connect);
+        robot.hears<Willtopicreq>();
+        robot.says(Willtopic{qos, false, "gone"});
+        robot.hears<Willmsgreq>();
+        robot.says(Willmsg{as_octets("robot")});
+        robot.hears<Connack>();
+        const std::size_t before = broker.log.size();
+        broker.waits(30s);
+        robot.ignores_what_came();
+        ASSERT_EQ(state_of(robot), SessionState::lost);
+        ASSERT_EQ(broker.log.size(), before + 1);
+        const auto& event = std::get<Published>(broker.log.back());
+        EXPECT_EQ(event.will_of, "robot");
+        EXPECT_EQ(event.message->topic, "gone");
+        broker.expects_mirror_to_agree();
+    }
+}
+
 TEST_F(Living, AnyMessageRestartsKeepAlive) {  // 6.14
     robot.connects(true, 20);
     for (int i = 0; i < 5; ++i) {

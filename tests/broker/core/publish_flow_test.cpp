@@ -187,6 +187,19 @@ TEST_F(Publishing, Qos0IsForwardedToPeersAndNotLogged) {
     EXPECT_EQ(broker.forwards[0]->position.seq, 0u);
 }
 
+TEST_F(Publishing, Qos0ThatNoPeerWantsIsNotEvenBuiltForThem) {
+    struct Picky final : Audience {
+        [[nodiscard]] bool wants(std::string_view topic) const override { return topic == "a"; }
+    } peers;
+    broker.core.set_audience(peers);
+    robot.publishes(robot.registers("b"), "x");
+    EXPECT_TRUE(broker.forwards.empty());
+    robot.publishes(robot.registers("a"), "x");
+    ASSERT_EQ(broker.forwards.size(), 1u);
+    robot.publishes(robot.registers("b"), "x", Qos::at_least_once);  // the log is for all
+    EXPECT_EQ(std::get<Published>(broker.log.back()).message->topic, "b");
+}
+
 TEST_F(Publishing, AnswerWaitsForTheEventOfTheMessage) {
     const TopicId id = robot.registers("a");
     robot.publishes(id, "x", Qos::at_least_once);

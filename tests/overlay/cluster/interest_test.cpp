@@ -60,9 +60,9 @@ TEST(Interest, ASnapshotReplacesWhatWasKnown) {
     interest.on_event(b1, subscribed("a", "old/#"));
     auto image = std::get<broker::SessionPut>(session("a")).image;
     image.subscriptions.push_back({.filter = "new/#"});
-    const std::vector<broker::SessionImage> sessions{image};
-    interest.reset(b1, sessions);
-    interest.reset(b1, sessions);
+    const broker::Mirror mirror{{{b1, 1}, 7}, {image}, {}};
+    interest.reset(b1, mirror);
+    interest.reset(b1, mirror);
     EXPECT_THAT(interest.interested_in("old/x"), IsEmpty());
     EXPECT_THAT(interest.interested_in("new/x"), ElementsAre(b1));
     interest.forget(b1);

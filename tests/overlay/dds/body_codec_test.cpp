@@ -31,7 +31,7 @@ static_assert(field_count<broker::TopicBinding>() == 3);
 static_assert(field_count<broker::Delivery>() == 6);
 static_assert(field_count<broker::SessionImage>() == 7);
 static_assert(field_count<broker::SessionChanged>() == 2);
-static_assert(field_count<broker::Published>() == 4);
+static_assert(field_count<broker::Published>() == 5);
 static_assert(field_count<broker::Routed>() == 2);
 static_assert(field_count<broker::Route>() == 3);
 static_assert(field_count<broker::DeliveryStarted>() == 4);

@@ -133,7 +133,7 @@ broker::LogEvent event_of(std::size_t kind, Random& r) {
         case 6:
             return broker::TopicBound{text(r), binding(r)};
         case 7:
-            return broker::Published{message(r), text(r), msg_id(r), some(r, route)};
+            return broker::Published{message(r), text(r), msg_id(r), some(r, route), text(r)};
         case 8:
             return broker::Routed{position(r), some(r, route)};
         case 9:

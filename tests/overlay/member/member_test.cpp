@@ -257,6 +257,44 @@ TEST(Member, AnOrderlyStopHandsOverAtOnce) {
     expect_unnoticed(robot);
 }
 
+TEST(Member, WhatComesFromTheShellAfterAnOrderlyStopCallsNobodyBack) {
+    const overlay::MemberOptions options{.broker = {},
+                                         .cluster = {},
+                                         .name = "b1",
+                                         .incarnation = 1,
+                                         .home_addresses = {broker_address(1)}};
+    overlay::Member member{options, 1};
+    overlay::MemberActions actions;
+    const Instant now{1s};
+    member.on_tick(now, actions);
+    member.leave(now, actions);
+    actions = {};
+    member.on_address(now + 1ms, broker_address(1), true, actions);
+    member.on_tick(now + 1s, actions);
+    EXPECT_TRUE(actions.peers.empty());
+    EXPECT_TRUE(actions.local.empty());
+    EXPECT_TRUE(actions.clients.empty());
+    EXPECT_EQ(member.next_wakeup(), never);
+}
+
+TEST(Member, FormerLivesOfABrokerAreForgotten) {  // P8
+    Brokers brokers;
+    start(brokers, {1, 2});
+    subscriber(brokers, "robot", 1, Qos::exactly_once);
+    for (int life = 0; life < 10; ++life) {
+        brokers.kill(2);
+        brokers.run_for(500ms);
+        brokers.start(2);
+        brokers.run_for(500ms);
+    }
+    const auto logs_known = [&] {
+        return brokers.member(1).broker().image("robot")->worked_through.size();
+    };
+    EXPECT_GE(logs_known(), 10U);  // while their sessions may still be on their way
+    brokers.run_for(31s);
+    EXPECT_LE(logs_known(), 2U);
+}
+
 TEST(Member, AStalledBrokerThatWasReplacedDropsWhatItHadAndGetsItBack) {
     Brokers brokers;
     start(brokers, {1, 2, 3});
