@@ -122,6 +122,7 @@ void RandomFaults::happen(Fault fault) {
 void RandomFaults::for_a_while(std::uint32_t& lasting, EventQueue::Event undo) {
     ++lasting;
     calm_since_ = never;
+    if (&lasting == &apart_) settled_ = 0;  // what a side promised alone is lost with it
     // Short ones are as interesting as long ones: the length's logarithm is uniform.
     const Duration longest = options_.lasts_max / (1U << random_.below(8));
     world_.events().after(random_.between(longest / 2, longest),

@@ -47,7 +47,7 @@ ClusterWorldOptions world_options(std::uint64_t seed, const RunOptions& run) {
 void add_robots(ClusterWorld& world, std::uint64_t seed, const RunOptions& run) {
     static constexpr const char* topics[] = {"pose", "map/a", "map/b", "cmd"};
     static constexpr const char* filters[] = {"pose", "map/+", "map/a", "cmd", "#", "will/+"};
-    static constexpr std::chrono::seconds keep_alives[] = {4s, 6s, 60s};
+    static constexpr std::chrono::seconds keep_alives[] = {6s, 8s, 60s};
     static constexpr Qos some_qos[] = {Qos::at_least_once, Qos::exactly_once, Qos::exactly_once};
     Random random(seed_of(seed, "robots"));
     const std::size_t count = run.robots > 0 ? run.robots : 2 + random.below(6);
