@@ -16,33 +16,13 @@
 #include "broker/core/mirror.h"
 #include "romano/mqttsn/codec.h"
 #include "tests/fuzz/require.h"
+#include "tests/fuzz/script.h"
 
 using namespace romano;
 using namespace romano::broker;
 using namespace std::chrono_literals;
 
 namespace {
-
-/// Takes the input apart; at its end it gives zeros.
-class Script {
-public:
-    explicit Script(Bytes octets) : octets_(octets) {}
-    [[nodiscard]] bool is_over() const { return octets_.empty(); }
-    std::uint8_t octet() {
-        if (octets_.empty()) return 0;
-        const std::uint8_t first = octets_[0];
-        octets_ = octets_.subspan(1);
-        return first;
-    }
-    Bytes octets(std::size_t wanted) {
-        const Bytes taken = octets_.first(std::min(wanted, octets_.size()));
-        octets_ = octets_.subspan(taken.size());
-        return taken;
-    }
-
-private:
-    Bytes octets_;
-};
 
 /// Small tables, so that a few datagrams fill them; and few ticks on the way to rest, so that an
 /// input costs little: ADVERTISE, probes of silent clients and forgetting come rarely.
@@ -73,7 +53,7 @@ Endpoint client(std::uint8_t number) {
 
 class Run {
 public:
-    void step(Script& script) {
+    void step(fuzz::Script& script) {
         const std::uint8_t what = script.octet();
         switch (what >> 5U) {
             case 0:
@@ -101,8 +81,7 @@ public:
                 break;
             }
             default:
-                core_.on_datagram(now_, client(9), client(what), script.octets(script.octet()),
-                                  out_);
+                core_.on_datagram(now_, client(9), client(what), script.octets(), out_);
                 break;
         }
         drain();
@@ -152,7 +131,7 @@ private:
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-    Script script{Bytes{data, size}};
+    fuzz::Script script{Bytes{data, size}};
     Run run;
     while (!script.is_over()) run.step(script);
     run.comes_to_rest();

@@ -12,6 +12,7 @@
 
 #include "romano/mqttsn/codec.h"
 #include "tests/fuzz/require.h"
+#include "tests/fuzz/script.h"
 
 using namespace romano;
 using namespace romano::client;
@@ -28,24 +29,10 @@ struct TightLimits {
     static constexpr std::size_t unreleased = 2;
 };
 
-/// Takes the input apart; at its end it gives zeros.
-class Script {
+/// In the words of a client's calls.
+class ClientScript : public fuzz::Script {
 public:
-    explicit Script(Bytes octets) : octets_(octets) {}
-    [[nodiscard]] bool is_over() const { return octets_.empty(); }
-    std::uint8_t octet() {
-        if (octets_.empty()) return 0;
-        const std::uint8_t first = octets_[0];
-        octets_ = octets_.subspan(1);
-        return first;
-    }
-    Bytes octets() {
-        const std::size_t wanted = octet();
-        const std::size_t size = std::min(wanted, octets_.size());
-        const Bytes taken = octets_.first(size);
-        octets_ = octets_.subspan(size);
-        return taken;
-    }
+    using Script::Script;
     std::string_view text() { return as_text(octets()); }
     Qos qos() { return static_cast<Qos>(octet() & 3U); }
     TopicRef topic() {
@@ -58,9 +45,6 @@ public:
                 return predefined_topic(TopicId{octet()});
         }
     }
-
-private:
-    Bytes octets_;
 };
 
 /// What a broker says to `request`: makes deep exchanges likely, which random octets do not reach.
@@ -200,7 +184,7 @@ private:
         REQUIRE(client_.state() != State::connecting && client_.state() != State::disconnecting);
     }
 
-    Script script_;
+    ClientScript script_;
     Client<TightLimits> client_;
     OutputFor<TightLimits> out_;
     Instant now_{};
