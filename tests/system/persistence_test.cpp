@@ -4,11 +4,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <signal.h>
-#include <unistd.h>
 
 #include <atomic>
 #include <cstdlib>
-#include <filesystem>
 #include <fstream>
 #include <memory>
 #include <random>
@@ -19,11 +17,11 @@
 #include "tests/system/broker_process.h"
 #include "tests/system/test_addresses.h"
 #include "tests/system/test_client.h"
+#include "tests/temporary_folder.h"
 
 namespace romano::system {
 namespace {
 
-namespace fs = std::filesystem;
 using namespace std::chrono_literals;
 using mqttsn::Qos;
 
@@ -33,14 +31,7 @@ std::uint64_t test_seed() {
     return given != nullptr ? std::strtoull(given, nullptr, 10) : std::random_device{}();
 }
 
-fs::path new_folder() {
-    std::string name = testing::TempDir() + "romano-system-XXXXXX";
-    return mkdtemp(name.data());
-}
-
 struct Persistence : testing::Test {
-    ~Persistence() override { fs::remove_all(folder); }
-
     [[nodiscard]] std::unique_ptr<BrokerProcess> start(std::vector<std::string> more = {}) const {
         std::vector<std::string> arguments = {"--listen", addresses.service(1), "--store", path};
         arguments.insert(arguments.end(), more.begin(), more.end());
@@ -53,7 +44,7 @@ struct Persistence : testing::Test {
     }
 
     TestAddresses addresses;
-    fs::path folder = new_folder();
+    tests::TemporaryFolder folder;
     std::string path = folder / "store.db";
 };
 

@@ -15,6 +15,7 @@
 #include "tests/system/broker_process.h"
 #include "tests/system/test_addresses.h"
 #include "tests/system/test_client.h"
+#include "tests/temporary_folder.h"
 
 namespace romano::system {
 namespace {
@@ -237,14 +238,12 @@ class Application : public Robots, public testing::WithParamInterface<const char
 
 TEST_P(Application, EndsWhereItShouldAndDrawsTheTrails) {
     start_broker(1);
-    std::string name = "/tmp/romano-apply-XXXXXX";
-    const std::filesystem::path folder = mkdtemp(name.data());
-    EXPECT_EQ(romano(1, {"apply", GetParam(), "-o", folder}), 0) << said;
+    const tests::TemporaryFolder folder;
+    EXPECT_EQ(romano(1, {"apply", GetParam(), "-o", folder.path()}), 0) << said;
     std::string file = GetParam();
     std::ranges::replace(file, '-', '_');
     EXPECT_TRUE(std::filesystem::exists(folder / (file + ".csv")));
     EXPECT_TRUE(std::filesystem::exists(folder / (file + ".svg"))) << "is gnuplot installed?";
-    std::filesystem::remove_all(folder);
 }
 
 INSTANTIATE_TEST_SUITE_P(Of, Application, testing::Values("group-control", "path-copy"),

@@ -5,6 +5,8 @@
 #include <filesystem>
 #include <fstream>
 
+#include "tests/temporary_folder.h"
+
 namespace romano::bench {
 namespace {
 
@@ -29,12 +31,10 @@ TEST(TraceLine, AnyOtherLineIsTextAlone) {
 class TraceTailTest : public testing::Test {
 protected:
     TraceTailTest() { std::ofstream{file}; }
-    ~TraceTailTest() override { std::filesystem::remove(file); }
     void append(const std::string& text) { std::ofstream(file, std::ios::app) << text; }
 
-    std::filesystem::path file =
-        std::filesystem::temp_directory_path() /
-        ("trace_tail_test_" + std::to_string(reinterpret_cast<std::uintptr_t>(this)));
+    tests::TemporaryFolder folder;
+    std::filesystem::path file = folder / "trace";
     TraceTail tail{file};
 };
 

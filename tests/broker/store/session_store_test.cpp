@@ -6,7 +6,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/stat.h>
-#include <unistd.h>
 
 #include <filesystem>
 #include <fstream>
@@ -14,6 +13,7 @@
 
 #include "tests/broker/core/random_clients.h"
 #include "tests/broker/core/scripted_client.h"
+#include "tests/temporary_folder.h"
 
 namespace romano::store {
 namespace {
@@ -22,26 +22,14 @@ namespace fs = std::filesystem;
 using namespace romano::broker;
 using testing::HasSubstr;
 
-/// A folder of this test's own.
-struct Folder {
-    Folder() {
-        std::string name = testing::TempDir() + "romano-store-XXXXXX";
-        path = mkdtemp(name.data());
-    }
-    ~Folder() { fs::remove_all(path); }
-    Folder(const Folder&) = delete;
-    Folder& operator=(const Folder&) = delete;
-    fs::path path;
-};
-
 std::string content(const fs::path& file) {
     std::ifstream in(file, std::ios::binary);
     return {std::istreambuf_iterator<char>(in), {}};
 }
 
 struct SessionStoreTest : testing::Test {
-    Folder folder;
-    std::string path = folder.path / "store.db";
+    tests::TemporaryFolder folder;
+    std::string path = folder / "store.db";
 };
 
 /// A scripted broker whose log goes into a file.
@@ -247,9 +235,9 @@ TEST_F(SessionStoreTest, RefusesATruncatedFileAndLeavesItAlone) {
 }
 
 TEST_F(SessionStoreTest, RefusesWhatIsNoFile) {
-    EXPECT_THAT(refusal({.path = folder.path}), HasSubstr("is no regular file"));
+    EXPECT_THAT(refusal({.path = folder.path()}), HasSubstr("is no regular file"));
     EXPECT_THAT(refusal({.path = "/dev/full"}), HasSubstr("is no regular file"));
-    EXPECT_THAT(refusal({.path = folder.path / "no" / "such.db"}),
+    EXPECT_THAT(refusal({.path = folder / "no" / "such.db"}),
                 HasSubstr("cannot be opened for writing"));
 }
 
@@ -257,7 +245,7 @@ TEST_F(SessionStoreTest, RefusesAFileThatIsReadOnlyToThisUser) {
     { const SessionStore store({.path = path}); }
     const std::string before = content(path);
     chmod(path.c_str(), 0444);
-    chmod(folder.path.c_str(), 0755);
+    chmod(folder.path().c_str(), 0755);
     const bool is_root = geteuid() == 0;
     ASSERT_EQ(seteuid(is_root ? 65534 : geteuid()), 0);
     const std::string why = refusal({.path = path});
@@ -278,7 +266,7 @@ TEST_F(SessionStoreTest, RefusesAFileBeyondItsLimitAtTheStart) {
 // --- while running
 
 TEST_F(SessionStoreTest, KeepsAllOfABatchOrNothingWhenTheDiskIsFull) {
-    KeepingBroker broker({.path = path, .most_octets = 256 * 1024});
+    KeepingBroker broker({.path = path, .most_octets = 256UL * 1024});
     ScriptedClient subscriber(broker.scripted, "subscriber");
     ScriptedClient publisher(broker.scripted, "publisher");
     subscriber.connects(false);

@@ -13,6 +13,7 @@
 #include <thread>
 
 #include "experiments/process/process_usage.h"
+#include "tests/temporary_folder.h"
 
 namespace romano::experiments {
 namespace {
@@ -26,7 +27,6 @@ protected:
         return std::make_unique<BrokerProcess>("b1", "/bin/sh",
                                                std::vector<std::string>{"-c", script}, trace_);
     }
-    void TearDown() override { std::filesystem::remove(trace_); }
 
     /// Until the process has said something.
     void await_trace() const {
@@ -38,8 +38,8 @@ protected:
         for (int i = 0; i < 1000 && !process.has_ended(); ++i) std::this_thread::sleep_for(5ms);
     }
 
-    std::filesystem::path trace_ =
-        std::filesystem::temp_directory_path() / ("romano-trace-" + std::to_string(::getpid()));
+    tests::TemporaryFolder folder_;
+    std::filesystem::path trace_ = folder_ / "trace";
 };
 
 TEST_F(BrokerProcesses, SayHowTheyEnded) {

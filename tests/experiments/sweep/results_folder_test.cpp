@@ -4,9 +4,10 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <fstream>
+
+#include "tests/temporary_folder.h"
 
 namespace romano::experiments {
 namespace {
@@ -16,12 +17,6 @@ using ::testing::HasSubstr;
 
 class ResultsFolders : public ::testing::Test {
 protected:
-    void SetUp() override {
-        folder_ = fs::temp_directory_path() / ("romano-results-" + std::to_string(::getpid()));
-        fs::remove_all(folder_);
-    }
-    void TearDown() override { fs::remove_all(folder_); }
-
     RunRow row_of(const Cell& cell) const {
         RunRow row;
         row.cell = cell;
@@ -29,7 +24,8 @@ protected:
         return row;
     }
 
-    fs::path folder_;
+    tests::TemporaryFolder temporary_;
+    fs::path folder_ = temporary_ / "results";
     Sweep sweep_ = parse_sweep("[axes]\nbrokers = [1, 2, 3]\n", "try.toml");
 };
 

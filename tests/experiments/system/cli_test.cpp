@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/experiments/system/processes.h"
+#include "tests/temporary_folder.h"
 
 namespace romano::experiments {
 namespace {
@@ -37,10 +38,10 @@ TEST_F(Cli, DeliversLinesOfStandardInputInOrder) {
     // A kept session collects them while its subscriber is away: nobody needs to wait for him.
     const std::string keeper = at_ + "-i keeper -c -q 1 -t lines ";
     EXPECT_EQ(run_romano("sub " + keeper + "-W 0.5").exit_code, 27);
-    const auto file = std::filesystem::temp_directory_path() / ("lines-" + own_port());
+    const tests::TemporaryFolder folder;
+    const auto file = folder / "lines";
     std::ofstream(file) << "one\ntwo\nthree";
     EXPECT_EQ(run_romano("pub " + at_ + "-q 1 -t lines -l < " + file.string()).output, "");
-    std::filesystem::remove(file);
     EXPECT_EQ(run_romano("sub " + keeper + "-C 3 -W 20").output, "one\ntwo\nthree\n");
 }
 

@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "experiments/process/broker_process.h"
+#include "tests/temporary_folder.h"
 
 namespace romano::experiments {
 
@@ -58,12 +59,6 @@ public:
             std::this_thread::sleep_for(std::chrono::milliseconds{5});
         }
     }
-    ~ServingBroker() {
-        process_.reset();
-        std::filesystem::remove(trace_);
-    }
-    ServingBroker(const ServingBroker&) = delete;
-    ServingBroker& operator=(const ServingBroker&) = delete;
 
 private:
     [[nodiscard]] bool is_serving() const {
@@ -72,8 +67,8 @@ private:
         return text.find("serving") != std::string::npos;
     }
 
-    std::filesystem::path trace_ =
-        std::filesystem::temp_directory_path() / ("romano-broker-" + std::to_string(::getpid()));
+    tests::TemporaryFolder folder_;
+    std::filesystem::path trace_ = folder_ / "trace";
     std::unique_ptr<BrokerProcess> process_;
 };
 

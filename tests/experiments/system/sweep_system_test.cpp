@@ -10,6 +10,7 @@
 #include "experiments/sweep/csv.h"
 #include "experiments/sweep/run_row.h"
 #include "tests/experiments/system/processes.h"
+#include "tests/temporary_folder.h"
 
 namespace romano::experiments {
 namespace {
@@ -20,9 +21,6 @@ using ::testing::SizeIs;
 
 class SmallSweep : public ::testing::Test {
 protected:
-    void SetUp() override { fs::create_directories(folder_); }
-    void TearDown() override { fs::remove_all(folder_); }
-
     void write_sweep(const std::string& axes) const {
         std::ofstream(folder_ / "small.toml")
             << "duration = 2\nfault_after = 0.5\nretry = 0.3\nport = " << own_port()
@@ -45,7 +43,7 @@ protected:
         return rows;
     }
 
-    fs::path folder_ = fs::temp_directory_path() / ("romano-sweep-" + std::to_string(::getpid()));
+    tests::TemporaryFolder folder_;
 };
 
 TEST_F(SmallSweep, OfOneBrokerDeliversEverything) {

@@ -3,36 +3,19 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <unistd.h>
 
-#include <filesystem>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "tests/system/broker_process.h"
 #include "tests/system/test_addresses.h"
+#include "tests/temporary_folder.h"
 
 namespace romano::system {
 namespace {
 
 using testing::HasSubstr;
-
-/// A folder for the UART's socket.
-class Folder {
-public:
-    Folder() {
-        std::string name = "/tmp/romano-m3-XXXXXX";
-        path_ = mkdtemp(name.data());
-    }
-    ~Folder() { std::filesystem::remove_all(path_); }
-    Folder(const Folder&) = delete;
-    Folder& operator=(const Folder&) = delete;
-    [[nodiscard]] std::string uart() const { return path_ + "/uart"; }
-
-private:
-    std::string path_;
-};
 
 class ControllerOnCortexM3 : public testing::Test {
 protected:
@@ -50,11 +33,10 @@ protected:
                       "-M", "lm3s6965evb", "-display", "none", "-monitor", "none", "-nodefaults",
                       "-net", "none", "-kernel", CONTROLLER, "-chardev",
                       "stdio,id=console,signal=off", "-serial", "chardev:console", "-chardev",
-                      "socket,id=uart,server=on,wait=off,path=" + folder.uart(), "-serial",
-                      "chardev:uart"});
+                      "socket,id=uart,server=on,wait=off,path=" + uart, "-serial", "chardev:uart"});
         ASSERT_NE(controller->wait_for("started"), "") << controller->errors();
-        std::vector<std::string> arguments{"--uart",  folder.uart(), "--id",    "abcd1234",
-                                           "--local", host(9),       "--group", group()};
+        std::vector<std::string> arguments{"--uart",  uart,    "--id",    "abcd1234",
+                                           "--local", host(9), "--group", group()};
         arguments.insert(arguments.end(), radio_settings.begin(), radio_settings.end());
         radio = std::make_unique<Process>(ROMANO_RADIO, arguments);
         ASSERT_NE(controller->wait_for("established"), "") << radio->errors();
@@ -76,7 +58,8 @@ protected:
     }
 
     TestAddresses addresses;
-    Folder folder;
+    tests::TemporaryFolder folder;
+    std::string uart = folder / "uart";
     std::vector<std::unique_ptr<BrokerProcess>> brokers;
     std::unique_ptr<Process> controller;
     std::unique_ptr<Process> radio;
