@@ -27,7 +27,8 @@ function(romano_program name)
     target_link_libraries(${name} PRIVATE ${arg_LIBRARIES} project_warnings)
 endfunction()
 
-# romano_test(NAME SOURCES ... LIBRARIES ...): one GoogleTest executable for a folder of tests.
+# romano_test(NAME SOURCES ... LIBRARIES ...): one GoogleTest executable for a folder of tests, whose
+# label in ctest is NAME.
 function(romano_test name)
     cmake_parse_arguments(PARSE_ARGV 1 arg "" "TIMEOUT" "SOURCES;LIBRARIES")
     if(NOT arg_TIMEOUT)
@@ -37,5 +38,6 @@ function(romano_test name)
     target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR})
     target_link_libraries(${name} PRIVATE ${arg_LIBRARIES} project_warnings GTest::gmock_main)
     set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/tests)
-    gtest_discover_tests(${name} DISCOVERY_MODE PRE_TEST PROPERTIES TIMEOUT ${arg_TIMEOUT})
+    gtest_discover_tests(${name} DISCOVERY_MODE PRE_TEST DISCOVERY_TIMEOUT 120
+                         PROPERTIES TIMEOUT ${arg_TIMEOUT} LABELS ${name})
 endfunction()
