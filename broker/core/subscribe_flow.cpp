@@ -1,5 +1,7 @@
 #include "broker/core/subscribe_flow.h"
 
+#include <algorithm>
+#include <cstddef>
 #include <string>
 
 #include "romano/base/bytes.h"
@@ -11,6 +13,18 @@ using mqttsn::Qos;
 using mqttsn::ReturnCode;
 using mqttsn::TopicId;
 using mqttsn::TopicIdType;
+
+namespace {
+
+/// Levels of a filter. Each is a node of the tree of filters, many times as large as its octets,
+/// and a step of its recursions: 32,000 of them in one datagram would be a stack overflow.
+constexpr std::ptrdiff_t most_levels = 128;
+
+bool is_too_deep(std::string_view filter) {
+    return std::ranges::count(filter, '/') >= most_levels;
+}
+
+}  // namespace
 
 void SubscribeFlow::on_register(Session& session, const mqttsn::Register& message, Turn& turn) {
     const auto answer = [&](TopicId id, ReturnCode code) {
@@ -36,7 +50,8 @@ Result<std::string_view, ReturnCode> SubscribeFlow::filter_of(const mqttsn::Topi
         if (found == tables_.options.predefined_topics.end()) return ReturnCode::invalid_topic_id;
         return std::string_view{found->second};
     }
-    if (topic.type == TopicIdType::reserved || !mqttsn::is_valid_topic_filter(topic.name)) {
+    if (topic.type == TopicIdType::reserved || !mqttsn::is_valid_topic_filter(topic.name) ||
+        is_too_deep(topic.name)) {
         return ReturnCode::not_supported;
     }
     return topic.name;

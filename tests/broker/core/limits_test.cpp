@@ -51,6 +51,25 @@ TEST(Limit, OfRetainedMessagesIsAnsweredByCongestionButReplacingAndDeletingGoOn)
     client.publishes(two, "x", Qos::at_least_once, true);
 }
 
+TEST(Limit, OfLevelsInAFilterIsAnsweredByNotSupported) {
+    ScriptedBroker broker;
+    ScriptedClient client{broker, "client"};
+    client.connects();
+    std::string filter = "+";
+    for (int level = 1; level < 128; ++level) filter += "/+";
+    client.subscribes(filter);
+    const auto refused = [&](const std::string& deeper) {
+        client.says(
+            Subscribe{false, Qos::at_most_once, MsgId{9}, {TopicIdType::normal, deeper, {}}});
+        return client.hears<Suback>().return_code;
+    };
+    EXPECT_EQ(refused(filter + "/+"), ReturnCode::not_supported);
+    for (int level = 128; level < 32'000; ++level) filter += "/a";
+    EXPECT_EQ(refused(filter), ReturnCode::not_supported);
+    EXPECT_EQ(broker.dropped(Drop::invalid_topic), 2u);
+    client.publishes(client.registers(filter.substr(2)), "names may be as deep as they like");
+}
+
 TEST(Limit, OfClientIdOctetsIsAnsweredByNotSupported) {
     ScriptedBroker broker{options_with<std::size_t>(&Limits::client_id_octets, 5)};
     ScriptedClient fits{broker, "12345"};
