@@ -1,5 +1,5 @@
-// How near is the lone broker to what this machine can do? Reflector, broker and mosquitto carry
-// the same messages in turn, in one run; see README.md.
+// How near is the lone broker to what this machine can do? Reflector, broker, mosquitto and other
+// brokers carry the same messages in turn, in one run; see README.md.
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -13,6 +13,7 @@
 #include "bench/contestant.h"
 #include "bench/scenarios.h"
 #include "bench/summary.h"
+#include "broker/net/endpoint_text.h"
 #include "experiments/load/load_run.h"
 
 namespace {
@@ -24,6 +25,7 @@ constexpr const char* examples = R"(Examples:
   romano_broker_bench                                          (all, about four minutes)
   romano_broker_bench --only qos0_1_to_1 --only rate_10000_per_s --repetitions 7
   romano_broker_bench --csv runs.csv --json summary.json
+  romano_broker_bench --other rsmb=127.0.0.1:1885 --other paho=127.0.0.1:10000   (run already)
   romano_broker_bench --small --seconds 0.05 --repetitions 1   (does everything work?)
 It is worth something on a quiet machine only, with two cores or more.
 Exit code: 0; 1 when messages were lost in a closed loop; 2 when something could not be run.
@@ -34,14 +36,15 @@ struct Options {
     unsigned repetitions = 5;
     bool small = false;
     bool without_mosquitto = false;
+    std::vector<std::string> others;  // NAME=ADDRESS:PORT
     std::vector<std::string> only;
     std::string csv;
     std::string json;
 };
 
-Row run(const Scenario& scenario, Kind kind, unsigned repetition) {
-    Contestant contestant{kind};
-    Row row{.scenario = scenario.name, .contestant = kind, .repetition = repetition};
+Row run(const Scenario& scenario, const Entrant& entrant, unsigned repetition) {
+    Contestant contestant{entrant};
+    Row row{.scenario = scenario.name, .contestant = entrant.name, .repetition = repetition};
     row.resident_start_kib = contestant.resident_kib();
     row.sessions = scenario.plan.clients();
     double cpu_before = 0;
@@ -89,21 +92,39 @@ std::vector<Scenario> chosen(const Options& options) {
     return all;
 }
 
+std::vector<Entrant> entrants(const Options& options) {
+    std::vector<Entrant> all{{Kind::reflector, "reflector", {}}, {Kind::broker, "broker", {}}};
+    if (!options.without_mosquitto) all.push_back({Kind::mosquitto, "mosquitto", {}});
+    for (const std::string& other : options.others) {
+        const std::size_t equals = std::min(other.find('='), other.size());
+        const std::string name = other.substr(0, equals);
+        const auto address = net::parse_endpoint(other.substr(std::min(equals + 1, other.size())));
+        if (!address || name.empty() || std::ranges::count(all, name, &Entrant::name) != 0) {
+            throw std::runtime_error("--other `" + other +
+                                     "` is not possible: a new name and where that broker serves, "
+                                     "like rsmb=127.0.0.1:1885");
+        }
+        all.push_back({Kind::other, name, address});
+    }
+    return all;
+}
+
 std::vector<Row> run_all(const Options& options) {
     const std::vector<Scenario> all = chosen(options);
+    const std::vector<Entrant> contestants = entrants(options);
     std::vector<Row> rows;
     take_first_core();
     for (unsigned repetition = 1; repetition <= options.repetitions; ++repetition) {
         for (const Scenario& scenario : all) {
-            for (const Kind kind : {Kind::reflector, Kind::broker, Kind::mosquitto}) {
-                if (kind == Kind::mosquitto &&
-                    (!scenario.with_mosquitto || options.without_mosquitto)) {
-                    continue;
-                }
-                rows.push_back(run(scenario, kind, repetition));
+            for (const Entrant& entrant : contestants) {
+                const bool is_ours =
+                    entrant.kind == Kind::reflector || entrant.kind == Kind::broker;
+                if (!is_ours && !scenario.with_others) continue;
+                rows.push_back(run(scenario, entrant, repetition));
                 std::fprintf(stderr, "%u/%u %-18s %-10s %9.0f deliveries/s  p99 %8.1f us\n",
-                             repetition, options.repetitions, scenario.name.c_str(), name_of(kind),
-                             rows.back().deliveries_per_s, rows.back().p99_us);
+                             repetition, options.repetitions, scenario.name.c_str(),
+                             entrant.name.c_str(), rows.back().deliveries_per_s,
+                             rows.back().p99_us);
             }
         }
     }
@@ -117,7 +138,7 @@ int report(const Options& options, const std::vector<Row>& rows) {
     if (!options.json.empty()) std::ofstream(options.json) << json_of(rows, targets);
     for (const Row& row : rows) {
         const bool lossless = row.scenario.starts_with("rate_") || row.lost == 0;
-        if (row.contestant == Kind::broker && !lossless) return 1;
+        if (row.contestant == "broker" && !lossless) return 1;
     }
     return 0;
 }
@@ -127,8 +148,8 @@ int report(const Options& options, const std::vector<Row>& rows) {
 int main(int argc, char** argv) {
     Options options;
     CLI::App program{
-        "How near the lone broker is to the machine's limit: reflector, broker and "
-        "mosquitto carry the same messages.",
+        "How near the lone broker is to the machine's limit: reflector, broker, mosquitto "
+        "and other brokers carry the same messages.",
         "romano_broker_bench"};
     program.add_option("--seconds", options.seconds, "Measured seconds of each run")
         ->check(CLI::Range(0.02, 3600.0))
@@ -137,8 +158,12 @@ int main(int argc, char** argv) {
         ->check(CLI::Range(1, 1000))
         ->capture_default_str();
     program.add_option("--only", options.only, "Run this scenario (repeatable); see the table");
-    program.add_flag("--without-mosquitto", options.without_mosquitto,
-                     "Reflector and broker alone");
+    program.add_flag("--without-mosquitto", options.without_mosquitto, "It does not take part");
+    program
+        .add_option("--other", options.others,
+                    "Another MQTT-SN broker that runs already (repeatable); CPU and memory are "
+                    "not seen, and it is not started afresh for each run")
+        ->type_name("NAME=ADDR:PORT");
     program.add_flag("--small", options.small, "A hundred sessions instead of ten thousand");
     program.add_option("--csv", options.csv, "Write each run there, one row a run");
     program.add_option("--json", options.json, "Write medians and targets there");

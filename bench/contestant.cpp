@@ -7,8 +7,10 @@
 #include <chrono>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 #include <stdexcept>
 #include <thread>
+#include <utility>
 
 #include "bench/mosquitto_clients.h"
 #include "broker/net/endpoint_text.h"
@@ -68,55 +70,39 @@ double status_field_kib(pid_t process, const std::string& field) {
 
 }  // namespace
 
-const char* name_of(Kind kind) {
-    switch (kind) {
-        case Kind::reflector:
-            return "reflector";
-        case Kind::broker:
-            return "broker";
-        case Kind::mosquitto:
-            return "mosquitto";
-    }
-    return "";
-}
-
 void take_first_core() {
     (void)own_cores();  // as they are before
     pin(0, 0);
     (void)::setpriority(PRIO_PROCESS, 0, -20);
 }
 
-Contestant::Contestant(Kind kind) : kind_(kind) {
+Contestant::Contestant(Entrant entrant) : entrant_(std::move(entrant)) {
+    if (entrant_.kind == Kind::other) return;
     // A port of its own each time: nothing of an earlier run finds its way here.
     static int started = 0;
     host_ = "127.40." + std::to_string(::getpid() % 250) + ".1";
     port_ = 18'830 + started++ % 1000;
     const std::string address = host_ + ":" + std::to_string(port_);
     const fs::path trace = scratch("trace");
-    switch (kind) {
-        case Kind::reflector:
-            process_ = std::make_unique<experiments::BrokerProcess>(
-                "reflector", own_folder() / "romano_reflector", std::vector{address}, trace);
-            break;
-        case Kind::broker:
-            process_ = std::make_unique<experiments::BrokerProcess>(
-                "broker", own_folder() / "romano-broker",
-                std::vector<std::string>{"--listen", address, "--name", "bench"}, trace);
-            break;
-        case Kind::mosquitto:
-            std::ofstream(scratch("mosquitto.conf")) << mosquitto_configuration(host_, port_);
-            process_ = std::make_unique<experiments::BrokerProcess>(
-                "mosquitto", "/usr/sbin/mosquitto",
-                std::vector<std::string>{"-c", scratch("mosquitto.conf").string()}, trace);
-            break;
+    fs::path program = own_folder() / "romano_reflector";
+    std::vector<std::string> arguments{address};
+    if (entrant_.kind == Kind::broker) {
+        program = own_folder() / "romano-broker";
+        arguments = {"--listen", address, "--name", "bench"};
+    } else if (entrant_.kind == Kind::mosquitto) {
+        std::ofstream(scratch("mosquitto.conf")) << mosquitto_configuration(host_, port_);
+        program = "/usr/sbin/mosquitto";
+        arguments = {"-c", scratch("mosquitto.conf").string()};
     }
+    process_ =
+        std::make_unique<experiments::BrokerProcess>(entrant_.name, program, arguments, trace);
     pin(process_->pid(), 1);
     // The two of ours say when they serve; mosquitto's clients try until it does.
     const auto deadline = std::chrono::steady_clock::now() + 20s;
-    while (kind != Kind::mosquitto && fs::file_size(trace) == 0) {
+    while (entrant_.kind != Kind::mosquitto && fs::file_size(trace) == 0) {
         check();
         if (std::chrono::steady_clock::now() > deadline) {
-            throw std::runtime_error(std::string{name_of(kind)} + " does not begin to serve");
+            throw std::runtime_error(entrant_.name + " does not begin to serve");
         }
         std::this_thread::sleep_for(2ms);
     }
@@ -131,19 +117,24 @@ Contestant::~Contestant() {
 
 std::unique_ptr<experiments::LoadClients> Contestant::clients(
     const experiments::LoadPlan& plan) const {
-    if (kind_ == Kind::mosquitto) return std::make_unique<MosquittoClients>(plan, host_, port_);
+    if (entrant_.kind == Kind::mosquitto) {
+        return std::make_unique<MosquittoClients>(plan, host_, port_);
+    }
     client::Timing timing;
     timing.t_retry = 500ms;
     timing.n_retry = 20;
     timing.t_wait = 500ms;
     return std::make_unique<experiments::MqttsnClients>(
-        plan, experiments::MqttsnOptions{
-                  .broker = *net::parse_endpoint(host_ + ":" + std::to_string(port_)),
-                  .sockets = experiments::SocketUse::shared,
-                  .timing = timing});
+        plan,
+        experiments::MqttsnOptions{
+            .broker = entrant_.address ? *entrant_.address
+                                       : *net::parse_endpoint(host_ + ":" + std::to_string(port_)),
+            .sockets = experiments::SocketUse::shared,
+            .timing = timing});
 }
 
 double Contestant::cpu_s() const {
+    if (process_ == nullptr) return std::numeric_limits<double>::quiet_NaN();
     std::ifstream stat("/proc/" + std::to_string(process_->pid()) + "/schedstat");
     double ns = 0;  // of its one thread
     stat >> ns;
@@ -151,12 +142,13 @@ double Contestant::cpu_s() const {
 }
 
 double Contestant::resident_kib() const {
+    if (process_ == nullptr) return std::numeric_limits<double>::quiet_NaN();
     return status_field_kib(process_->pid(), "VmRSS:");
 }
 
 void Contestant::check() {
-    if (!process_->has_ended()) return;
-    throw std::runtime_error(std::string{name_of(kind_)} + " ended: " + process_->how_it_ended());
+    if (process_ == nullptr || !process_->has_ended()) return;
+    throw std::runtime_error(entrant_.name + " ended: " + process_->how_it_ended());
 }
 
 }  // namespace romano::bench

@@ -3,39 +3,47 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "experiments/load/load_clients.h"
 #include "experiments/load/load_plan.h"
 #include "experiments/process/broker_process.h"
+#include "romano/base/endpoint.h"
 
 namespace romano::bench {
 
-enum class Kind { reflector, broker, mosquitto };
+enum class Kind { reflector, broker, mosquitto, other };
 
-[[nodiscard]] const char* name_of(Kind kind);
+/// Who takes part, under which name.
+struct Entrant {
+    Kind kind;
+    std::string name;
+    std::optional<Endpoint> address;  // of another MQTT-SN broker, which runs already
+};
 
 class Contestant {
 public:
-    /// Starts the program on a free address of 127.40.0.0/16, on a core of its own if there is one.
-    explicit Contestant(Kind kind);
+    /// Starts the program on a free address of 127.40.0.0/16, on a core of its own if there is one;
+    /// or takes the other broker as it runs, of whose process nothing is known.
+    explicit Contestant(Entrant entrant);
     ~Contestant();
 
     [[nodiscard]] std::unique_ptr<experiments::LoadClients> clients(
         const experiments::LoadPlan& plan) const;
 
-    /// CPU time in seconds that it has used so far, all threads.
+    /// CPU time in seconds that it has used so far, all threads. NaN of another broker.
     [[nodiscard]] double cpu_s() const;
-    /// Resident memory now.
+    /// Resident memory now. NaN of another broker.
     [[nodiscard]] double resident_kib() const;
     /// Throws std::runtime_error when it has ended by itself.
     void check();
 
 private:
-    Kind kind_;
+    Entrant entrant_;
     std::string host_;
-    int port_;
+    int port_ = 0;
     std::unique_ptr<experiments::BrokerProcess> process_;
 };
 

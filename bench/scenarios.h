@@ -5,7 +5,6 @@
 #include <string>
 #include <vector>
 
-#include "bench/contestant.h"
 #include "experiments/load/load_plan.h"
 
 namespace romano::bench {
@@ -13,7 +12,7 @@ namespace romano::bench {
 struct Scenario {
     std::string name;
     experiments::LoadPlan plan;
-    bool with_mosquitto = false;
+    bool with_others = false;  // mosquitto and other brokers take part
     /// The figure is the latency at the plan's rate; else the throughput.
     [[nodiscard]] bool is_about_latency() const { return plan.rate_per_s.has_value(); }
 };

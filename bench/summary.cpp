@@ -13,8 +13,6 @@
 namespace romano::bench {
 namespace {
 
-constexpr std::array contestants{Kind::reflector, Kind::broker, Kind::mosquitto};
-
 struct Column {
     const char* name;
     Field field;
@@ -36,10 +34,11 @@ std::string line(const char* format, Values... values) {
     return text.data();
 }
 
-std::vector<std::string> scenarios_of(const std::vector<Row>& rows) {
+/// In the order in which they ran.
+std::vector<std::string> different(const std::vector<Row>& rows, std::string Row::*which) {
     std::vector<std::string> names;
     for (const Row& row : rows) {
-        if (std::ranges::find(names, row.scenario) == names.end()) names.push_back(row.scenario);
+        if (std::ranges::find(names, row.*which) == names.end()) names.push_back(row.*which);
     }
     return names;
 }
@@ -78,7 +77,7 @@ Target target(std::string what, Wanted wanted, double bound, const Series& serie
 }
 
 /// CPU time that each further subscriber of a message costs: least squares over the fan-outs.
-Series fan_out_slope(const std::vector<Row>& rows, Kind contestant) {
+Series fan_out_slope(const std::vector<Row>& rows, const std::string& contestant) {
     static const std::array<std::pair<const char*, double>, 4> fan_outs{
         {{"qos0_1_to_1", 1}, {"qos0_1_to_10", 10}, {"qos0_1_to_50", 50}, {"qos0_1_to_100", 100}}};
     std::map<unsigned, std::vector<std::pair<double, double>>> points;
@@ -110,7 +109,7 @@ Series fan_out_slope(const std::vector<Row>& rows, Kind contestant) {
 Series octets_a_session(const std::vector<Row>& rows) {
     Series found;
     for (const Row& row : rows) {
-        if (row.scenario != "sessions_many" || row.contestant != Kind::broker) continue;
+        if (row.scenario != "sessions_many" || row.contestant != "broker") continue;
         found[row.repetition] =
             (row.resident_joined_kib - row.resident_start_kib) * 1024 / row.sessions;
     }
@@ -120,7 +119,7 @@ Series octets_a_session(const std::vector<Row>& rows) {
 Series lost_in_closed_loops(const std::vector<Row>& rows) {
     Series found;
     for (const Row& row : rows) {
-        if (row.contestant == Kind::broker && !row.scenario.starts_with("rate_")) {
+        if (row.contestant == "broker" && !row.scenario.starts_with("rate_")) {
             found[row.repetition] += row.lost;
         }
     }
@@ -130,7 +129,7 @@ Series lost_in_closed_loops(const std::vector<Row>& rows) {
 }  // namespace
 
 std::map<unsigned, double> values(const std::vector<Row>& rows, const std::string& scenario,
-                                  Kind contestant, Field field) {
+                                  const std::string& contestant, Field field) {
     Series found;
     for (const Row& row : rows) {
         if (row.scenario == scenario && row.contestant == contestant) {
@@ -149,8 +148,8 @@ double median(std::vector<double> all) {
 
 std::vector<Target> judge(const std::vector<Row>& rows) {
     const auto to_reflector = [&](const char* scenario, Field field) {
-        return ratio(values(rows, scenario, Kind::broker, field),
-                     values(rows, scenario, Kind::reflector, field));
+        return ratio(values(rows, scenario, "broker", field),
+                     values(rows, scenario, "reflector", field));
     };
     const Field throughput = &Row::deliveries_per_s;
     return {
@@ -163,12 +162,12 @@ std::vector<Target> judge(const std::vector<Row>& rows) {
         target("throughput of the reflector's, QoS 2, 20 to 20", Wanted::at_least, 0.70,
                to_reflector("qos2_20_to_20", throughput)),
         target("CPU a further subscriber, of the reflector's", Wanted::at_most, 1.3,
-               ratio(fan_out_slope(rows, Kind::broker), fan_out_slope(rows, Kind::reflector))),
+               ratio(fan_out_slope(rows, "broker"), fan_out_slope(rows, "reflector"))),
         target("p99 at 10,000 messages/s, of the reflector's", Wanted::at_most, 2,
                to_reflector("rate_10000_per_s", &Row::p99_us)),
         target("throughput with many sessions, of that with 10", Wanted::at_least, 0.80,
-               ratio(values(rows, "sessions_many", Kind::broker, throughput),
-                     values(rows, "sessions_10", Kind::broker, throughput))),
+               ratio(values(rows, "sessions_many", "broker", throughput),
+                     values(rows, "sessions_10", "broker", throughput))),
         target("octets of memory a quiet session", Wanted::at_most, 2048, octets_a_session(rows)),
         target("deliveries lost in closed loops", Wanted::at_most, 0, lost_in_closed_loops(rows)),
     };
@@ -178,8 +177,8 @@ std::string table_of(const std::vector<Row>& rows) {
     std::string text =
         line("%-18s %-10s %12s %15s %10s %10s %10s %8s\n", "scenario", "contestant", "deliveries/s",
              "(least..most)", "p50 us", "p99 us", "CPU us/msg", "gen CPU");
-    for (const std::string& scenario : scenarios_of(rows)) {
-        for (const Kind contestant : contestants) {
+    for (const std::string& scenario : different(rows, &Row::scenario)) {
+        for (const std::string& contestant : different(rows, &Row::contestant)) {
             const auto of = [&](Field field) {
                 return list(values(rows, scenario, contestant, field));
             };
@@ -187,7 +186,7 @@ std::string table_of(const std::vector<Row>& rows) {
             if (throughput.empty()) continue;
             text +=
                 line("%-18s %-10s %12.0f %7.0f..%-7.0f %9.1f %10.1f %10.2f %6.0f %%\n",
-                     scenario.c_str(), name_of(contestant), median(throughput),
+                     scenario.c_str(), contestant.c_str(), median(throughput),
                      *std::ranges::min_element(throughput), *std::ranges::max_element(throughput),
                      median(of(&Row::p50_us)), median(of(&Row::p99_us)),
                      median(of(&Row::cpu_us_a_message)), median(of(&Row::generator_cpu_percent)));
@@ -213,8 +212,8 @@ std::string csv_of(const std::vector<Row>& rows) {
     for (const Column& column : columns) text += std::string{","} + column.name;
     text += "\n";
     for (const Row& row : rows) {
-        text += row.scenario + "," + name_of(row.contestant) + "," +
-                std::to_string(row.repetition) + "," + std::to_string(row.sessions);
+        text += row.scenario + "," + row.contestant + "," + std::to_string(row.repetition) + "," +
+                std::to_string(row.sessions);
         for (const Column& column : columns) text += line(",%.9g", row.*column.field);
         text += "\n";
     }
@@ -232,9 +231,9 @@ std::string json_of(const std::vector<Row>& rows, const std::vector<Target>& tar
         {"machine", {{"cpu", machine.cpu}, {"cores", machine.cores}, {"kernel", machine.kernel}}},
         {"medians", Json::array()},
         {"targets", Json::array()}};
-    for (const std::string& scenario : scenarios_of(rows)) {
-        for (const Kind contestant : contestants) {
-            Json each{{"scenario", scenario}, {"contestant", name_of(contestant)}};
+    for (const std::string& scenario : different(rows, &Row::scenario)) {
+        for (const std::string& contestant : different(rows, &Row::contestant)) {
+            Json each{{"scenario", scenario}, {"contestant", contestant}};
             bool found = false;
             for (const Column& column : columns) {
                 const auto all = list(values(rows, scenario, contestant, column.field));

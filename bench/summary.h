@@ -7,14 +7,12 @@
 #include <string>
 #include <vector>
 
-#include "bench/contestant.h"
-
 namespace romano::bench {
 
 /// One run of one contestant.
 struct Row {
     std::string scenario;
-    Kind contestant;
+    std::string contestant;
     unsigned repetition;
     double deliveries_per_s = 0;
     double p50_us = 0;
@@ -32,8 +30,8 @@ using Field = double Row::*;
 
 /// The values of one field, by repetition.
 [[nodiscard]] std::map<unsigned, double> values(const std::vector<Row>& rows,
-                                                const std::string& scenario, Kind contestant,
-                                                Field field);
+                                                const std::string& scenario,
+                                                const std::string& contestant, Field field);
 [[nodiscard]] double median(std::vector<double> values);
 
 struct Target {
