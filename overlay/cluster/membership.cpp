@@ -65,6 +65,7 @@ bool Membership::on_beacon(Instant now, const Beacon& beacon) {
     peer.heard_at = now;
 
     if (beacon.leaving) {
+        peer.ended = true;
         heard_->on_gone(now, node);
         linked_->on_gone(now, node);
         bury_suspects(now);
@@ -74,7 +75,9 @@ bool Membership::on_beacon(Instant now, const Beacon& beacon) {
     if (peer.hears(self_)) {
         linked_->on_beacon(now, node);
         peer.alive = linked_->is_alive(node);
-        if (peer.alive) elector_->on_claim(now, beacon.claim);
+        if (!peer.alive) return true;
+        peer.ended = false;
+        elector_->on_claim(now, beacon.claim);
     }
     return true;
 }
@@ -100,8 +103,10 @@ void Membership::on_left_out(Instant now, const LogId& log) {
 }
 
 bool Membership::on_link(Instant now, const LogId& process, election::Link link) {
-    const Peer* peer = find(process.broker);
-    if (peer == nullptr || peer->beacon.link.process != process.incarnation) return false;
+    const auto peer = peers_.find(process.broker);
+    if (peer == peers_.end()) return false;
+    if (peer->second.beacon.link.process != process.incarnation) return false;
+    peer->second.ended = link == election::Link::lost;
     heard_->on_link(now, node_of(process.broker), link);
     linked_->on_link(now, node_of(process.broker), link);
     bury_suspects(now);
@@ -153,6 +158,11 @@ bool Membership::is_alive(const LogId& log) const {
 
 bool Membership::is_heard_clearly(const LogId& log, Instant now) const {
     return is_alive(log) && now < find(log.broker)->heard_at + detection_time() / 2;
+}
+
+bool Membership::has_ended(const LogId& log) const {
+    const Peer* peer = find(log.broker);
+    return peer != nullptr && (peer->ended || peer->beacon.log != log);
 }
 
 std::string Membership::name_of(BrokerId id) const {

@@ -30,6 +30,7 @@ struct Peer {
     Beacon beacon;
     bool alive = false;
     Instant heard_at{};  // its last beacon
+    bool ended = false;  // it said goodbye, or its process is gone; it did not just fall silent
     [[nodiscard]] bool is_home_of(const Endpoint& address) const;
     [[nodiscard]] bool is_serving(const Endpoint& address) const;
     /// It says so, and in this life: what is sent to it arrives.
@@ -71,6 +72,8 @@ public:
     [[nodiscard]] bool is_alive(const LogId& log) const;
     /// Its last beacon is much younger than a silence that means death.
     [[nodiscard]] bool is_heard_clearly(const LogId& log, Instant now) const;
+    /// That life of the broker is over for certain.
+    [[nodiscard]] bool has_ended(const LogId& log) const;
     [[nodiscard]] election::Leadership leadership() const { return elector_->leadership(); }
     [[nodiscard]] bool leads() const;
     /// The peer's name, as its beacons say it; empty when unknown.

@@ -10,6 +10,7 @@
 
 #include "overlay/cluster/cluster_core.h"
 #include "overlay/member/carried_server.h"
+#include "overlay/member/cut_off.h"
 #include "overlay/member/held_output.h"
 #include "overlay/member/status_topic.h"
 #include "overlay/member/waiting_input.h"
@@ -94,6 +95,7 @@ private:
     broker::Actions work_;
     HeldOutput held_;
     WaitingInput waiting_;
+    CutOff cut_off_;
 
     bool has_left_ = false;
     std::uint64_t replacements_ = 0;
@@ -131,6 +133,7 @@ void Member::State::on_datagram(Instant now, const Endpoint& via, const Endpoint
         waiting_.hold(via, from, datagram);
         return;
     }
+    cut_off_.on_heard(from);
     broker_.on_datagram(now, via, from, datagram, work_);
     carry_out(now, out);
 }
@@ -256,6 +259,9 @@ void Member::State::carry_out(Instant now, MemberActions& out) {
 }
 
 void Member::State::absorb(Instant now, MemberActions& out) {
+    cut_off_.on_view(cluster_.view(), [this](const LogId& member) {
+        return member.broker == log_.broker || cluster_.membership().has_ended(member);
+    });
     server_.answer(now, broker_, work_);
     for (broker::Action& action : work_.list()) {
         if (auto* append = std::get_if<broker::Append>(&action)) {
@@ -284,6 +290,7 @@ void Member::State::absorb(Instant now, MemberActions& out) {
 void Member::State::send(const broker::Send& send, broker::Seq safe, MemberActions& out) {
     if (cluster_.is_silent(send.via)) return;
     const Bytes octets = work_.octets(send);
+    if (cut_off_.withholds(send.to.endpoint, octets)) return;
     if (stall_ || send.after > safe || cluster_.is_taking(send.via)) {
         held_.hold(send, octets);
         return;
@@ -301,6 +308,7 @@ void Member::State::serve_waiting(Instant now, MemberActions& out) {
         return cluster_.must_still_wait(datagram.via, datagram.from);
     });
     for (const auto& [via, from, octets] : ready) {
+        cut_off_.on_heard(from);
         broker_.on_datagram(now, via, from, octets, work_);
         absorb(now, out);
     }

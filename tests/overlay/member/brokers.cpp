@@ -65,15 +65,15 @@ void Brokers::leave(int rank) {
     kill(rank);
 }
 
-Robot& Brokers::robot(const std::string& name, int broker) {
+Robot& Brokers::robot(const std::string& name, int broker, int site) {
     const Endpoint self = endpoint(1, static_cast<int>(robots_.size()) + 1, 5000);
-    const auto send = [this, broker](const Endpoint& from, const Endpoint& to, Bytes octets) {
-        const int reached = reached_from(broker, to);
+    const auto send = [this, site](const Endpoint& from, const Endpoint& to, Bytes octets) {
+        const int reached = reached_from(site, to);
         if (reached == 0) return;
         running_.at(reached).datagrams.push_back({to, from, {octets.begin(), octets.end()}});
     };
     Placed& placed = robots_[self];
-    placed = {broker, std::make_unique<Robot>(name, self, broker_address(broker), send)};
+    placed = {site, std::make_unique<Robot>(name, self, broker_address(broker), send)};
     placed.robot->on_tick(now_);
     return *placed.robot;
 }

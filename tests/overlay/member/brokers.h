@@ -34,7 +34,11 @@ public:
     void cut(int a, int b) { cut_.insert(std::minmax(a, b)); }
     void heal() { cut_.clear(); }
 
-    Robot& robot(const std::string& name, int broker);
+    void heal(int a, int b) { cut_.erase(std::minmax(a, b)); }
+
+    Robot& robot(const std::string& name, int broker) { return robot(name, broker, broker); }
+    /// It stands somewhere else: what parts `site` from a broker parts the robot from it.
+    Robot& robot(const std::string& name, int broker, int site);
 
     void run_for(Duration time);
 
