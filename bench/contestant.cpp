@@ -127,8 +127,9 @@ std::unique_ptr<experiments::LoadClients> Contestant::clients(
     return std::make_unique<experiments::MqttsnClients>(
         plan,
         experiments::MqttsnOptions{
-            .broker = entrant_.address ? *entrant_.address
-                                       : *net::parse_endpoint(host_ + ":" + std::to_string(port_)),
+            .brokers = {entrant_.address
+                            ? *entrant_.address
+                            : *net::parse_endpoint(host_ + ":" + std::to_string(port_))},
             .sockets = experiments::SocketUse::shared,
             .timing = timing});
 }

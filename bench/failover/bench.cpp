@@ -6,6 +6,9 @@
 #include <utility>
 
 #include "broker/net/clock.h"
+#include "broker/net/endpoint_text.h"
+#include "experiments/load/load_run.h"
+#include "experiments/load/mqttsn_clients.h"
 
 namespace romano::bench {
 namespace {
@@ -19,6 +22,9 @@ constexpr Duration message_within = 10s;
 // The next fault comes at any phase of the brokers' beacons.
 constexpr Duration rest_least = 50ms;
 constexpr Duration rest_most = 150ms;
+// Full load: so many publishers and subscribers a broker, with so many messages on their way.
+constexpr std::size_t clients_a_broker = 20;
+constexpr std::uint32_t messages_a_publisher = 4;
 
 double ms_between(Instant from, Instant to) {
     return std::chrono::duration<double, std::milli>(to - from).count();
@@ -111,7 +117,7 @@ Trial Bench::run(std::uint32_t number) {
     return trial;
 }
 
-Watched Bench::watch(Duration duration) {
+Watched Bench::watch(Duration duration, const std::function<bool()>& is_over) {
     const auto count = [this](std::string_view beginning) {
         std::uint64_t lines = 0;
         for (std::size_t i = 0; i < cluster_.size(); ++i) {
@@ -121,22 +127,38 @@ Watched Bench::watch(Duration duration) {
         }
         return lines;
     };
-    const auto acknowledged = [this] {
-        std::uint64_t sum = 0;
-        for (const auto& robot : robots_) sum += robot->acknowledged();
-        return sum;
-    };
+    const auto each = static_cast<std::uint32_t>(clients_a_broker * cluster_.size());
+    const experiments::LoadPlan plan{.publishers = each,
+                                     .subscribers = each,
+                                     .topics = each,
+                                     .qos = static_cast<mqttsn::Qos>(options_.qos),
+                                     .in_flight = messages_a_publisher * each,
+                                     .warm_up = {},
+                                     .duration = duration};
+    experiments::MqttsnOptions clients{.brokers = {},
+                                       .sockets = experiments::SocketUse::shared,
+                                       .timing = {.t_retry = 500ms, .t_wait = 1s, .n_retry = 60}};
+    for (std::size_t i = 0; i < cluster_.size(); ++i) {
+        clients.brokers.push_back(*net::parse_endpoint(cluster_.address_text(i)));
+    }
+    experiments::MqttsnClients loaders(plan, clients);
     cluster_.look();
     const std::uint64_t lost_before = count("lost ");
     const std::uint64_t adopts_before = count("adopts ");
-    const std::uint64_t acknowledged_before = acknowledged();
-    const Instant begun = net::now();
-    full_load_ = true;
-    run_for(duration);
-    full_load_ = false;
+    experiments::LoadRun load(plan, loaders,
+                              {.on_progress =
+                                   [this](const std::string&, double) {
+                                       io_.restart();
+                                       io_.poll();  // our robots stay connected
+                                   },
+                               .on_measuring = {},
+                               .on_measured = {},
+                               .is_stopped = is_over});
+    const experiments::LoadFigures figures = load.run();
     cluster_.look();
-    return {.seconds = ms_between(begun, net::now()) / 1e3,
-            .messages = acknowledged() - acknowledged_before,
+    return {.seconds = figures.measured_s,
+            .messages = figures.delivered,
+            .lost = figures.lost(),
             .suspicions = count("lost ") - lost_before,
             .take_overs = count("adopts ") - adopts_before};
 }
@@ -148,10 +170,6 @@ std::optional<Instant> Bench::await_message(std::size_t robot, Instant since, Du
 }
 
 void Bench::publish_on() {
-    if (full_load_) {
-        for (const auto& robot : robots_) robot->publish();
-        return;
-    }
     const Instant now = net::now();
     if (!publisher_ || now < next_publish_) return;
     next_publish_ = std::max(next_publish_ + publish_every, now);

@@ -19,7 +19,8 @@ namespace romano::bench {
 /// What the brokers thought of each other while all of them lived.
 struct Watched {
     double seconds = 0;
-    std::uint64_t messages = 0;    // published and acknowledged
+    std::uint64_t messages = 0;  // acknowledged, and arrived at another broker's client
+    std::uint64_t lost = 0;
     std::uint64_t suspicions = 0;  // "lost b2", by each broker that thought so
     std::uint64_t take_overs = 0;  // of a living broker's address
 };
@@ -32,8 +33,9 @@ public:
     /// Starts brokers and clients. Throws std::runtime_error when they do not come together.
     void start();
     [[nodiscard]] Trial run(std::uint32_t number);
-    /// All clients publish as fast as they are acknowledged; nothing is struck.
-    [[nodiscard]] Watched watch(Duration duration);
+    /// Full load: publishers and subscribers at all brokers, each message to another broker, the
+    /// next one as soon as one has arrived. Nothing is struck.
+    [[nodiscard]] Watched watch(Duration duration, const std::function<bool()>& is_over);
 
 private:
     using Clock = std::chrono::steady_clock;
@@ -52,7 +54,6 @@ private:
     Random random_;
     std::vector<std::unique_ptr<Robot>> robots_;  // one a broker
     std::optional<std::size_t> publisher_;        // publishes once a millisecond
-    bool full_load_ = false;
     Instant next_publish_{};
 
     struct Awaited {

@@ -27,6 +27,10 @@ public:
     [[nodiscard]] experiments::BrokerAddress address(std::size_t broker) const;
     [[nodiscard]] std::string address_text(std::size_t broker) const;
 
+    [[nodiscard]] pid_t process(std::size_t broker) const {
+        return brokers_[broker].process->pid();
+    }
+
     /// kill -9, without waiting for the end.
     void kill(std::size_t broker);
     void pause(std::size_t broker);

@@ -46,9 +46,7 @@ void Robot::on_event(const client::Event& event) {
         if (const auto stamp = experiments::read_stamp(received->data)) {
             on_message_(net::now(), *stamp);
         }
-    } else if (std::holds_alternative<client::Published>(event)) {
-        ++acknowledged_;
-    } else {
+    } else if (!std::holds_alternative<client::Published>(event)) {
         failed_ = true;  // lost, refused, disconnected by the broker...
     }
 }

@@ -28,7 +28,6 @@ public:
     [[nodiscard]] bool has_failed() const { return failed_; }
     /// Publishes one message, unless the one before is not acknowledged yet.
     void publish();
-    [[nodiscard]] std::uint64_t acknowledged() const { return acknowledged_; }
     [[nodiscard]] std::uint64_t sent(mqttsn::MsgType type) const { return client_.sent().of(type); }
 
 private:
@@ -41,7 +40,6 @@ private:
     bool ready_ = false;
     bool failed_ = false;
     std::uint32_t next_sequence_ = 0;
-    std::uint64_t acknowledged_ = 0;
     experiments::SocketClient client_;
 };
 

@@ -27,6 +27,7 @@ constexpr const char* examples = R"(Examples:
   romano load --subscribers 50                      (fan-out: each message goes to 50)
   romano load --publishers 20 --subscribers 20 --topics 20 -q 1
   romano load -h ::1 -p 1884 --rate 200 -q 2 --payload 200 --duration 60 --json
+  romano load -h 127.0.0.1 --also 127.0.0.2 -q 1    (from one broker of a cluster to another)
   romano load --publishers 5000 --subscribers 5000 --topics 10000 --one-socket
 In a closed loop --in-flight messages are on their way; where one has arrived, the next leaves.
 Publisher i publishes on topic i mod N, or on each N-th topic; subscribers likewise.
@@ -37,6 +38,7 @@ volatile std::sig_atomic_t interrupted = 0;
 
 struct LoadOptions {
     BrokerOptions broker;
+    std::vector<std::string> also;  // more hosts
     LoadPlan plan;
     int qos = 0;
     double rate_per_s = 0;
@@ -52,12 +54,18 @@ Duration in_time(double seconds) {
     return std::chrono::duration_cast<Duration>(std::chrono::duration<double>{seconds});
 }
 
-Endpoint endpoint_of(const BrokerOptions& options) {
+std::vector<Endpoint> brokers_of(const LoadOptions& options) {
     boost::asio::io_context io{1};
-    const BrokerAddress found = resolve_broker(io, options.host, options.port);
-    net::SocketAddress address;
-    std::memcpy(&address.any, found.data(), found.size());
-    return net::to_endpoint(address);
+    std::vector<std::string> hosts{options.broker.host};
+    hosts.insert(hosts.end(), options.also.begin(), options.also.end());
+    std::vector<Endpoint> brokers;
+    for (const std::string& host : hosts) {
+        const BrokerAddress found = resolve_broker(io, host, options.broker.port);
+        net::SocketAddress address;
+        std::memcpy(&address.any, found.data(), found.size());
+        brokers.push_back(net::to_endpoint(address));
+    }
+    return brokers;
 }
 
 /// On a terminal, in one line that is redrawn; else silent.
@@ -85,7 +93,7 @@ private:
 };
 
 int run(const LoadOptions& options) {
-    MqttsnOptions mqttsn{.broker = endpoint_of(options.broker),
+    MqttsnOptions mqttsn{.brokers = brokers_of(options),
                          .sockets = options.one_socket ? SocketUse::shared : SocketUse::one_each,
                          .timing = options.broker.timing(),
                          .keep_alive = std::chrono::seconds{options.broker.keep_alive_s},
@@ -120,6 +128,11 @@ void add_load(CLI::App& program, int& exit_code) {
         "load", "Load any MQTT-SN broker or gateway; measure throughput, latency and loss");
     options->broker.timeout_s = 10;  // gateways to another broker may be slow
     options->broker.add_to(command);
+    command
+        .add_option("--also", options->also,
+                    "More brokers of the cluster, on the same port: publisher i lives at the i-th "
+                    "broker in turn, subscriber i at the next one, so that messages cross")
+        ->type_name("HOST");
     LoadPlan& plan = options->plan;
     command.add_option("--publishers", plan.publishers, "Clients that publish")
         ->check(CLI::Range(1, 100'000))

@@ -11,6 +11,7 @@
 #include <cstring>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 #include "broker/net/clock.h"
 #include "broker/net/socket_address.h"
@@ -42,8 +43,8 @@ void allow_open_files(std::uint32_t clients) {
 
 }  // namespace
 
-ClientSockets::ClientSockets(const Endpoint& broker, Number clients, SocketUse use)
-    : broker_(broker), clients_(clients), use_(use) {
+ClientSockets::ClientSockets(std::vector<Endpoint> brokers, Number clients, SocketUse use)
+    : brokers_(std::move(brokers)), clients_(clients), use_(use) {
     epoll_ = ::epoll_create1(EPOLL_CLOEXEC);
     if (epoll_ < 0) fail("cannot wait for sockets");
     if (use == SocketUse::shared) {
@@ -58,8 +59,8 @@ ClientSockets::~ClientSockets() {
     ::close(epoll_);
 }
 
-int ClientSockets::open() {
-    const bool v6 = broker_.family == Endpoint::Family::ipv6;
+int ClientSockets::open(const Endpoint& broker) {
+    const bool v6 = broker.family == Endpoint::Family::ipv6;
     const int socket =
         ::socket(v6 ? AF_INET6 : AF_INET, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
     if (socket < 0) fail("cannot open a socket");
@@ -80,19 +81,22 @@ void ClientSockets::watch(int socket, Number number) {
 
 void ClientSockets::open_one_each() {
     allow_open_files(clients_);
-    const net::SocketAddress to = net::to_socket_address(broker_);
     for (Number client = 0; client < clients_; ++client) {
-        const int socket = open();
+        const net::SocketAddress to = net::to_socket_address(broker_of(client));
+        const int socket = open(broker_of(client));
         if (::connect(socket, &to.any, to.size) != 0) fail("cannot reach the broker's address");
         watch(socket, client);
     }
 }
 
 void ClientSockets::open_shared() {
-    if (broker_.family != Endpoint::Family::ipv4 || broker_.address[0] != 127) {
+    const auto is_loopback = [](const Endpoint& broker) {
+        return broker.family == Endpoint::Family::ipv4 && broker.address[0] == 127;
+    };
+    if (!std::ranges::all_of(brokers_, is_loopback)) {
         throw std::runtime_error("clients can share a socket only if the broker is on 127.0.0.0/8");
     }
-    const int socket = open();
+    const int socket = open(brokers_.front());
     const int on = 1;
     if (::setsockopt(socket, IPPROTO_IP, IP_PKTINFO, &on, sizeof on) != 0) {
         fail("cannot tell addresses of one socket apart");
@@ -127,7 +131,7 @@ void ClientSockets::flush() {
         const Waiting& datagram = waiting_[i];
         const Bytes octets = Bytes{octets_}.subspan(datagram.offset, datagram.size);
         if (use_ == SocketUse::shared) {
-            outgoing_->add_from(source_of(datagram.from), broker_, octets);
+            outgoing_->add_from(source_of(datagram.from), broker_of(datagram.from), octets);
             continue;
         }
         outgoing_->add_to_peer(octets);
@@ -170,12 +174,13 @@ void ClientSockets::read(Number socket, Listener& listener) {
     }
 }
 
-/// None of the clients when it came from somebody else than the broker.
+/// None of the clients when it came from somebody else than the client's broker.
 ClientSockets::Number ClientSockets::receiver_of(Number socket, std::size_t slot) const {
     if (use_ == SocketUse::one_each) return socket;
-    if (incoming_->from(slot) != broker_) return clients_;
     const auto to = incoming_->to(slot, shared_at_).address;
-    return (to[1] - 1U) << 16U | Number{to[2]} << 8U | to[3];
+    const Number client = (to[1] - 1U) << 16U | Number{to[2]} << 8U | to[3];
+    if (client >= clients_ || incoming_->from(slot) != broker_of(client)) return clients_;
+    return client;
 }
 
 std::uint64_t ClientSockets::dropped() const {

@@ -1,4 +1,4 @@
-// The UDP side of many clients of one broker: datagrams in and out by client number, in batches.
+// The UDP side of many clients: datagrams in and out by client number, in batches.
 //
 // A broker tells its clients by their addresses, so each has a socket of its own; or, on the
 // loopback network, all share one socket and each has an address of its own (127.1.0.0 and up),
@@ -34,8 +34,9 @@ public:
         virtual void on_datagram(Instant now, Number client, Bytes octets) = 0;
     };
 
-    /// Throws std::runtime_error with a sentence. `shared` needs a broker in 127.0.0.0/8.
-    ClientSockets(const Endpoint& broker, Number clients, SocketUse use);
+    /// `brokers`: one for all clients, or one for each. Throws std::runtime_error with a sentence.
+    /// `shared` needs brokers in 127.0.0.0/8.
+    ClientSockets(std::vector<Endpoint> brokers, Number clients, SocketUse use);
     ~ClientSockets();
     ClientSockets(const ClientSockets&) = delete;
     ClientSockets& operator=(const ClientSockets&) = delete;
@@ -63,13 +64,16 @@ private:
 
     void open_one_each();
     void open_shared();
-    int open();
+    int open(const Endpoint& broker);
     void watch(int socket, Number number);
     void read(Number socket, Listener& listener);
     [[nodiscard]] Number receiver_of(Number socket, std::size_t slot) const;
     [[nodiscard]] Endpoint source_of(Number client) const;
+    [[nodiscard]] const Endpoint& broker_of(Number client) const {
+        return brokers_.size() == 1 ? brokers_.front() : brokers_[client];
+    }
 
-    Endpoint broker_;
+    std::vector<Endpoint> brokers_;
     Number clients_;
     SocketUse use_;
     int epoll_ = -1;

@@ -22,6 +22,27 @@ client::OutputFor<OutputLimits>& shared_output() {
     return output;
 }
 
+/// By client. A message of a topic crosses brokers when there are as many topics as publishers and
+/// subscribers.
+std::vector<Endpoint> brokers_of(const LoadPlan& plan, const std::vector<Endpoint>& brokers) {
+    if (brokers.size() == 1) return brokers;
+    std::vector<Endpoint> of_clients;
+    for (std::uint32_t i = 0; i < plan.publishers; ++i) {
+        of_clients.push_back(brokers[i % brokers.size()]);
+    }
+    for (std::uint32_t i = 0; i < plan.subscribers; ++i) {
+        of_clients.push_back(brokers[(i + 1) % brokers.size()]);
+    }
+    return of_clients;
+}
+
+std::string texts_of(const std::vector<Endpoint>& brokers) {
+    std::string text;
+    for (const Endpoint& broker : brokers)
+        text += (text.empty() ? "" : ", ") + net::to_text(broker);
+    return text;
+}
+
 bool is_pingreq(Bytes datagram) {
     return datagram.size() >= 2 && datagram[1] == static_cast<std::uint8_t>(MsgType::pingreq);
 }
@@ -31,7 +52,7 @@ bool is_pingreq(Bytes datagram) {
 MqttsnClients::MqttsnClients(const LoadPlan& plan, const MqttsnOptions& options)
     : plan_(plan),
       options_(options),
-      sockets_(options.broker, plan.clients(), options.sockets),
+      sockets_(brokers_of(plan, options.brokers), plan.clients(), options.sockets),
       layout_(plan) {
     for (std::uint32_t topic = 0; topic < plan.topics; ++topic) {
         topic_names_.push_back(plan.topic_name(topic));
@@ -160,7 +181,7 @@ void MqttsnClients::on_event(Number number, const client::Event& event) {
 }
 
 std::string MqttsnClients::loss(Number number) const {
-    const std::string where = net::to_text(options_.broker);
+    const std::string where = texts_of(options_.brokers);
     if (clients_[number].set_up > 0) {
         return "the broker at " + where + " answered " + clients_[number].id + " no more";
     }

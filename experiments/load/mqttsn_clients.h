@@ -18,7 +18,8 @@
 namespace romano::experiments {
 
 struct MqttsnOptions {
-    Endpoint broker;
+    /// Publisher i lives at brokers[i mod N], subscriber i at brokers[i + 1 mod N].
+    std::vector<Endpoint> brokers;
     SocketUse sockets = SocketUse::one_each;
     client::Timing timing;
     std::chrono::seconds keep_alive{60};
