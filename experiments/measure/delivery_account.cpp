@@ -2,8 +2,30 @@
 
 #include <algorithm>
 #include <cassert>
+#include <map>
+#include <ranges>
+#include <tuple>
 
 namespace romano::experiments {
+namespace {
+
+/// `messages` are one publisher's, in the order in which he sent them. A publisher has one topic a
+/// stream and receiver.
+void count_out_of_order(const std::vector<PublishedMessage>& messages,
+                        std::array<DeliveryTally, 3>& tallies) {
+    std::map<std::tuple<RobotNumber, Stream, std::uint8_t>, double> later_one_came;
+    for (const PublishedMessage& message : messages | std::views::reverse) {
+        for (const Delivery& delivery : message.deliveries) {
+            if (!delivery.first_at_s) continue;
+            const auto [later, is_last] = later_one_came.try_emplace(
+                {delivery.receiver, message.stream, message.qos}, *delivery.first_at_s);
+            if (*delivery.first_at_s > later->second) ++tallies[message.qos].out_of_order;
+            later->second = std::min(later->second, *delivery.first_at_s);
+        }
+    }
+}
+
+}  // namespace
 
 std::optional<double> DeliveryTally::ratio() const {
     if (expected == 0) return std::nullopt;
@@ -17,6 +39,7 @@ DeliveryTally& DeliveryTally::operator+=(const DeliveryTally& other) {
     delivered += other.delivered;
     duplicates += other.duplicates;
     acknowledged_but_lost += other.acknowledged_but_lost;
+    out_of_order += other.out_of_order;
     return *this;
 }
 
@@ -74,6 +97,7 @@ bool DeliveryAccount::on_arrived(RobotNumber publisher, std::uint32_t sequence,
 std::array<DeliveryTally, 3> DeliveryAccount::tally_by_qos() const {
     std::array<DeliveryTally, 3> tallies;
     for (const auto& messages : by_publisher_) {
+        count_out_of_order(messages, tallies);
         for (const PublishedMessage& message : messages) {
             DeliveryTally& tally = tallies[message.qos];
             const bool acknowledged = message.acknowledged_at_s.has_value();

@@ -45,6 +45,9 @@ struct DeliveryTally {
     std::uint64_t delivered = 0;              // pairs
     std::uint64_t duplicates = 0;             // copies beyond a pair's first
     std::uint64_t acknowledged_but_lost = 0;  // pairs: the promise that was broken
+    /// Pairs whose first copy came behind that of a later message of the same publisher, topic and
+    /// QoS.
+    std::uint64_t out_of_order = 0;
 
     /// Delivered of expected; empty when nothing was expected.
     [[nodiscard]] std::optional<double> ratio() const;

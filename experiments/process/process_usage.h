@@ -10,6 +10,7 @@ namespace romano::experiments {
 
 struct ProcessUsage {
     double cpu_s = 0;         // user and system time of all its threads
+    double rss_mib = 0;       // VmRSS
     double rss_peak_mib = 0;  // VmHWM
 };
 

@@ -206,7 +206,9 @@ std::optional<Figure> delivery_figure(Configurations all) {
     constexpr std::array given = {Axis::brokers, Axis::fault};
     std::vector<PlotPanel> panels;
     double lowest = 100;
-    for (const Fault fault : {Fault::none, Fault::kill_leader, Fault::kill_home, Fault::pause}) {
+    std::set<Fault> faults;
+    for (const Configuration& each : all) faults.insert(each.cell().fault);
+    for (const Fault fault : faults) {
         const auto some = those(all, [fault](const Cell& cell) { return cell.fault == fault; });
         if (some.empty()) continue;
         PlotPanel panel{.title = fault == Fault::none ? "no fault" : std::string{name_of(fault)},
@@ -297,6 +299,40 @@ std::optional<Figure> overhead_figure(Configurations all) {
             "peak resident memory (VmHWM) from <code>/proc</code>, within the load."};
 }
 
+/// Of the first run that was long enough to tell.
+std::optional<Figure> memory_figure(Configurations all, const std::filesystem::path& results) {
+    constexpr double long_enough_s = 120;
+    for (const Configuration& each : all) {
+        for (const RunRow& run : each.runs) {
+            const auto samples = read_memory(results, run.cell);
+            if (samples.empty() || samples.back().at_s < long_enough_s) continue;
+            PlotPanel panel{.title = describe(run.cell),
+                            .x_label = "time (minutes)",
+                            .y_label = "resident memory of a broker (MiB)",
+                            .series = {},
+                            .ticks_at_points = false,
+                            .y_from = 0};
+            for (const MemorySample& sample : samples) {
+                auto found = std::ranges::find(panel.series, sample.broker, &PlotSeries::label);
+                if (found == panel.series.end()) {
+                    found = panel.series.insert(
+                        found,
+                        {.label = sample.broker, .points = {}, .line = false, .small = true});
+                }
+                found->points.push_back({.x = sample.at_s / 60, .y = sample.rss_mib});
+            }
+            return Figure{.title = "Memory over time",
+                          .plot = {.name = "memory", .panels = {std::move(panel)}},
+                          .shows =
+                              "Each broker, once a second. A broker that is started again "
+                              "begins anew.",
+                          .measured = "Cell " + std::to_string(run.cell.number) +
+                                      " of this sweep; VmRSS from <code>/proc</code>."};
+        }
+    }
+    return std::nullopt;
+}
+
 }  // namespace
 
 std::vector<Figure> figures_of(Configurations configurations, double fault_after_s,
@@ -311,6 +347,7 @@ std::vector<Figure> figures_of(Configurations configurations, double fault_after
     add(delay_figure(configurations));
     add(rate_figure(configurations));
     add(overhead_figure(configurations));
+    add(memory_figure(configurations, results));
     return figures;
 }
 

@@ -63,6 +63,8 @@ std::string tiles_of(std::span<const RunRow> rows) {
     const double lost = total(ok, &RunRow::acknowledged_but_lost_qos1) +
                         total(ok, &RunRow::acknowledged_but_lost_qos2);
     const double doubled = total(ok, &RunRow::duplicates_qos2);
+    const double disordered =
+        total(ok, &RunRow::out_of_order_qos1) + total(ok, &RunRow::out_of_order_qos2);
     const double again = total(ok, &RunRow::connects_after_fault) +
                          total(ok, &RunRow::registers_after_fault) +
                          total(ok, &RunRow::subscribes_after_fault);
@@ -82,6 +84,7 @@ std::string tiles_of(std::span<const RunRow> rows) {
                  "acknowledged messages lost, of " + whole(total(ok, &RunRow::acknowledged)) +
                      " acknowledged (QoS 1, 2)");
     html += tile(zero_is_good(doubled), whole(doubled), "QoS 2 messages delivered twice");
+    html += tile(zero_is_good(disordered), whole(disordered), "QoS 1 and 2 messages out of order");
     if (struck > 0) {
         html +=
             tile(recovered == struck ? "good" : "bad", whole(recovered) + " of " + whole(struck),
@@ -98,9 +101,10 @@ std::string tiles_of(std::span<const RunRow> rows) {
 std::string failures_of(std::span<const RunRow> rows) {
     std::string html;
     for (const RunRow& row : rows) {
-        if (row.ok()) continue;
+        const std::string why = row.ok() ? row.broken_promises() : row.status;
+        if (why.empty()) continue;
         html += "<li>Cell " + std::to_string(row.cell.number) + " (" +
-                html_text(describe(row.cell)) + "): " + html_text(row.status) + "</li>\n";
+                html_text(describe(row.cell)) + "): " + html_text(why) + "</li>\n";
     }
     return html.empty() ? html : "<h2>Runs that failed</h2>\n<ul>\n" + html + "</ul>\n";
 }

@@ -53,6 +53,7 @@ SummaryTable summary_of(std::span<const Configuration> configurations) {
     column("delivered", "%");
     column("lost", "acked");
     column("dup.", "QoS 2");
+    column("order", "broken");
     column("delay", "p50 ms");
     column("delay", "p99 ms");
     column("failover", "ms");
@@ -81,6 +82,8 @@ SummaryTable summary_of(std::span<const Configuration> configurations) {
         row.push_back(percent(each.median(&RunRow::delivery_ratio)));
         row.push_back(number_text(lost, 0));
         row.push_back(number_text(each.sum(&RunRow::duplicates_qos2), 0));
+        row.push_back(number_text(
+            sum(each.sum(&RunRow::out_of_order_qos1), each.sum(&RunRow::out_of_order_qos2)), 0));
         row.push_back(number_text(each.median(&RunRow::delay_p50_ms), 2));
         row.push_back(number_text(each.median(&RunRow::delay_p99_ms), 1));
         row.push_back(range(each.of(&RunRow::failover_first_ms).min(),

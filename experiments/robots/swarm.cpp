@@ -146,9 +146,8 @@ void Swarm::publish_one(Robot& robot) {
         return;
     }
     ++robot.next_sequence;
-    const std::uint32_t sequence =
-        account_.on_published(robot.number, step.topic.stream, step.qos, in_seconds(now - started_),
-                              step.topic.subscribers);
+    const std::uint32_t sequence = account_.on_published(robot.number, step.topic.stream, step.qos,
+                                                         seconds_at(now), step.topic.subscribers);
     if (step.qos > 0) robot.open[static_cast<std::uint16_t>(*begun)] = sequence;
 }
 
@@ -156,11 +155,12 @@ void Swarm::on_event(Robot& robot, const client::Event& event) {
     if (const auto* received = std::get_if<client::Received>(&event)) {
         const auto stamp = read_stamp(received->data);
         if (!stamp) return;
-        account_.on_arrived(stamp->publisher, stamp->sequence, robot.number, seconds_since_start());
+        account_.on_arrived(stamp->publisher, stamp->sequence, robot.number,
+                            seconds_at(net::now()));
     } else if (const auto* published = std::get_if<client::Published>(&event)) {
         const auto operation = robot.open.find(static_cast<std::uint16_t>(published->operation));
         if (operation == robot.open.end()) return;
-        account_.on_acknowledged(robot.number, operation->second, seconds_since_start());
+        account_.on_acknowledged(robot.number, operation->second, seconds_at(net::now()));
         robot.open.erase(operation);
     } else if (std::holds_alternative<client::Connected>(event) ||
                std::holds_alternative<client::Subscribed>(event) ||
@@ -184,8 +184,8 @@ void Swarm::on_event(Robot& robot, const client::Event& event) {
     }
 }
 
-double Swarm::seconds_since_start() const {
-    return in_seconds(net::now() - started_);
+double Swarm::seconds_at(Instant at) const {
+    return in_seconds(at - started_);
 }
 
 std::vector<RobotNumber> Swarm::clients_of(std::size_t broker) const {

@@ -44,7 +44,8 @@ public:
     void stop_load();
     void leave();
 
-    [[nodiscard]] double seconds_since_start() const;
+    /// Of the books' clock.
+    [[nodiscard]] double seconds_at(Instant at) const;
     [[nodiscard]] const DeliveryAccount& account() const { return account_; }
     [[nodiscard]] std::vector<RobotNumber> clients_of(std::size_t broker) const;
     [[nodiscard]] std::size_t homes(std::size_t broker) const { return clients_of(broker).size(); }

@@ -8,13 +8,6 @@
 namespace romano::experiments {
 namespace {
 
-constexpr std::array<std::pair<Fault, std::string_view>, 4> fault_names{{
-    {Fault::none, "none"},
-    {Fault::kill_leader, "kill-leader"},
-    {Fault::kill_home, "kill-home"},
-    {Fault::pause, "pause"},
-}};
-
 std::string shortest(double number) {
     std::array<char, 32> text{};
     std::snprintf(text.data(), text.size(), "%g", number);
@@ -22,20 +15,6 @@ std::string shortest(double number) {
 }
 
 }  // namespace
-
-std::string_view name_of(Fault fault) {
-    for (const auto& [value, name] : fault_names) {
-        if (value == fault) return name;
-    }
-    return "?";
-}
-
-std::optional<Fault> fault_named(std::string_view name) {
-    for (const auto& [value, known] : fault_names) {
-        if (known == name) return value;
-    }
-    return std::nullopt;
-}
 
 QosMix::QosMix(std::vector<std::uint8_t> levels) : levels_(std::move(levels)) {
     assert(!levels_.empty());

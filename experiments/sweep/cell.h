@@ -8,16 +8,9 @@
 #include <string_view>
 #include <vector>
 
-namespace romano::experiments {
+#include "experiments/sweep/fault.h"
 
-enum class Fault : std::uint8_t {
-    none,
-    kill_leader,  // kill -9 of the broker that leads
-    kill_home,    // kill -9 of a broker that does not lead
-    pause,        // SIGSTOP of such a broker, and SIGCONT after a while
-};
-[[nodiscard]] std::string_view name_of(Fault fault);
-[[nodiscard]] std::optional<Fault> fault_named(std::string_view name);
+namespace romano::experiments {
 
 /// The QoS levels that a robot's messages take in turn.
 class QosMix {

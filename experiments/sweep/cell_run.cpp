@@ -4,6 +4,7 @@
 #include <array>
 #include <boost/asio/executor_work_guard.hpp>
 #include <ctime>
+#include <fstream>
 
 #include "broker/net/clock.h"
 #include "experiments/measure/failover.h"
@@ -17,13 +18,6 @@ using mqttsn::MsgType;
 
 /// What a client must not have to send again when its broker is replaced.
 constexpr std::array again_types = {MsgType::connect, MsgType::register_, MsgType::subscribe};
-
-/// How long brokers get to end by themselves.
-constexpr auto stop_patience = 2s;
-
-struct RunFailed : std::runtime_error {
-    using std::runtime_error::runtime_error;
-};
 
 Duration to_duration(std::chrono::duration<double> duration) {
     return std::chrono::duration_cast<Duration>(duration);
@@ -47,30 +41,6 @@ double as_number(std::uint64_t count) {
 }
 
 }  // namespace
-
-struct CellRun::Broker {
-    std::string name;
-    BrokerAddress address;
-    std::unique_ptr<BrokerProcess> process;
-    std::unique_ptr<BrokerWatch> watch;  // with this broker's eyes
-
-    /// What it used within the load, or until it was killed.
-    ProcessUsage usage_before;
-    std::optional<ProcessUsage> usage;
-    Instant usage_from{};
-    Duration usage_time{};
-    std::uint64_t octets_before = 0;
-    std::uint64_t octets = 0;
-
-    /// The broker's own count, as fresh as its last word.
-    [[nodiscard]] std::uint64_t octets_sent() const {
-        const auto own = watch->brokers().find(name);
-        return own == watch->brokers().end() ? 0 : own->second.status.transport_octets_sent;
-    }
-
-    /// After the leader's death: when this broker was seen to follow a new one.
-    std::optional<Instant> new_leader_at;
-};
 
 CellRun::CellRun(const SweepSettings& settings, const Cell& cell,
                  const CellSurroundings& surroundings)
@@ -101,6 +71,7 @@ RunRow CellRun::run() {
         measure_failover(row);
         measure_brokers(row);
         surroundings_.results.write_samples(cell_, swarm_->account());
+        surroundings_.results.write_memory(cell_, memory_);
     }
     stop();
     row.run_s = in_ms(net::now() - begun_) / 1e3;
@@ -109,77 +80,24 @@ RunRow CellRun::run() {
 
 void CellRun::start_brokers() {
     doing_ = "starting brokers";
-    // Another network for each cell: nothing of an earlier one can answer.
-    const std::string network =
-        settings_.network + "." + std::to_string(cell_.number % 250 + 1) + ".";
-    const std::uint32_t domain = settings_.domain_base + (cell_.number - 1) % domains_in_turn;
-    for (std::uint32_t i = 1; i <= cell_.brokers; ++i) {
-        auto broker = std::make_unique<Broker>();
-        broker->name = "b" + std::to_string(i);
-        const std::string address = network + std::to_string(i);
-        broker->address = {boost::asio::ip::make_address(address), settings_.port};
-        std::vector<std::string> arguments = {"--name", broker->name, "--listen",
-                                              address + ":" + std::to_string(settings_.port)};
-        if (cell_.brokers > 1) {
-            const std::vector<std::string> cluster = {
-                "--domain",    std::to_string(domain), "--interface",  "lo",     "--elector",
-                cell_.elector, "--detector",           cell_.detector, "--acks", cell_.acks};
-            arguments.insert(arguments.end(), cluster.begin(), cluster.end());
-            if (cell_.elector == "raft") {
-                arguments.emplace_back("--voters");
-                for (std::uint32_t v = 1; v <= cell_.brokers; ++v) {
-                    arguments.push_back("b" + std::to_string(v));
-                }
-            }
-        }
-        try {
-            broker->process = std::make_unique<BrokerProcess>(
-                broker->name, surroundings_.broker_program, arguments,
-                surroundings_.results.trace_file(cell_, broker->name));
-        } catch (const std::runtime_error& error) {
-            throw RunFailed(error.what());
-        }
-        brokers_.push_back(std::move(broker));
-    }
+    brokers_ = std::make_unique<CellBrokers>(settings_, cell_, surroundings_.broker_program,
+                                             surroundings_.results);
 }
 
 void CellRun::await_one_view() {
     doing_ = "waiting for one view";
-    // A broker that does not listen yet is asked again soon, as long as we are willing to wait.
-    client::Timing timing;
-    timing.t_retry = 100ms;
-    timing.n_retry = static_cast<int>(settings_.start_within / 100ms) + 300;
-    for (const auto& broker : brokers_) {
-        broker->watch = std::make_unique<BrokerWatch>(surroundings_.io, broker->address,
-                                                      "watch-" + broker->name, timing,
-                                                      [this] { on_watch_change(); });
-    }
-    const auto in_one_view = [this] {
-        const auto leader = brokers_.front()->watch->leader();
-        return leader && std::ranges::all_of(brokers_, [&](const auto& broker) {
-                   return broker->watch->alive() == brokers_.size() &&
-                          broker->watch->members_in_view_of(broker->name) == brokers_.size() &&
-                          broker->watch->leader() == leader;
-               });
-    };
-    if (run_until(begun_ + to_duration(settings_.start_within), in_one_view)) return;
-    std::string sentence = "the brokers were not in one view within start_within; seen alive:";
-    for (const auto& broker : brokers_) {
-        sentence += " " + broker->name + " sees " + std::to_string(broker->watch->alive()) +
-                    " in a view of " +
-                    std::to_string(broker->watch->members_in_view_of(broker->name)) + " led by " +
-                    broker->watch->leader().value_or("nobody") + ";";
-    }
-    sentence.pop_back();
-    throw RunFailed(sentence);
+    brokers_->watch(surroundings_.io, [this] { on_watch_change(); });
+    const auto deadline = begun_ + to_duration(settings_.start_within);
+    if (run_until(deadline, [this] { return brokers_->are_whole(); })) return;
+    throw RunFailed("the brokers were not in one view within start_within; " +
+                    brokers_->what_they_see());
 }
 
 void CellRun::join_robots() {
     doing_ = "robots join";
-    std::vector<BrokerAddress> addresses;
-    for (const auto& broker : brokers_) addresses.push_back(broker->address);
+    const auto there = brokers_->where_robots_are();
     swarm_ = std::make_unique<Swarm>(
-        surroundings_.io, addresses,
+        surroundings_.io, brokers_->addresses(),
         Traffic{settings_.pattern, cell_.robots, settings_.group, cell_.qos},
         SwarmOptions{.rate_per_s = cell_.rate_per_s,
                      .payload_octets = cell_.payload_octets,
@@ -197,62 +115,35 @@ void CellRun::join_robots() {
 
 void CellRun::load() {
     doing_ = "load";
-    begin_usage();
+    brokers_->begin_usage();
     swarm_->start_load();
+    is_loading_ = true;
     const Instant started = net::now();
     const Instant end = started + to_duration(settings_.duration);
     if (cell_.fault != Fault::none) {
-        run_until(started + to_duration(settings_.fault_after), [] { return false; });
-        inject_fault();
-        doing_ = "load, after the fault";
-        if (cell_.fault == Fault::pause) {
-            run_until(std::min(end, fault_->at + to_duration(settings_.pause)),
-                      [] { return false; });
-            brokers_[fault_->broker]->process->resume();
-        }
+        run_for(to_duration(settings_.fault_after));
+        for (const MsgType type : again_types) sent_before_fault_.push_back(swarm_->sent(type));
+        fault_ = std::make_unique<FaultInjection>(
+            settings_, cell_, *brokers_,
+            std::ofstream(surroundings_.results.trace_file(cell_, "faults")),
+            [this](Instant deadline, const auto& done) { return run_until(deadline, done); });
+        doing_ = "load, with faults";
+        fault_->run(end);
     }
     run_until(end, [] { return false; });
     swarm_->stop_load();
-    for (const auto& broker : brokers_) end_usage(*broker);
-}
-
-void CellRun::inject_fault() {
-    FaultRecord fault;
-    fault.broker = choose_victim();
-    Broker& victim = *brokers_[fault.broker];
-    for (const MsgType type : again_types) fault.sent_before.push_back(swarm_->sent(type));
-    if (cell_.fault == Fault::pause) {
-        fault.at = net::now();
-        fault.at_s = swarm_->seconds_since_start();
-        victim.process->pause();
-    } else {
-        end_usage(victim);
-        fault.at = net::now();
-        fault.at_s = swarm_->seconds_since_start();
-        victim.process->kill();
-    }
-    fault_ = std::move(fault);
-}
-
-std::size_t CellRun::choose_victim() const {
-    const auto leader = brokers_.front()->watch->leader();
-    std::vector<std::size_t> candidates;
-    for (std::size_t i = 0; i < brokers_.size(); ++i) {
-        const bool leads = brokers_[i]->name == leader;
-        if (leads == (cell_.fault == Fault::kill_leader)) candidates.push_back(i);
-    }
-    if (candidates.empty()) throw RunFailed("nobody led when the fault was due");
-    Random random{cell_.seed * 1'000'003 + cell_.repetition + 2};
-    return candidates[random.below(static_cast<std::uint32_t>(candidates.size()))];
+    is_loading_ = false;
+    load_time_ = net::now() - started;
+    for (std::size_t i = 0; i < brokers_->size(); ++i) brokers_->end_usage(i);
 }
 
 void CellRun::on_watch_change() {
-    if (!fault_ || cell_.fault != Fault::kill_leader) return;
-    const std::string& dead = brokers_[fault_->broker]->name;
-    for (const auto& broker : brokers_) {
-        if (broker->name == dead || broker->new_leader_at) continue;
-        const auto leader = broker->watch->leader();
-        if (leader && *leader != dead) broker->new_leader_at = net::now();
+    if (!fault_ || fault_->strikes().empty() || cell_.fault != Fault::kill_leader) return;
+    const std::string& dead = (*brokers_)[fault_->strikes().front().broker].name;
+    for (auto& broker : *brokers_) {
+        if (broker.name == dead || broker.new_leader_at) continue;
+        const auto leader = broker.watch->leader();
+        if (leader && *leader != dead) broker.new_leader_at = net::now();
     }
 }
 
@@ -270,15 +161,7 @@ void CellRun::stop() {
     surroundings_.io.restart();
     surroundings_.io.poll();
     swarm_.reset();
-    for (const auto& broker : brokers_) broker->watch.reset();
-    // All are asked before anybody is waited for.
-    for (const auto& broker : brokers_) {
-        if (broker->process) broker->process->ask_to_stop();
-    }
-    for (const auto& broker : brokers_) {
-        if (broker->process) broker->process->stop(stop_patience);
-    }
-    brokers_.clear();
+    if (brokers_) brokers_->stop_all();
 }
 
 void CellRun::measure_deliveries(RunRow& row) const {
@@ -295,6 +178,9 @@ void CellRun::measure_deliveries(RunRow& row) const {
     row.delivery_ratio_qos0 = by_qos[0].ratio();
     row.delivery_ratio_qos1 = by_qos[1].ratio();
     row.delivery_ratio_qos2 = by_qos[2].ratio();
+    row.out_of_order_qos0 = as_number(by_qos[0].out_of_order);
+    row.out_of_order_qos1 = as_number(by_qos[1].out_of_order);
+    row.out_of_order_qos2 = as_number(by_qos[2].out_of_order);
     row.acknowledged_but_lost_qos1 = as_number(by_qos[1].acknowledged_but_lost);
     row.acknowledged_but_lost_qos2 = as_number(by_qos[2].acknowledged_but_lost);
     row.duplicates_qos0 = as_number(by_qos[0].duplicates);
@@ -315,28 +201,35 @@ void CellRun::measure_deliveries(RunRow& row) const {
 }
 
 void CellRun::measure_failover(RunRow& row) const {
-    if (!fault_) return;
-    const auto victims = swarm_->clients_of(fault_->broker);
+    if (!fault_ || fault_->strikes().empty()) return;
+    const auto& strikes = fault_->strikes();
+    std::size_t struck = 0;
     std::vector<double> times;
-    for (const ClientFailover& failover :
-         client_failovers(swarm_->account(), victims, fault_->at_s)) {
-        if (failover.after_ms) times.push_back(*failover.after_ms);
+    for (const Strike& strike : strikes) {
+        const auto victims = swarm_->clients_of(strike.broker);
+        struck += victims.size();
+        for (const ClientFailover& failover :
+             client_failovers(swarm_->account(), victims, swarm_->seconds_at(strike.at))) {
+            if (failover.after_ms) times.push_back(*failover.after_ms);
+        }
     }
     const Percentiles failovers{std::move(times)};
-    row.failover_clients = as_number(victims.size());
+    row.strikes = as_number(strikes.size());
+    row.failover_clients = as_number(struck);
     row.failover_recovered_clients = as_number(failovers.count());
     row.failover_first_ms = failovers.min();
     row.failover_p50_ms = failovers.at(0.5);
     row.failover_last_ms = failovers.max();
-    row.connects_after_fault = as_number(swarm_->sent(again_types[0]) - fault_->sent_before[0]);
-    row.registers_after_fault = as_number(swarm_->sent(again_types[1]) - fault_->sent_before[1]);
-    row.subscribes_after_fault = as_number(swarm_->sent(again_types[2]) - fault_->sent_before[2]);
+    row.connects_after_fault = as_number(swarm_->sent(again_types[0]) - sent_before_fault_[0]);
+    row.registers_after_fault = as_number(swarm_->sent(again_types[1]) - sent_before_fault_[1]);
+    row.subscribes_after_fault = as_number(swarm_->sent(again_types[2]) - sent_before_fault_[2]);
     if (cell_.fault != Fault::kill_leader) return;
     Duration longest{};
-    for (std::size_t i = 0; i < brokers_.size(); ++i) {
-        if (i == fault_->broker) continue;
-        if (!brokers_[i]->new_leader_at) return;  // there was none until the end
-        longest = std::max(longest, *brokers_[i]->new_leader_at - fault_->at);
+    for (std::size_t i = 0; i < brokers_->size(); ++i) {
+        if (i == strikes.front().broker) continue;
+        const auto& new_leader_at = (*brokers_)[i].new_leader_at;
+        if (!new_leader_at) return;  // there was none until the end
+        longest = std::max(longest, *new_leader_at - strikes.front().at);
     }
     row.without_leader_ms = in_ms(longest);
 }
@@ -348,18 +241,18 @@ void CellRun::measure_brokers(RunRow& row) const {
     double rss_sum = 0;
     double rss_max = 0;
     double measured = 0;
-    for (const auto& broker : brokers_) {
-        octets += as_number(broker->octets);
-        if (!broker->usage || broker->usage_time <= Duration{}) continue;
-        const double used_s = broker->usage->cpu_s - broker->usage_before.cpu_s;
-        const double percent = used_s * 1e5 / in_ms(broker->usage_time);
+    for (const auto& broker : *brokers_) {
+        octets += as_number(broker.octets);
+        if (!broker.usage || broker.usage_time <= Duration{}) continue;
+        const double used_s = broker.usage->cpu_s - broker.usage_before.cpu_s;
+        const double percent = used_s * 1e5 / in_ms(broker.usage_time);
         ++measured;
         cpu_sum += percent;
         cpu_max = std::max(cpu_max, percent);
-        rss_sum += broker->usage->rss_peak_mib;
-        rss_max = std::max(rss_max, broker->usage->rss_peak_mib);
+        rss_sum += broker.usage->rss_peak_mib;
+        rss_max = std::max(rss_max, broker.usage->rss_peak_mib);
     }
-    row.interbroker_octets_per_s = octets / settings_.duration.count();
+    row.interbroker_octets_per_s = octets * 1e3 / in_ms(load_time_);
     if (measured == 0) return;
     row.broker_cpu_percent_mean = cpu_sum / measured;
     row.broker_cpu_percent_max = cpu_max;
@@ -367,29 +260,13 @@ void CellRun::measure_brokers(RunRow& row) const {
     row.broker_rss_peak_mib_max = rss_max;
 }
 
-void CellRun::begin_usage() {
-    for (const auto& broker : brokers_) {
-        broker->usage_before = usage_of(broker->process->pid()).value_or(ProcessUsage{});
-        broker->usage_from = net::now();
-        broker->octets_before = broker->octets_sent();
-    }
-}
-
-void CellRun::end_usage(Broker& broker) {
-    if (broker.usage) return;  // killed before
-    broker.usage = usage_of(broker.process->pid());
-    broker.usage_time = net::now() - broker.usage_from;
-    broker.octets = broker.octets_sent() - broker.octets_before;
-}
-
-void CellRun::check_brokers() {
-    for (std::size_t i = 0; i < brokers_.size(); ++i) {
-        const bool killed = fault_ && fault_->broker == i && cell_.fault != Fault::pause;
-        BrokerProcess& process = *brokers_[i]->process;
-        if (!killed && process.has_ended()) {
-            throw RunFailed("broker " + process.name() + " ended unexpectedly, " +
-                            process.how_it_ended());
-        }
+void CellRun::sample_memory(Instant now) {
+    if (!is_loading_ || now < next_memory_) return;
+    next_memory_ = now + 1s;
+    for (const auto& broker : *brokers_) {
+        if (broker.is_down) continue;
+        const auto usage = usage_of(broker.process->pid());
+        if (usage) memory_.push_back({swarm_->seconds_at(now), broker.name, usage->rss_mib});
     }
 }
 
@@ -409,7 +286,8 @@ bool CellRun::run_until(Instant deadline, const std::function<bool()>& done) {
         if (now >= deadline) return false;
         if (now - checked_ > 50ms) {
             checked_ = now;
-            check_brokers();
+            if (brokers_) brokers_->check();
+            sample_memory(now);
             if (surroundings_.is_interrupted()) throw Interrupted{};
             surroundings_.on_progress(share_over(), doing_);
         }

@@ -8,19 +8,17 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
-#include <optional>
 #include <stdexcept>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include "experiments/process/broker_process.h"
-#include "experiments/process/process_usage.h"
 #include "experiments/robots/swarm.h"
+#include "experiments/sweep/cell_brokers.h"
+#include "experiments/sweep/fault_injection.h"
 #include "experiments/sweep/results_folder.h"
 #include "experiments/sweep/run_row.h"
 #include "experiments/sweep/sweep_file.h"
-#include "experiments/watch/broker_watch.h"
 
 namespace romano::experiments {
 
@@ -47,13 +45,10 @@ public:
     RunRow run();
 
 private:
-    struct Broker;
-
     void start_brokers();
     void await_one_view();
     void join_robots();
     void load();
-    void inject_fault();
     void drain();
     void stop();
 
@@ -62,10 +57,7 @@ private:
     void measure_brokers(RunRow& row) const;
 
     void on_watch_change();
-    [[nodiscard]] std::size_t choose_victim() const;
-    void begin_usage();
-    void end_usage(Broker& broker);
-    void check_brokers();
+    void sample_memory(Instant now);
     [[nodiscard]] double share_over() const;
     /// Runs the robots and watches until `done` or the deadline; true when `done`.
     bool run_until(Instant deadline, const std::function<bool()>& done);
@@ -74,19 +66,17 @@ private:
     const SweepSettings& settings_;
     const Cell& cell_;
     const CellSurroundings& surroundings_;
-    std::vector<std::unique_ptr<Broker>> brokers_;
+    std::unique_ptr<CellBrokers> brokers_;
     std::unique_ptr<Swarm> swarm_;
+    std::unique_ptr<FaultInjection> fault_;         // while there was none: null
+    std::vector<std::uint64_t> sent_before_fault_;  // by the types of again_types
+    Duration load_time_{};
+    bool is_loading_ = false;
+    Instant next_memory_{};
+    std::vector<MemorySample> memory_;
     std::string doing_;
     Instant begun_{};
     Instant checked_{};
-
-    struct FaultRecord {
-        double at_s = 0;  // of the swarm's clock
-        Instant at{};
-        std::size_t broker = 0;
-        std::vector<std::uint64_t> sent_before;  // by the types of again_types
-    };
-    std::optional<FaultRecord> fault_;
 };
 
 }  // namespace romano::experiments

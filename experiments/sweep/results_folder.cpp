@@ -30,6 +30,11 @@ const CsvRow& sample_columns() {
     return columns;
 }
 
+const CsvRow& memory_columns() {
+    static const CsvRow columns = {"at_s", "broker", "rss_mib"};
+    return columns;
+}
+
 }  // namespace
 
 std::string file_stem(const Cell& cell) {
@@ -112,6 +117,14 @@ void ResultsFolder::write_samples(const Cell& cell, const DeliveryAccount& accou
     write_file(folder_ / "samples" / (file_stem(cell) + ".csv"), text);
 }
 
+void ResultsFolder::write_memory(const Cell& cell, const std::vector<MemorySample>& memory) const {
+    std::string text = csv_line(memory_columns());
+    for (const auto& [at_s, broker, rss_mib] : memory) {
+        text += csv_line({csv_number(at_s), broker, csv_number(rss_mib)});
+    }
+    write_file(folder_ / "samples" / (file_stem(cell) + "-memory.csv"), text);
+}
+
 fs::path ResultsFolder::trace_file(const Cell& cell, const std::string& name) const {
     return folder_ / "traces" / (file_stem(cell) + "-" + name + ".txt");
 }
@@ -131,6 +144,18 @@ std::vector<Sample> read_samples(const fs::path& folder, const Cell& cell) {
                            .delay_ms = parse_csv_number(fields[6])});
     }
     return samples;
+}
+
+std::vector<MemorySample> read_memory(const fs::path& folder, const Cell& cell) {
+    const auto rows = parse_csv(read_file(folder / "samples" / (file_stem(cell) + "-memory.csv")));
+    std::vector<MemorySample> memory;
+    if (rows.empty() || rows.front() != memory_columns()) return memory;
+    for (const CsvRow& fields : std::span{rows}.subspan(1)) {
+        if (fields.size() != memory_columns().size()) continue;
+        memory.push_back({parse_csv_number(fields[0]).value_or(0), fields[1],
+                          parse_csv_number(fields[2]).value_or(0)});
+    }
+    return memory;
 }
 
 }  // namespace romano::experiments

@@ -13,6 +13,12 @@
 
 namespace romano::experiments {
 
+struct MemorySample {
+    double at_s;  // since the load began
+    std::string broker;
+    double rss_mib;
+};
+
 class ResultsFolder {
 public:
     /// Opens the folder, or makes it. With `fresh`, results of before are deleted. Throws
@@ -27,6 +33,8 @@ public:
     void append(const RunRow& row);
     /// Raw samples: one line a (message, receiver) pair.
     void write_samples(const Cell& cell, const DeliveryAccount& account) const;
+    /// What the brokers' memory was at times within the load.
+    void write_memory(const Cell& cell, const std::vector<MemorySample>& memory) const;
     /// Where a broker's trace of this cell goes.
     [[nodiscard]] std::filesystem::path trace_file(const Cell& cell, const std::string& name) const;
 
@@ -50,5 +58,7 @@ struct Sample {
 };
 [[nodiscard]] std::vector<Sample> read_samples(const std::filesystem::path& folder,
                                                const Cell& cell);
+[[nodiscard]] std::vector<MemorySample> read_memory(const std::filesystem::path& folder,
+                                                    const Cell& cell);
 
 }  // namespace romano::experiments

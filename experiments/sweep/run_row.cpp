@@ -2,6 +2,7 @@
 
 #include <charconv>
 #include <string_view>
+#include <utility>
 
 namespace romano::experiments {
 namespace {
@@ -27,6 +28,9 @@ constexpr MeasuredColumn measured_columns[] = {
     {"duplicates_qos0", &RunRow::duplicates_qos0},
     {"duplicates_qos1", &RunRow::duplicates_qos1},
     {"duplicates_qos2", &RunRow::duplicates_qos2},
+    {"out_of_order_qos0", &RunRow::out_of_order_qos0},
+    {"out_of_order_qos1", &RunRow::out_of_order_qos1},
+    {"out_of_order_qos2", &RunRow::out_of_order_qos2},
     {"stray_messages", &RunRow::stray_messages},
     {"delay_min_ms", &RunRow::delay_min_ms},
     {"delay_p50_ms", &RunRow::delay_p50_ms},
@@ -37,6 +41,7 @@ constexpr MeasuredColumn measured_columns[] = {
     {"fan_out_max_ms", &RunRow::fan_out_max_ms},
     {"publish_refused", &RunRow::publish_refused},
     {"publish_lag_max_ms", &RunRow::publish_lag_max_ms},
+    {"strikes", &RunRow::strikes},
     {"failover_clients", &RunRow::failover_clients},
     {"failover_recovered_clients", &RunRow::failover_recovered_clients},
     {"failover_first_ms", &RunRow::failover_first_ms},
@@ -65,6 +70,24 @@ bool read_number(std::string_view field, Number& number) {
 }
 
 }  // namespace
+
+std::string RunRow::broken_promises() const {
+    if (cell.acks == "0" && cell.fault != Fault::none) return "";
+    constexpr std::pair<const char*, Measured RunRow::*> promises[] = {
+        {"acknowledged messages of QoS 1 lost", &RunRow::acknowledged_but_lost_qos1},
+        {"acknowledged messages of QoS 2 lost", &RunRow::acknowledged_but_lost_qos2},
+        {"messages of QoS 2 delivered again", &RunRow::duplicates_qos2},
+        {"messages of QoS 1 out of order", &RunRow::out_of_order_qos1},
+        {"messages of QoS 2 out of order", &RunRow::out_of_order_qos2},
+        {"messages to robots that should not have them", &RunRow::stray_messages},
+    };
+    std::string text;
+    for (const auto& [what, value] : promises) {
+        if ((this->*value).value_or(0) == 0) continue;
+        text += (text.empty() ? "" : ", ") + csv_number(*(this->*value)) + " " + what;
+    }
+    return text;
+}
 
 CsvRow run_columns() {
     CsvRow names(std::begin(fixed_columns), std::end(fixed_columns));

@@ -23,10 +23,11 @@ struct RunRow {
     Measured delivery_ratio_qos0, delivery_ratio_qos1, delivery_ratio_qos2;
     Measured acknowledged_but_lost_qos1, acknowledged_but_lost_qos2;
     Measured duplicates_qos0, duplicates_qos1, duplicates_qos2, stray_messages;
+    Measured out_of_order_qos0, out_of_order_qos1, out_of_order_qos2;
     Measured delay_min_ms, delay_p50_ms, delay_p99_ms, delay_max_ms;
     Measured fan_out_p50_ms, fan_out_p99_ms, fan_out_max_ms;
     Measured publish_refused, publish_lag_max_ms;
-    Measured failover_clients, failover_recovered_clients;
+    Measured strikes, failover_clients, failover_recovered_clients;
     Measured failover_first_ms, failover_p50_ms, failover_last_ms, without_leader_ms;
     Measured connects_after_fault, registers_after_fault, subscribes_after_fault;
     Measured interbroker_octets_per_s;
@@ -34,6 +35,9 @@ struct RunRow {
     Measured broker_rss_peak_mib_mean, broker_rss_peak_mib_max;
 
     [[nodiscard]] bool ok() const { return status == "ok"; }
+    /// What the brokers promise and did not keep, as a sentence; empty when they kept it. With acks
+    /// 0 they promise nothing for a crash.
+    [[nodiscard]] std::string broken_promises() const;
 };
 
 [[nodiscard]] CsvRow run_columns();

@@ -101,6 +101,19 @@ public:
         if (node == nullptr) return fallback;
         return Seconds{number_in(*node, key, 0, 86400, "seconds from 0 to 86400 are allowed")};
     }
+    std::vector<std::string> words(const std::string& key) const {
+        const toml::node* node = find(key);
+        if (node == nullptr) return {};
+        const toml::array* list = node->as_array();
+        if (list == nullptr) refuse(*node, key, "a list of texts is allowed");
+        std::vector<std::string> words;
+        for (const toml::node& item : *list) {
+            const auto value = item.value_exact<std::string>();
+            if (!value) refuse(item, key, "a list of texts is allowed");
+            words.push_back(*value);
+        }
+        return words;
+    }
     std::string word(const std::string& key, const std::string& fallback) const {
         const toml::node* node = find(key);
         if (node == nullptr) return fallback;
@@ -209,9 +222,7 @@ Axes read_axes(const Table& table) {
     axes.fault = table.axis<Fault>("fault", Fault::none, [&table](const toml::node& node) {
         const auto word = node.value_exact<std::string>();
         const auto fault = fault_named(word.value_or(""));
-        if (!fault) {
-            table.refuse(node, "fault", "allowed are none, kill-leader, kill-home, pause");
-        }
+        if (!fault) table.refuse(node, "fault", "allowed are " + fault_names());
         return *fault;
     });
     axes.seed = table.axis<std::uint64_t>("seed", 1, [&table](const toml::node& node) {
@@ -275,8 +286,8 @@ std::string read_network(const Table& table) {
 
 SweepSettings read_settings(const Table& table, const std::string& file_name) {
     table.allow_only({"name", "pattern", "repetitions", "duration", "fault_after", "pause", "drain",
-                      "start_within", "retry", "group", "domain_base", "network", "port", "output",
-                      "axes"});
+                      "start_within", "retry", "broker_options", "group", "domain_base", "network",
+                      "port", "output", "axes"});
     SweepSettings settings;
     settings.name = table.word("name", std::filesystem::path{file_name}.stem().string());
     if (settings.name.find('/') != std::string::npos) {
@@ -293,6 +304,7 @@ SweepSettings read_settings(const Table& table, const std::string& file_name) {
     if (settings.retry < Seconds{0.05}) {
         table.refuse(*table.find("retry"), "retry", "at least 0.05 seconds are allowed");
     }
+    settings.broker_options = table.words("broker_options");
     settings.group = static_cast<std::uint32_t>(table.integer("group", settings.group, 1, 5000));
     // Cyclone DDS's ports are 7400 + 250 * domain: up to 65535.
     settings.domain_base = static_cast<std::uint32_t>(
@@ -346,6 +358,14 @@ Sweep parse_sweep(std::string_view text, const std::string& file_name) {
     if (faults && settings.fault_after >= settings.duration) {
         throw SweepError(file_name + ": fault_after (" + seconds_text(settings.fault_after) +
                          ") must be less than duration (" + seconds_text(settings.duration) + ")");
+    }
+    for (const Cell& cell : points) {
+        const auto last_kill = settings.fault_after + (cell.brokers - 2) * settings.pause;
+        if (cell.fault != Fault::all_but_one || last_kill < settings.duration) continue;
+        throw SweepError(file_name + ": all but one of " + std::to_string(cell.brokers) +
+                         " brokers are killed after fault_after and so many times pause (" +
+                         seconds_text(last_kill) + "): duration (" +
+                         seconds_text(settings.duration) + ") must be longer");
     }
     for (std::uint32_t repetition = 1; repetition <= settings.repetitions; ++repetition) {
         for (Cell cell : points) {

@@ -35,10 +35,11 @@ struct SweepSettings {
     std::uint32_t repetitions = 1;
     std::chrono::duration<double> duration{10};      // of the load
     std::chrono::duration<double> fault_after{4};    // from the start of the load
-    std::chrono::duration<double> pause{2};          // SIGSTOP to SIGCONT
+    std::chrono::duration<double> pause{2};          // from one step of a fault to the next
     std::chrono::duration<double> drain{15};         // at most, for the last deliveries
     std::chrono::duration<double> start_within{15};  // for all brokers to be in one view
     std::chrono::duration<double> retry{1};          // the robots' Tretry
+    std::vector<std::string> broker_options;         // what the brokers are told besides
     std::uint32_t group = 5;                         // robots that share a group topic
     std::uint32_t domain_base = 40;                  // first DDS domain id
     std::string network = "127.50";                  // brokers listen on <network>.<cell>.<broker>

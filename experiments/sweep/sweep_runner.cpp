@@ -67,7 +67,8 @@ std::string line_of(const RunRow& row) {
         line += ", failover " + number_text(row.failover_first_ms, 0) + ".." +
                 number_text(row.failover_last_ms, 0) + " ms";
     }
-    return line;
+    const std::string broken = row.broken_promises();
+    return broken.empty() ? line : line + ": BROKEN: " + broken;
 }
 
 void write_text(const std::filesystem::path& file, const std::string& text) {
@@ -145,7 +146,7 @@ int run_sweep(const SweepRequest& request) {
         return 130;
     }
     for (const RunRow& row : results.rows()) {
-        if (!row.ok()) return 1;
+        if (!row.ok() || !row.broken_promises().empty()) return 1;
     }
     return 0;
 }

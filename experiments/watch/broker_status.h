@@ -20,6 +20,7 @@ struct BrokerStatus {
     std::uint64_t sessions = 0;
     std::uint64_t connected = 0;
     std::vector<std::string> addresses;  // "127.0.0.1:1883"
+    std::uint64_t incarnation = 0;       // higher at each start
     std::uint64_t view_term = 0;
     std::string view_leader;
     std::vector<std::string> view_members;

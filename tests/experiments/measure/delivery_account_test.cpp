@@ -64,6 +64,21 @@ TEST(DeliveryAccount, WhatWasNeverPublishedToAReceiverIsAStray) {
     EXPECT_EQ(account.tally_by_qos()[0].delivered, 0u);
 }
 
+TEST(DeliveryAccount, OrderIsThatOfFirstCopiesWithinATopicAndQosOfOnePublisher) {
+    DeliveryAccount account;
+    for (int i = 0; i < 3; ++i) account.on_published(0, Stream::one_to_one, 1, 1.0 + i, only_one);
+    const auto other_qos = account.on_published(0, Stream::one_to_one, 2, 4.0, only_one);
+    const auto other_topic = account.on_published(0, Stream::group, 1, 5.0, three);
+    account.on_arrived(0, other_topic, 1, 5.0);
+    account.on_arrived(0, other_qos, 1, 5.1);
+    account.on_arrived(0, 2, 1, 5.2);
+    account.on_arrived(0, 0, 1, 5.3);  // overtaken by message 2
+    account.on_arrived(0, 1, 1, 5.4);  // too
+    account.on_arrived(0, 0, 1, 5.5);  // a copy
+    EXPECT_EQ(account.tally_by_qos()[1].out_of_order, 2u);
+    EXPECT_EQ(account.tally_by_qos()[2].out_of_order, 0u);
+}
+
 TEST(DeliveryAccount, DelayIsFromSendToTheFirstCopy) {
     DeliveryAccount account;
     const auto sequence = account.on_published(0, Stream::group, 1, 1.0, three);

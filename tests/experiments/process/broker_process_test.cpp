@@ -89,7 +89,7 @@ TEST_F(BrokerProcesses, ThatCannotBeStartedSayWhy) {
 TEST(ProcessUsages, AreReadFromTheKernelsText) {
     const auto usage =
         parse_usage("42 (a (strange) name) S 1 42 42 0 -1 4194560 100 0 0 0 150 50 0 0",
-                    "Name:\tx\nVmPeak:\t 9999 kB\nVmHWM:\t  2048 kB\n", 100);
+                    "Name:\tx\nVmPeak:\t 9999 kB\nVmHWM:\t  2048 kB\nVmRSS:\t  1024 kB\n", 100);
     ASSERT_TRUE(usage);
     EXPECT_DOUBLE_EQ(usage->cpu_s, 2.0);
     EXPECT_DOUBLE_EQ(usage->rss_peak_mib, 2.0);

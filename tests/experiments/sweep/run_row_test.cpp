@@ -41,6 +41,25 @@ TEST(RunRow, RefusesRowsOfOtherColumns) {
     EXPECT_FALSE(run_from_csv(fields));
 }
 
+TEST(RunRow, NamesThePromisesThatWereBroken) {
+    RunRow row;
+    EXPECT_EQ(row.broken_promises(), "");
+    row.acknowledged_but_lost_qos1 = 2;
+    row.duplicates_qos1 = 5;  // allowed
+    row.out_of_order_qos2 = 1;
+    EXPECT_EQ(row.broken_promises(),
+              "2 acknowledged messages of QoS 1 lost, 1 messages of QoS 2 out of order");
+}
+
+TEST(RunRow, WithoutAcksNothingIsPromisedForACrash) {
+    RunRow row;
+    row.acknowledged_but_lost_qos1 = 2;
+    row.cell.acks = "0";
+    EXPECT_NE(row.broken_promises(), "");
+    row.cell.fault = Fault::kill_home;
+    EXPECT_EQ(row.broken_promises(), "");
+}
+
 TEST(RunRow, HasEachColumnOnce) {
     const CsvRow columns = run_columns();
     EXPECT_EQ(std::set<std::string>(columns.begin(), columns.end()).size(), columns.size());

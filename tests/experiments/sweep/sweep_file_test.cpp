@@ -130,7 +130,8 @@ INSTANTIATE_TEST_SUITE_P(
     ::testing::Values(
         Refusal{"durations = 3\n[axes]",
                 "try.toml, line 1: unknown setting `durations`; known are name, pattern, "
-                "repetitions, duration, fault_after, pause, drain, start_within, retry, group, "
+                "repetitions, duration, fault_after, pause, drain, start_within, retry, "
+                "broker_options, group, "
                 "domain_base, network, port, output, axes"},
         Refusal{"[axes]\nbroker = 3",
                 "try.toml, line 2: unknown setting `axes.broker`; known are brokers, robots, "
@@ -146,7 +147,7 @@ INSTANTIATE_TEST_SUITE_P(
                 "try.toml, line 2: `axes.brokers = [ 2, 2 ]`: a value may stand there once"},
         Refusal{"[axes]\nfault = \"kill\"",
                 "try.toml, line 2: `axes.fault = \"kill\"`: allowed are none, kill-leader, "
-                "kill-home, pause"},
+                "kill-home, pause, pause-leader, cut, all-but-one, rolling-restart, rolling-kill"},
         Refusal{"[axes]\nqos = 3",
                 "try.toml, line 2: `axes.qos = 3`: allowed are 0, 1, 2 or a mix such as "
                 "\"0+1+2\""},
@@ -165,6 +166,11 @@ INSTANTIATE_TEST_SUITE_P(
         Refusal{"network = \"10.0\"\n[axes]",
                 "try.toml, line 1: `network = \"10.0\"`: the first two octets of a loopback "
                 "network, 127.0 to 127.255, are allowed"},
+        Refusal{"broker_options = \"--realtime\"\n[axes]",
+                "try.toml, line 1: `broker_options = \"--realtime\"`: a list of texts is allowed"},
+        Refusal{"duration = 9\n[axes]\nbrokers = 5\nfault = \"all-but-one\"",
+                "try.toml: all but one of 5 brokers are killed after fault_after and so many times "
+                "pause (10 s): duration (9 s) must be longer"},
         Refusal{"duration = 3\n[axes]\nbrokers = 2\nfault = \"pause\"",
                 "try.toml: fault_after (4 s) must be less than duration (3 s)"},
         Refusal{"name = \"x\"",

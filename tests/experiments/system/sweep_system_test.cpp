@@ -105,6 +105,38 @@ TEST_F(SmallSweep, RunsWithEachElectorAndEachDetector) {
     }
 }
 
+struct SmallSweepWithA : SmallSweep, ::testing::WithParamInterface<const char*> {};
+
+TEST_P(SmallSweepWithA, FaultKeepsWhatThreeBrokersPromised) {
+    if (GetParam() == std::string{"cut"} && ::geteuid() != 0) {
+        GTEST_SKIP() << "network namespaces need root";
+    }
+    // A detection time that a busy machine does not exceed: what is judged here is not speed.
+    write_sweep(
+        "pause = 1\nbroker_options = [\"--detection-timeout-ms\", \"300\"]\n"
+        "[axes]\nbrokers = 3\nrobots = 6\nrate = 20\nqos = \"1+2\"\nfault = \"" +
+        std::string{GetParam()} + "\"\n");
+    const Ran ran = sweep();
+    EXPECT_EQ(ran.exit_code, 0) << ran.output;
+    ASSERT_THAT(rows(), SizeIs(1));
+    EXPECT_EQ(rows()[0].broken_promises(), "");
+    EXPECT_EQ(rows()[0].unacknowledged, 0);
+    EXPECT_GT(rows()[0].acknowledged, 100);
+    EXPECT_GT(rows()[0].strikes, 0);
+    EXPECT_EQ(rows()[0].connects_after_fault, 0);
+    EXPECT_EQ(rows()[0].registers_after_fault, 0);
+    EXPECT_EQ(rows()[0].subscribes_after_fault, 0);
+}
+
+INSTANTIATE_TEST_SUITE_P(Each, SmallSweepWithA,
+                         ::testing::Values("pause", "pause-leader", "cut", "all-but-one",
+                                           "rolling-restart", "rolling-kill"),
+                         [](const auto& test) {
+                             std::string name = test.param;
+                             std::erase(name, '-');
+                             return name;
+                         });
+
 TEST_F(SmallSweep, GoesOnBehindTheCellsThatAreDone) {
     write_sweep("[axes]\nbrokers = 1\nrobots = [2, 3]\nrate = 10\n");
     EXPECT_EQ(sweep().exit_code, 0);

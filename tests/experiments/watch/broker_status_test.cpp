@@ -22,6 +22,7 @@ TEST(BrokerStatus, ReadsWhatABrokerPublishes) {
     EXPECT_EQ(status->sessions, 12u);
     EXPECT_EQ(status->connected, 11u);
     EXPECT_THAT(status->addresses, ElementsAre("127.0.0.1:1883", "[::1]:1883"));
+    EXPECT_EQ(status->incarnation, 1767225600000000000u);
     EXPECT_EQ(status->view_term, 3u);
     EXPECT_THAT(status->view_members, ElementsAre("b1", "b2"));
     EXPECT_EQ(status->transport_octets_sent, 123456u);

@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-namespace romano::system {
+namespace romano::experiments {
 
 class Lan {
 public:
@@ -22,6 +22,10 @@ public:
     /// The hardware address that `host` has for an address; empty when none.
     [[nodiscard]] std::string neighbour(int host, const std::string& address) const;
     [[nodiscard]] bool has_address(int host, const std::string& address) const;
+
+    /// The host's cable is pulled, or plugged in again.
+    void cut(int host);
+    void mend(int host);
 
     /// While it lives, this thread's new sockets and processes are on that host.
     class On {
@@ -44,4 +48,4 @@ private:
     std::string why_not_;
 };
 
-}  // namespace romano::system
+}  // namespace romano::experiments

@@ -1,17 +1,19 @@
-#include "tests/system/network_namespaces.h"
+#include "experiments/process/lan.h"
 
 #include <fcntl.h>
-#include <gtest/gtest.h>
 #include <sched.h>
 #include <unistd.h>
 
 #include <array>
+#include <cassert>
+#include <cerrno>
 #include <cstdio>
 #include <cstdlib>
 #include <memory>
 #include <sstream>
+#include <system_error>
 
-namespace romano::system {
+namespace romano::experiments {
 namespace {
 
 std::string output_of(const std::string& command) {
@@ -86,16 +88,29 @@ bool Lan::has_address(int host, const std::string& address) const {
     return list.find(" " + address + "/") != std::string::npos;
 }
 
+void Lan::cut(int host) {
+    run("ip -n " + name(0) + " link set port" + std::to_string(host) + " down");
+}
+
+void Lan::mend(int host) {
+    run("ip -n " + name(0) + " link set port" + std::to_string(host) + " up");
+}
+
 Lan::On::On(const Lan& lan, int host)
     : home_(open("/proc/thread-self/ns/net", O_RDONLY | O_CLOEXEC)) {
     const int there = open(("/run/netns/" + lan.name(host)).c_str(), O_RDONLY | O_CLOEXEC);
-    EXPECT_EQ(setns(there, CLONE_NEWNET), 0);
+    const bool is_there = setns(there, CLONE_NEWNET) == 0;
+    const int reason = errno;
     close(there);
+    if (is_there) return;
+    close(home_);
+    throw std::system_error(reason, std::generic_category(), "network namespace");
 }
 
 Lan::On::~On() {
-    EXPECT_EQ(setns(home_, CLONE_NEWNET), 0);
+    [[maybe_unused]] const int back = setns(home_, CLONE_NEWNET);
+    assert(back == 0);
     close(home_);
 }
 
-}  // namespace romano::system
+}  // namespace romano::experiments
