@@ -59,7 +59,13 @@ struct Observed {
     std::unique_ptr<Observation> what;
 };
 
-using Action = std::variant<Send, Multicast, Append, Forward, Observed>;
+/// Beside what waits in the session that the owner reads (BrokerOptions::read_by_owner): a message
+/// of QoS 0 for it, which never waits, or one with an origin, wherever in the cluster it came in.
+struct ForOwner {
+    MessagePtr message;
+};
+
+using Action = std::variant<Send, Multicast, Append, Forward, Observed, ForOwner>;
 
 class Actions {
 public:

@@ -43,6 +43,7 @@ bool Adoption::adopt(SessionImage image, std::span<const MessagePtr> missed, Tur
         lifecycle_.wipe(*session);
     } else {
         session = &tables_.sessions.create(image.header.client_id);
+        session->read_by_owner = image.header.client_id == tables_.options.read_by_owner;
     }
     image = caught_up(std::move(image), missed);
     restore(*session, image, turn);
@@ -118,6 +119,9 @@ SessionImage Adoption::caught_up(SessionImage image, std::span<const MessagePtr>
     for (const MessagePtr& message : missed) {
         const Qos qos = std::min(message->qos, granted_to(image, *message));
         if (qos == Qos::at_most_once || !keeps_messages(image.header)) continue;
+        if (!message->origin.empty() && image.header.client_id == tables_.options.read_by_owner) {
+            continue;
+        }
         if (image.deliveries.size() >= tables_.limits().queued_per_session) {
             tables_.count(Drop::queue_full);
             continue;

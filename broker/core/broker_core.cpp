@@ -422,9 +422,24 @@ void BrokerCore::set_system_topic(Instant now, std::string_view topic, Bytes pay
 }
 
 void BrokerCore::publish(Instant now, std::string_view topic, Bytes payload, mqttsn::Qos qos,
-                         bool retain, Actions& out) {
+                         bool retain, Actions& out, std::string_view origin) {
     Turn turn{now, out};
-    state_->router.publish({topic, payload, qos, retain}, turn);
+    state_->router.publish({topic, payload, qos, retain, origin}, turn);
+}
+
+std::span<const Delivery> BrokerCore::unread() const {
+    const Tables& tables = state_->tables;
+    const Session* session = tables.sessions.find(tables.options.read_by_owner);
+    if (session == nullptr) return {};
+    return {session->queue.begin(), session->queue.end()};
+}
+
+void BrokerCore::on_read(Instant now, const LogPosition& position, Actions& out) {
+    Tables& tables = state_->tables;
+    Session* session = tables.sessions.find(tables.options.read_by_owner);
+    if (session == nullptr) return;
+    Turn turn{now, out};
+    state_->deliveries.on_read(*session, position, turn);
 }
 
 std::vector<MessagePtr> BrokerCore::retained(std::string_view filter) const {

@@ -99,7 +99,12 @@ public:
 
     /// Publishes as the broker itself: like a client's publish, for the peers as well.
     void publish(Instant now, std::string_view topic, Bytes payload, mqttsn::Qos qos, bool retain,
-                 Actions& out);
+                 Actions& out, std::string_view origin = {});
+    /// What waits in the session that the owner reads (BrokerOptions::read_by_owner), in order,
+    /// QoS 1 and 2. Valid until the next input.
+    [[nodiscard]] std::span<const Delivery> unread() const;
+    /// The owner is done with that one.
+    void on_read(Instant now, const LogPosition& position, Actions& out);
     /// The retained messages whose topics match, by topic.
     [[nodiscard]] std::vector<MessagePtr> retained(std::string_view filter) const;
     /// While held, no new message is sent to the client: they wait in its queue, those of QoS 0

@@ -17,6 +17,9 @@ struct ClientAddress {
     friend bool operator==(const ClientAddress&, const ClientAddress&) = default;
 };
 
+/// Where the session that the broker's owner reads is said to be: no datagram comes from there.
+inline constexpr Endpoint owner_endpoint{.address = {}, .family = Endpoint::Family::ipv4};
+
 struct ClientAddressHash {
     std::size_t operator()(const ClientAddress& address) const {
         std::size_t h = address.endpoint.hash();

@@ -29,8 +29,11 @@ std::string ConnectFlow::client_id_of(const ClientAddress& from, const mqttsn::C
     return id;
 }
 
-ReturnCode ConnectFlow::judge(const mqttsn::Connect& message) const {
-    if (message.protocol_id != mqttsn::protocol_id ||
+ReturnCode ConnectFlow::judge(const Origin& origin, const mqttsn::Connect& message) const {
+    const bool is_owner = origin.from.endpoint == owner_endpoint;
+    const bool is_for_owner =
+        !message.client_id.empty() && message.client_id == tables_.options.read_by_owner;
+    if (is_owner != is_for_owner || message.protocol_id != mqttsn::protocol_id ||
         message.client_id.size() > tables_.limits().client_id_octets ||
         (message.client_id.empty() && !message.clean_session)) {
         return ReturnCode::not_supported;
@@ -52,7 +55,7 @@ void ConnectFlow::on_connect(const Origin& origin, const mqttsn::Connect& messag
     Prompt prompt{.client_id = client_id_of(origin.from, message),
                   .clean = message.clean_session,
                   .keep_alive_s = message.duration_s,
-                  .refusal = judge(message),
+                  .refusal = judge(origin, message),
                   .will = {},
                   .since = turn.now};
     if (prompt.refusal == ReturnCode::accepted &&

@@ -56,7 +56,8 @@ private:
     };
     enum class WillAnswer { none, keeps_none, given };
 
-    [[nodiscard]] mqttsn::ReturnCode judge(const mqttsn::Connect& message) const;
+    [[nodiscard]] mqttsn::ReturnCode judge(const Origin& origin,
+                                           const mqttsn::Connect& message) const;
     [[nodiscard]] bool is_repetition(const Origin& origin, const mqttsn::Connect& message,
                                      std::string_view client_id) const;
     void finish(const Origin& origin, const Prompt& prompt, WillAnswer answer, Turn& turn);

@@ -27,6 +27,11 @@ bool DeliveryFlow::make_room(Session& session) {
     return session.queue.drop_oldest_unlogged(session.exchange.is_open());
 }
 
+void DeliveryFlow::on_read(Session& session, const LogPosition& position, Turn& turn) {
+    if (!session.queue.erase(position)) return;
+    tables_.log.append(turn.out, [&] { return DeliveryEnded{session.header.client_id, position}; });
+}
+
 void DeliveryFlow::enqueue(Session& session, Delivery delivery, Turn& turn) {
     session.queue.push(std::move(delivery));
     go_on(session, turn);
@@ -79,8 +84,9 @@ DeliveryFlow::Readiness DeliveryFlow::prepare(Session& session, WireTopic& topic
 }
 
 void DeliveryFlow::go_on(Session& session, Turn& turn) {
-    while (session.is_listening() && !session.held && !session.exchange.is_open() &&
-           !session.queue.empty() && session.paused_until <= turn.now) {
+    while (session.is_listening() && !session.held && !session.read_by_owner &&
+           !session.exchange.is_open() && !session.queue.empty() &&
+           session.paused_until <= turn.now) {
         if (open_front(session, turn)) break;
     }
     if (session.header.state == SessionState::awake && !session.exchange.is_open()) {

@@ -32,6 +32,9 @@ public:
     /// The id by which a QoS 0 message may go out now, or none: then it waits or is not for now.
     [[nodiscard]] bool can_send_at_once(Session& session, WireTopic& topic, std::string_view name);
 
+    /// The owner is done with this message of the session that it reads.
+    void on_read(Session& session, const LogPosition& position, Turn& turn);
+
     void on_regack(Session& session, const mqttsn::Regack& message, Turn& turn);
     void on_puback(Session& session, const mqttsn::Puback& message, Turn& turn);
     void on_pubrec(Session& session, const mqttsn::Pubrec& message, Turn& turn);

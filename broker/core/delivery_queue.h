@@ -5,6 +5,7 @@
 // first; they are not part of the session's image.
 #pragma once
 
+#include <algorithm>
 #include <cassert>
 #include <cstddef>
 #include <vector>
@@ -45,6 +46,21 @@ public:
             items_.erase(items_.begin(), items_.begin() + static_cast<std::ptrdiff_t>(front_));
             front_ = 0;
         }
+    }
+
+    /// False when the message is not here.
+    bool erase(const LogPosition& position) {
+        const auto found = std::find_if(begin(), end(), [&](const Delivery& delivery) {
+            return delivery.position == position;
+        });
+        if (found == end()) return false;
+        if (found == begin()) {
+            pop();
+        } else {
+            if (is_unlogged(*found)) --unlogged_;
+            items_.erase(found);
+        }
+        return true;
     }
 
     /// Drops the oldest message of QoS 0, but never the front when that is in use; false when there

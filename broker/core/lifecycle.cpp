@@ -11,6 +11,7 @@ Session* Lifecycle::create(std::string_view client_id, Turn& turn) {
         erase(*left_behind, turn.out);
     }
     Session& session = tables_.sessions.create(client_id);
+    session.read_by_owner = client_id == tables_.options.read_by_owner;
     session.heard_at = turn.now;
     return &session;
 }

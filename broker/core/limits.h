@@ -42,6 +42,7 @@ struct BrokerOptions {
     Duration deletions_kept_for{std::chrono::hours{1}};  // of retained messages, for late peers
     std::map<mqttsn::TopicId, std::string> predefined_topics;
     std::vector<std::string> observed_topics;  // what clients publish there is told as Observed
+    std::string read_by_owner;  // client id of the session whose queue the owner reads; or none
     Limits limits;
 };
 

@@ -23,6 +23,7 @@ struct Message {
     bool retain = false;                          // as published
     LogPosition position;
     HybridTime published_at;
+    std::string origin = {};  // names what came over the uplink; empty: a client published it
 };
 
 /// Shared ownership of an immutable Message; not thread-safe, by design (one broker, one thread).

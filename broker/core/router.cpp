@@ -38,14 +38,15 @@ bool Router::was_awaited(Session& session, const LogPosition& position, Turn& tu
     return true;
 }
 
-void Router::find_receivers(std::string_view topic, Qos qos, const LogPosition& position,
+void Router::find_receivers(const Publication& publication, const LogPosition& position,
                             Turn& turn) {
     receivers_.clear();
     repeatable_ = 0;
     ++fan_out_;
-    tables_.subscribers.match(topic, [&](SessionNumber number, const Grant& grant) {
+    tables_.subscribers.match(publication.topic, [&](SessionNumber number, const Grant& grant) {
         Session& session = *tables_.sessions.at(number);
-        const Qos granted = std::min(qos, grant.qos);
+        if (session.read_by_owner && !publication.origin.empty()) return;
+        const Qos granted = std::min(publication.qos, grant.qos);
         if (session.matched_in == fan_out_) {  // overlapping filters: the highest QoS [3.3.5-1]
             Receiver& receiver = receivers_[session.matched_at];
             receiver.qos = std::max(receiver.qos, granted);
@@ -81,7 +82,7 @@ std::vector<Route> Router::routes() const {
 
 void Router::accept(const Publication& publication, const Session* publisher, MsgId msg_id,
                     Turn& turn, const ClientId& will_of) {
-    find_receivers(publication.topic, publication.qos, {}, turn);
+    find_receivers(publication, {}, turn);
     claim_room();
     message_ = {};
     if (!publication.retain && !tables_.log.writes()) return;
@@ -108,15 +109,26 @@ MessagePtr Router::make_message(const Publication& publication, bool in_log, Tur
                               .qos = publication.qos,
                               .retain = publication.retain,
                               .position = in_log ? tables_.log.next_position() : unlogged,
-                              .published_at = tables_.clock.stamp(turn.now)}};
+                              .published_at = tables_.clock.stamp(turn.now),
+                              .origin = std::string{publication.origin}}};
+}
+
+void Router::tell_owner(const Publication& publication, Turn& turn) {
+    if (!message_) message_ = make_message(publication, false, turn);
+    turn.out.push(ForOwner{message_});
 }
 
 void Router::deliver(const Publication& publication, Turn& turn) {
     // Sending may not change who receives: the list is taken out for its time.
     std::vector<Receiver> receivers = std::exchange(receivers_, {});
+    if (!publication.origin.empty()) tell_owner(publication, turn);
     for (const Receiver& receiver : receivers) {
         Session& session = *receiver.session;
         if (receiver.qos == Qos::at_most_once) {
+            if (session.read_by_owner) {
+                tell_owner(publication, turn);
+                continue;
+            }
             WireTopic topic = receiver.topic;
             if (deliveries_.can_send_at_once(session, topic, publication.topic)) {
                 send_at_once(receiver, topic, publication, turn);
@@ -171,27 +183,36 @@ void Router::on_peer_message(const MessagePtr& message, Turn& turn) {
     tables_.clock.observe(message->published_at);
     if (message->retain) tables_.retained.put(message);
 
-    find_receivers(message->topic, message->qos, message->position, turn);
+    const Publication publication{message->topic, message->payload, message->qos, message->retain,
+                                  message->origin};
+    find_receivers(publication, message->position, turn);
     claim_room();
     if (std::ranges::any_of(receivers_, &Receiver::takes)) {
         tables_.log.append(turn.out, [&] { return Routed{message->position, routes()}; });
         tables_.cursors.logged(message->position);
     }
     message_ = message;
-    deliver({message->topic, message->payload, message->qos, message->retain}, turn);
+    deliver(publication, turn);
 }
 
 void Router::set_system_topic(std::string_view topic, Bytes payload, Turn& turn) {
     const Publication publication{topic, payload, Qos::at_most_once, true};
     message_ = make_message(publication, false, turn);
     tables_.retained.put(message_);
-    find_receivers(topic, Qos::at_most_once, {}, turn);
+    find_receivers(publication, {}, turn);
     deliver(publication, turn);
 }
 
 void Router::send_retained(Session& session, const Subscription& subscription, Turn& turn) {
     tables_.retained.match(subscription.filter, [&](const MessagePtr& message) {
         const Qos qos = std::min(message->qos, subscription.granted);
+        if (session.read_by_owner) {
+            if (!message->origin.empty()) return;
+            if (qos == Qos::at_most_once) {
+                turn.out.push(ForOwner{message});
+                return;
+            }
+        }
         if (!deliveries_.make_room(session)) return;
         if (qos != Qos::at_most_once) {
             tables_.log.append(turn.out, [&] {

@@ -21,6 +21,7 @@ struct Publication {
     Bytes payload;
     mqttsn::Qos qos;  // 0 to 2
     bool retain;
+    std::string_view origin = {};  // Message::origin
 };
 
 class Router {
@@ -62,9 +63,11 @@ private:
         bool takes;  // of QoS 1 and 2: there is room in its queue
     };
 
-    /// `position`: skip sessions that were ahead of us in that log when they came here.
-    void find_receivers(std::string_view topic, mqttsn::Qos qos, const LogPosition& position,
-                        Turn& turn);
+    /// `position`: skip sessions that were ahead of us in that log when they came here. What has an
+    /// origin is not for the session that the owner reads: it came in that way.
+    void find_receivers(const Publication& publication, const LogPosition& position, Turn& turn);
+    /// For the owner, who reads no queue for these.
+    void tell_owner(const Publication& publication, Turn& turn);
     bool was_awaited(Session& session, const LogPosition& position, Turn& turn);
     void claim_room();
     [[nodiscard]] std::vector<Route> routes() const;

@@ -82,6 +82,10 @@ public:
     }
     /// With acks_strict: there are fewer peers than must hold what is promised to clients.
     [[nodiscard]] bool is_short_of_peers() const;
+    /// A peer says that it is home to the client.
+    [[nodiscard]] bool is_homed_at_peer(const broker::ClientId& client) const {
+        return homes_.of(client).has_value();
+    }
     /// Members of our view made a newer one without us, and hold all that we promised to clients.
     [[nodiscard]] bool was_replaced() const;
     [[nodiscard]] const View& view() const { return view_change_.view(); }

@@ -13,6 +13,7 @@ void to_proto(const broker::MessagePtr& in, Message& out) {
     out.set_retain(in->retain);
     to_proto(in->position, *out.mutable_position());
     out.set_published_at(in->published_at.value);
+    if (!in->origin.empty()) out.set_origin(in->origin);
 }
 
 std::optional<broker::MessagePtr> from_proto(const Message& in) {
@@ -24,7 +25,8 @@ std::optional<broker::MessagePtr> from_proto(const Message& in) {
                                               .qos = *qos,
                                               .retain = in.retain(),
                                               .position = *position,
-                                              .published_at = {in.published_at()}}};
+                                              .published_at = {in.published_at()},
+                                              .origin = in.origin()}};
 }
 
 void to_proto(const broker::SessionHeader& in, SessionHeader& out) {

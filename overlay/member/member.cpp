@@ -10,6 +10,7 @@
 
 #include "overlay/cluster/cluster_core.h"
 #include "overlay/member/carried_server.h"
+#include "overlay/member/carried_uplink.h"
 #include "overlay/member/cut_off.h"
 #include "overlay/member/held_output.h"
 #include "overlay/member/status_topic.h"
@@ -45,6 +46,7 @@ public:
                     .link = {options.link, options.incarnation}},
                    seed + 1) {
         broker_.set_audience(cluster_.audience());
+        if (options.uplink) uplink_.emplace(*options.uplink, seed ^ options.incarnation);
     }
 
     void on_datagram(Instant now, const Endpoint& via, const Endpoint& from, Bytes datagram,
@@ -52,6 +54,11 @@ public:
     void on_peer_message(Instant now, const Envelope& envelope, MemberActions& out);
     void on_address(Instant now, const Endpoint& address, bool served, MemberActions& out);
     void on_link(Instant now, const LogId& process, election::Link link, MemberActions& out);
+    void on_uplink_up(Instant now, bool resumed, MemberActions& out);
+    void on_uplink_down();
+    void on_uplink_confirmed(Instant now, const broker::LogPosition& position, MemberActions& out);
+    void on_uplink_message(Instant now, const uplink::FromRemote& message, std::uint64_t token,
+                           MemberActions& out);
     void on_tick(Instant now, MemberActions& out);
     [[nodiscard]] Instant next_wakeup() const;
     void leave(Instant now, MemberActions& out);
@@ -82,6 +89,10 @@ private:
     void send(const broker::Send& send, broker::Seq safe, MemberActions& out);
     void serve_waiting(Instant now, MemberActions& out);
 
+    // --- the uplink
+    void tend_uplink(Instant now, MemberActions& out);
+    void go_on_uplink(Instant now, MemberActions& out);
+
     /// Of the view that this broker leads; none when it leads none.
     [[nodiscard]] std::span<const LogId> led_members() const;
     void tell_status(Instant now);
@@ -91,6 +102,9 @@ private:
     LogId log_;
     BrokerCore broker_;
     CarriedServer server_;
+    std::optional<CarriedUplink> uplink_;
+    /// Came in a stall; the next one comes when this one is acknowledged.
+    std::optional<std::pair<uplink::FromRemote, std::uint64_t>> late_message_;
     ClusterCore cluster_;
     broker::Actions work_;
     HeldOutput held_;
@@ -118,6 +132,7 @@ broker::BrokerOptions Member::State::broker_options() const {
     options.log = log_;
     options.writes_log = true;
     if (options_.romano) options.observed_topics = CarriedServer::observed_topics();
+    if (options_.uplink) options.read_by_owner = CarriedUplink::client_id;
     return options;
 }
 
@@ -182,6 +197,7 @@ void Member::State::on_tick(Instant now, MemberActions& out) {
     cluster_.on_tick(acting, held_.addresses());
     tell_status(now);
     carry_out(now, out);
+    tend_uplink(now, out);
 }
 
 Instant Member::State::next_wakeup() const {
@@ -238,6 +254,8 @@ void Member::State::restart(Instant now, MemberActions& out) {
     const auto retained = broker_.retained();
     broker_ = BrokerCore(broker_options(), seed_ + log_.incarnation);
     broker_.set_audience(cluster_.audience());
+    if (uplink_) uplink_->abandon(out.uplink);
+    late_message_.reset();
     for (const auto& message : retained) broker_.put_retained(message);
     told_.clear();
     Effects acting = effects(now, out);
@@ -251,6 +269,7 @@ void Member::State::carry_out(Instant now, MemberActions& out) {
     absorb(now, out);
     serve_waiting(now, out);
     if (stall_) return;
+    go_on_uplink(now, out);
     const auto fate_of = [this](const Endpoint& via) {
         if (cluster_.is_silent(via)) return HeldOutput::Fate::is_dropped;
         return cluster_.is_taking(via) ? HeldOutput::Fate::waits : HeldOutput::Fate::leaves;
@@ -268,6 +287,8 @@ void Member::State::absorb(Instant now, MemberActions& out) {
             cluster_.append(append->seq, std::move(*append->event));
         } else if (const auto* forward = std::get_if<broker::Forward>(&action)) {
             cluster_.forward(forward->message, out.peers);
+        } else if (const auto* for_owner = std::get_if<broker::ForOwner>(&action)) {
+            if (uplink_) uplink_->on_for_owner(for_owner->message, out.uplink);
         }
     }
     cluster_.flush(out.peers);
@@ -288,7 +309,7 @@ void Member::State::absorb(Instant now, MemberActions& out) {
 }
 
 void Member::State::send(const broker::Send& send, broker::Seq safe, MemberActions& out) {
-    if (cluster_.is_silent(send.via)) return;
+    if (send.to.endpoint == broker::owner_endpoint || cluster_.is_silent(send.via)) return;
     const Bytes octets = work_.octets(send);
     if (cut_off_.withholds(send.to.endpoint, octets)) return;
     if (stall_ || send.after > safe || cluster_.is_taking(send.via)) {
@@ -312,6 +333,56 @@ void Member::State::serve_waiting(Instant now, MemberActions& out) {
         broker_.on_datagram(now, via, from, octets, work_);
         absorb(now, out);
     }
+}
+
+// --- the uplink
+
+void Member::State::tend_uplink(Instant now, MemberActions& out) {
+    if (!uplink_ || stall_) return;
+    if (const auto late = std::exchange(late_message_, std::nullopt)) {
+        on_uplink_message(now, late->first, late->second, out);
+    }
+    const Endpoint via = options_.home_addresses.empty() ? Endpoint{} : options_.home_addresses[0];
+    for (const auto& request : uplink_->requests(now, broker_, cluster_, out.uplink)) {
+        on_datagram(now, via, broker::owner_endpoint, request, out);
+    }
+}
+
+void Member::State::go_on_uplink(Instant now, MemberActions& out) {
+    if (!uplink_) return;
+    uplink_->go_on(now, {log_, cluster_.safe()}, broker_, work_, out.uplink);
+    absorb(now, out);
+}
+
+void Member::State::on_uplink_up(Instant now, bool resumed, MemberActions& out) {
+    if (!uplink_) return;
+    uplink_->on_up(resumed);
+    carry_out(now, out);
+}
+
+void Member::State::on_uplink_down() {
+    if (uplink_) uplink_->on_down();
+}
+
+void Member::State::on_uplink_confirmed(Instant now, const broker::LogPosition& position,
+                                        MemberActions& out) {
+    if (!uplink_ || has_left_) return;
+    notice_stall(now);
+    uplink_->on_confirmed(now, position, broker_, work_);
+    carry_out(now, out);
+}
+
+void Member::State::on_uplink_message(Instant now, const uplink::FromRemote& message,
+                                      std::uint64_t token, MemberActions& out) {
+    if (!uplink_ || has_left_) return;
+    notice_stall(now);
+    if (!uplink_->core().holds_link()) return;
+    if (stall_) {  // who was away for so long may lead no more
+        if (token != 0) late_message_.emplace(message, token);
+        return;
+    }
+    uplink_->on_message(now, message, token, broker_, work_);
+    carry_out(now, out);
 }
 
 // --- for robots and for people
@@ -397,6 +468,20 @@ void Member::on_address(Instant now, const Endpoint& address, bool served, Membe
 }
 void Member::on_link(Instant now, const LogId& process, election::Link link, MemberActions& out) {
     state_->on_link(now, process, link, out);
+}
+void Member::on_uplink_up(Instant now, bool resumed, MemberActions& out) {
+    state_->on_uplink_up(now, resumed, out);
+}
+void Member::on_uplink_down() {
+    state_->on_uplink_down();
+}
+void Member::on_uplink_confirmed(Instant now, const broker::LogPosition& position,
+                                 MemberActions& out) {
+    state_->on_uplink_confirmed(now, position, out);
+}
+void Member::on_uplink_message(Instant now, const uplink::FromRemote& message, std::uint64_t token,
+                               MemberActions& out) {
+    state_->on_uplink_message(now, message, token, out);
 }
 void Member::on_tick(Instant now, MemberActions& out) {
     state_->on_tick(now, out);

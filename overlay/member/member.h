@@ -8,12 +8,14 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "broker/core/broker_core.h"
 #include "broker/core/mirror.h"
+#include "broker/uplink/uplink_core.h"
 #include "election/failure_detector.h"
 #include "overlay/cluster/options.h"
 #include "overlay/cluster/service_address.h"
@@ -34,8 +36,10 @@ struct MemberActions {
     broker::Actions clients;  // only Send and Multicast; all may go out at once
     std::vector<Outgoing> peers;
     std::vector<cluster::LocalAction> local;
+    std::vector<uplink::UplinkAction> uplink;
 
     void clear() {
+        uplink.clear();
         clients.clear();
         peers.clear();
         local.clear();
@@ -49,6 +53,7 @@ struct MemberOptions {
     std::uint64_t incarnation = 0;  // higher at each start: the wall clock in nanoseconds
     std::vector<Endpoint> home_addresses;
     bool romano = true;  // carries the ROMANO server
+    std::optional<uplink::UplinkOptions> uplink = {};
     Endpoint link = {};  // where the process takes links from peers; family none: it takes none
 };
 
@@ -67,6 +72,14 @@ public:
     /// its start.
     void on_link(Instant now, const broker::LogId& process, election::Link link,
                  MemberActions& out);
+    /// The link to the MQTT broker, asked for by OpenLink, came up or was lost.
+    void on_uplink_up(Instant now, bool resumed, MemberActions& out);
+    void on_uplink_down();
+    /// The MQTT broker has what PublishUp brought it.
+    void on_uplink_confirmed(Instant now, const broker::LogPosition& position, MemberActions& out);
+    /// `token` comes back in Acknowledge; 0: nobody waits for it.
+    void on_uplink_message(Instant now, const uplink::FromRemote& message, std::uint64_t token,
+                           MemberActions& out);
     void on_tick(Instant now, MemberActions& out);
     [[nodiscard]] Instant next_wakeup() const;
 

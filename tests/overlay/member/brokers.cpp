@@ -40,6 +40,7 @@ void Brokers::start(int rank) {
     options.home_addresses = {home};
     options.broker.t_retry = 500ms;
     options.broker.advertise_every = Duration::zero();
+    options.uplink = uplink_;
     Running running{.member = std::make_unique<overlay::Member>(options, starts_),
                     .log = {id_of(rank), options.incarnation},
                     .messages = {},
@@ -131,7 +132,27 @@ void Brokers::carry_out(int rank, overlay::MemberActions& actions) {
             continue;
         robot->second.robot->on_datagram(actions.clients.octets(*send));
     }
+    auto& uplink = uplink_actions_[rank];
+    uplink.insert(uplink.end(), actions.uplink.begin(), actions.uplink.end());
     actions.clear();
+}
+
+void Brokers::uplink_up(int rank, bool resumed) {
+    overlay::MemberActions actions;
+    running_.at(rank).member->on_uplink_up(now_, resumed, actions);
+    carry_out(rank, actions);
+}
+
+void Brokers::uplink_confirms(int rank, const broker::LogPosition& position) {
+    overlay::MemberActions actions;
+    running_.at(rank).member->on_uplink_confirmed(now_, position, actions);
+    carry_out(rank, actions);
+}
+
+void Brokers::uplink_brings(int rank, const uplink::FromRemote& message, std::uint64_t token) {
+    overlay::MemberActions actions;
+    running_.at(rank).member->on_uplink_message(now_, message, token, actions);
+    carry_out(rank, actions);
 }
 
 void Brokers::carry_out_locally(int rank, const overlay::MemberActions& actions) {

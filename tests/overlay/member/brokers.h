@@ -8,6 +8,7 @@
 #include <deque>
 #include <map>
 #include <memory>
+#include <optional>
 #include <set>
 #include <string>
 #include <utility>
@@ -39,6 +40,16 @@ public:
     Robot& robot(const std::string& name, int broker) { return robot(name, broker, broker); }
     /// It stands somewhere else: what parts `site` from a broker parts the robot from it.
     Robot& robot(const std::string& name, int broker, int site);
+
+    // --- the uplink of brokers that are started from now on
+    void give_uplink(uplink::UplinkOptions options) { uplink_ = std::move(options); }
+    /// What a broker wanted of its uplink so far.
+    [[nodiscard]] const std::vector<uplink::UplinkAction>& uplink_actions(int rank) {
+        return uplink_actions_[rank];
+    }
+    void uplink_up(int rank, bool resumed);
+    void uplink_confirms(int rank, const broker::LogPosition& position);
+    void uplink_brings(int rank, const uplink::FromRemote& message, std::uint64_t token);
 
     void run_for(Duration time);
 
@@ -74,6 +85,8 @@ private:
     void bind(int rank, const Endpoint& address);
 
     cluster::ClusterOptions options_;
+    std::optional<uplink::UplinkOptions> uplink_;
+    std::map<int, std::vector<uplink::UplinkAction>> uplink_actions_;
     Instant now_ = Instant{} + std::chrono::seconds{1};
     std::uint64_t starts_ = 0;
     std::map<int, Running> running_;

@@ -1,0 +1,96 @@
+#include "broker/uplink/mqtt/mqtt_link.h"
+
+#include <spdlog/spdlog.h>
+
+#include <boost/asio/post.hpp>
+#include <chrono>
+#include <utility>
+
+#include "broker/uplink/mqtt/mqtt_thread.h"
+
+namespace romano::uplink {
+namespace {
+
+// What the MQTT broker shall still hear, that we leave, is worth this at the end of the process.
+constexpr std::chrono::milliseconds farewell{300};
+
+}  // namespace
+
+MqttLink::MqttLink(boost::asio::io_context& io, const MqttSettings& settings, LinkEvents events)
+    : io_(io),
+      settings_(settings),
+      events_(std::move(events)),
+      where_(settings.host + ":" + std::to_string(settings.port)) {
+    const MqttThread usable(io_, settings_, {});  // or it throws, before anything is started
+}
+
+MqttLink::~MqttLink() {
+    close();
+    if (closing_) closing_->wait_until_ended(farewell);
+}
+
+void MqttLink::carry_out(const UplinkAction& action) {
+    if (std::holds_alternative<OpenLink>(action)) {
+        open();
+    } else if (std::holds_alternative<CloseLink>(action)) {
+        close();
+    } else if (const auto* message = std::get_if<PublishUp>(&action)) {
+        publish(*message);
+    } else if (const auto* safe = std::get_if<Acknowledge>(&action)) {
+        if (thread_) thread_->acknowledge(safe->token);
+    }
+}
+
+void MqttLink::open() {
+    close();
+    on_their_way_.clear();
+    thread_ = std::make_shared<MqttThread>(
+        io_, settings_,
+        MqttEvents{
+            .on_up =
+                [this](bool resumed) {
+                    spdlog::info("uplink: connected to {}", where_);
+                    events_.on_up(resumed);
+                },
+            .on_down =
+                [this](const std::string& why) {
+                    spdlog::warn("uplink: no connection to {}: {}", where_, why);
+                    events_.on_down();
+                },
+            .on_confirmed =
+                [this](int packet_id) {
+                    const auto found = on_their_way_.find(packet_id);
+                    if (found == on_their_way_.end()) return;  // QoS 0
+                    const auto position = found->second;
+                    on_their_way_.erase(found);
+                    events_.on_confirmed(position);
+                },
+            .on_message = [this](const FromRemote& message,
+                                 std::uint64_t token) { events_.on_message(message, token); }});
+    thread_->start();
+}
+
+void MqttLink::close() {
+    if (!thread_) return;
+    thread_->stop();
+    closing_ = std::exchange(thread_, nullptr);
+    spdlog::info("uplink: left {}", where_);
+}
+
+void MqttLink::publish(const PublishUp& message) {
+    if (!thread_) return;
+    const int packet_id = thread_->publish(message);
+    if (message.qos == mqttsn::Qos::at_most_once && message.message->position.seq == 0) return;
+    if (packet_id == 0) {
+        spdlog::warn("uplink: {} does not take a message on {}", where_, message.topic);
+        // It never will. Said later: whoever hands it over is not done yet.
+        boost::asio::post(
+            io_, [alive = std::weak_ptr(thread_), this, position = message.message->position] {
+                if (!alive.expired()) events_.on_confirmed(position);
+            });
+        return;
+    }
+    on_their_way_.insert_or_assign(packet_id, message.message->position);
+}
+
+}  // namespace romano::uplink

@@ -1,0 +1,137 @@
+#include "broker/uplink/uplink_core.h"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+
+#include "romano/mqttsn/topic.h"
+
+namespace romano::uplink {
+
+using broker::Delivery;
+using broker::LogPosition;
+using mqttsn::Qos;
+
+namespace {
+
+// "~SESSION/PACKET-ID-DIGEST": no network's name begins so.
+constexpr char without_name = '~';
+
+std::string hex(std::uint64_t number) {
+    std::array<char, 16> digits{};
+    const auto end = std::to_chars(digits.data(), digits.data() + digits.size(), number, 16).ptr;
+    return {digits.data(), end};
+}
+
+/// FNV-1a.
+void mix(std::uint64_t& hash, std::uint8_t octet) {
+    hash = (hash ^ octet) * 0x100000001b3ULL;
+}
+
+std::uint64_t digest(const FromRemote& message) {
+    std::uint64_t hash = 0xcbf29ce484222325ULL;
+    for (const char letter : message.topic) mix(hash, static_cast<std::uint8_t>(letter));
+    mix(hash, 0);
+    for (const std::uint8_t octet : message.payload) mix(hash, octet);
+    return hash;
+}
+
+}  // namespace
+
+UplinkCore::UplinkCore(const UplinkOptions& options, std::uint64_t unique)
+    : network_(options.network), rules_(options.rules), unique_(unique) {}
+
+void UplinkCore::hold(bool holds, std::vector<UplinkAction>& out) {
+    if (holds == holds_) return;
+    holds_ = holds;
+    up_ = false;
+    on_their_way_.clear();
+    if (holds) {
+        out.emplace_back(OpenLink{});
+    } else {
+        out.emplace_back(CloseLink{});
+    }
+}
+
+void UplinkCore::on_up(bool resumed) {
+    up_ = holds_;
+    // A session that is new at the MQTT broker counts its packet ids anew.
+    if (!resumed || mqtt_session_.empty()) mqtt_session_ = hex(unique_) + '.' + hex(++counted_);
+}
+
+void UplinkCore::send(std::span<const Delivery> waiting, const LogPosition& safe,
+                      std::vector<UplinkAction>& out) {
+    if (!up_) return;
+    std::size_t seen = 0;
+    for (const Delivery& delivery : waiting) {
+        if (seen++ >= window || on_their_way_.size() >= window) return;
+        const LogPosition& position = delivery.position;
+        if (!delivery.message || std::ranges::count(on_their_way_, position) != 0) continue;
+        if (position.log == safe.log && position.seq > safe.seq) return;
+        const auto place = rules_.to_remote(delivery.message->topic, delivery.qos);
+        if (!place) {
+            out.emplace_back(Discard{position});
+            continue;
+        }
+        on_their_way_.push_back(position);
+        ++counters_.sent;
+        out.emplace_back(
+            PublishUp{delivery.message, place->topic, place->qos, identity_of(position)});
+    }
+}
+
+void UplinkCore::send_now(const broker::MessagePtr& message, std::vector<UplinkAction>& out) {
+    const auto place = rules_.to_remote(message->topic, Qos::at_most_once);
+    if (!place || !holds_) return;
+    if (!up_) {
+        ++counters_.dropped;
+        return;
+    }
+    ++counters_.sent;
+    out.emplace_back(PublishUp{message, place->topic, place->qos,
+                               network_ + '/' + hex(unique_) + "/q" + hex(++counted_)});
+}
+
+void UplinkCore::on_confirmed(const LogPosition& position) {
+    if (std::erase(on_their_way_, position) != 0) ++counters_.confirmed;
+}
+
+std::optional<Inbound> UplinkCore::receive(const FromRemote& message) {
+    ++counters_.received;
+    const auto place = rules_.to_local(message.topic, message.qos);
+    if (!place) {
+        ++counters_.unwanted;
+        return std::nullopt;
+    }
+    const bool named = !message.identity.empty() && message.identity.size() <= longest_identity &&
+                       message.identity.front() != without_name;
+    if (named && message.identity.starts_with(network_ + '/')) {
+        ++counters_.own;
+        return std::nullopt;
+    }
+    std::string origin = named ? message.identity : identity_of(message);
+    if (seen_.contains(origin)) {
+        ++counters_.duplicates;
+        return std::nullopt;
+    }
+    return Inbound{*place, std::move(origin)};
+}
+
+void UplinkCore::remember(const std::string& origin) {
+    if (origin.ends_with('/')) return;  // of QoS 0, without a name
+    if (!seen_.add(origin) || origin.front() != without_name) return;
+    mqtt_session_ = origin.substr(1, origin.find('/') - 1);
+}
+
+std::string UplinkCore::identity_of(const LogPosition& position) const {
+    return network_ + '/' + hex(static_cast<std::uint64_t>(position.log.broker)) + '.' +
+           hex(position.log.incarnation) + '/' + std::to_string(position.seq);
+}
+
+std::string UplinkCore::identity_of(const FromRemote& message) const {
+    std::string name = without_name + mqtt_session_ + '/';
+    if (message.packet_id == 0) return name;  // QoS 0 comes once, and is not remembered
+    return name + std::to_string(message.packet_id) + '-' + hex(digest(message));
+}
+
+}  // namespace romano::uplink

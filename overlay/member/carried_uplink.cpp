@@ -1,0 +1,136 @@
+#include "overlay/member/carried_uplink.h"
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <utility>
+
+#include "romano/mqttsn/codec.h"
+
+namespace romano::overlay {
+namespace {
+
+using namespace std::chrono_literals;
+using Datagrams = std::vector<std::vector<std::uint8_t>>;
+
+constexpr Duration connect_again_after = 500ms;
+// A home that died is replaced sooner: then the session is somewhere, or there never was one.
+constexpr Duration settled_after = 1s;
+
+std::vector<std::uint8_t> encoded(const mqttsn::Message& message) {
+    std::vector<std::uint8_t> octets(512);
+    octets.resize(mqttsn::encode(message, octets));
+    return octets;
+}
+
+mqttsn::TopicRef by_name(const std::string& filter) {
+    return {.type = mqttsn::TopicIdType::normal, .name = filter, .id = mqttsn::no_topic_id};
+}
+
+}  // namespace
+
+Datagrams CarriedUplink::requests(Instant now, const broker::BrokerCore& broker,
+                                  const cluster::ClusterCore& cluster,
+                                  std::vector<uplink::UplinkAction>& out) {
+    if (std::exchange(view_, cluster.view().number) != cluster.view().number) view_since_ = now;
+    const bool leads = cluster.is_in_view() && view_.leader == cluster.own_log().id().broker;
+    const broker::SessionHeader* header = broker.header(client_id);
+    const bool is_here = header != nullptr && header->state == broker::SessionState::active &&
+                         !header->provisional && header->address.endpoint == broker::owner_endpoint;
+    if (!leads) {
+        core_.hold(false, out);
+        unsafe_.clear();
+        return {};
+    }
+    if (!is_here) {
+        if (!may_connect(now, broker, cluster)) return {};
+        connect_again_at_ = now + connect_again_after;
+        return {encoded(mqttsn::Connect{.will = false,
+                                        .clean_session = false,
+                                        .protocol_id = mqttsn::protocol_id,
+                                        .duration_s = 0,
+                                        .client_id = client_id})};
+    }
+    if (now >= connect_again_at_) {
+        connect_again_at_ = now + connect_again_after;
+        Datagrams missing = missing_subscriptions(broker);
+        if (!missing.empty()) return missing;
+    }
+    core_.hold(true, out);
+    return {};
+}
+
+bool CarriedUplink::may_connect(Instant now, const broker::BrokerCore& broker,
+                                const cluster::ClusterCore& cluster) {
+    if (now < connect_again_at_) return false;
+    return broker.header(client_id) != nullptr || cluster.is_homed_at_peer(client_id) ||
+           now >= view_since_ + settled_after;
+}
+
+Datagrams CarriedUplink::missing_subscriptions(const broker::BrokerCore& broker) const {
+    const auto image = broker.image(client_id);
+    const auto wanted = core_.rules().local_filters();
+    Datagrams out;
+    std::uint16_t msg_id = 0;
+    for (const uplink::Filter& filter : wanted) {
+        const auto has = [&](const broker::Subscription& subscription) {
+            return subscription.filter == filter.filter && subscription.granted == filter.qos;
+        };
+        if (std::ranges::any_of(image->subscriptions, has)) continue;
+        out.push_back(encoded(mqttsn::Subscribe{.dup = false,
+                                                .qos = filter.qos,
+                                                .msg_id = mqttsn::MsgId{++msg_id},
+                                                .topic = by_name(filter.filter)}));
+    }
+    for (const broker::Subscription& subscription : image->subscriptions) {
+        if (std::ranges::count(wanted, subscription.filter, &uplink::Filter::filter) != 0) continue;
+        out.push_back(encoded(mqttsn::Unsubscribe{.msg_id = mqttsn::MsgId{++msg_id},
+                                                  .topic = by_name(subscription.filter)}));
+    }
+    return out;
+}
+
+void CarriedUplink::on_confirmed(Instant now, const broker::LogPosition& position,
+                                 broker::BrokerCore& broker, broker::Actions& actions) {
+    core_.on_confirmed(position);
+    broker.on_read(now, position, actions);
+}
+
+void CarriedUplink::on_message(Instant now, const uplink::FromRemote& message, std::uint64_t token,
+                               broker::BrokerCore& broker, broker::Actions& actions) {
+    if (const auto inbound = core_.receive(message)) {
+        broker.publish(now, inbound->place.topic, message.payload, inbound->place.qos,
+                       message.retain, actions, inbound->origin);
+        core_.remember(inbound->origin);
+    }
+    // A repetition too: what it repeats may not be safe yet.
+    if (token != 0) unsafe_[broker.last_seq()].push_back(token);
+}
+
+void CarriedUplink::on_for_owner(const broker::MessagePtr& message,
+                                 std::vector<uplink::UplinkAction>& out) {
+    if (message->origin.empty()) {
+        core_.send_now(message, out);
+    } else {
+        core_.remember(message->origin);
+    }
+}
+
+void CarriedUplink::go_on(Instant now, const broker::LogPosition& own, broker::BrokerCore& broker,
+                          broker::Actions& actions, std::vector<uplink::UplinkAction>& out) {
+    while (!unsafe_.empty() && unsafe_.begin()->first <= own.seq) {
+        for (const std::uint64_t token : unsafe_.begin()->second) {
+            out.emplace_back(uplink::Acknowledge{token});
+        }
+        unsafe_.erase(unsafe_.begin());
+    }
+    if (!core_.is_up()) return;
+    const std::size_t before = out.size();
+    core_.send(broker.unread(), own, out);
+    for (std::size_t i = before; i < out.size(); ++i) {
+        const auto* discard = std::get_if<uplink::Discard>(&out[i]);
+        if (discard != nullptr) broker.on_read(now, discard->position, actions);
+    }
+}
+
+}  // namespace romano::overlay

@@ -1,0 +1,65 @@
+// The uplink as a member of a cluster carries it: joins the uplink core to the broker core.
+//
+// What shall go out waits in a session like any robot's: logged, mirrored, bounded, inherited. Only
+// it is at no address: the leader's member connects it here, in the name of owner_endpoint, and
+// reads its queue. A new leader does the same, and the session comes with what still waits.
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "broker/core/broker_core.h"
+#include "broker/uplink/uplink_core.h"
+#include "overlay/cluster/cluster_core.h"
+#include "romano/base/time.h"
+
+namespace romano::overlay {
+
+class CarriedUplink {
+public:
+    static constexpr const char* client_id = "romano-uplink";
+
+    CarriedUplink(const uplink::UplinkOptions& options, std::uint64_t unique)
+        : core_(options, unique) {}
+
+    [[nodiscard]] const uplink::UplinkCore& core() const { return core_; }
+
+    /// What its session must say to the broker now: datagrams from owner_endpoint.
+    [[nodiscard]] std::vector<std::vector<std::uint8_t>> requests(
+        Instant now, const broker::BrokerCore& broker, const cluster::ClusterCore& cluster,
+        std::vector<uplink::UplinkAction>& out);
+
+    /// The link is let go: sessions and log are gone to others.
+    void abandon(std::vector<uplink::UplinkAction>& out) {
+        core_.hold(false, out);
+        unsafe_.clear();
+    }
+
+    void on_up(bool resumed) { core_.on_up(resumed); }
+    void on_down() { core_.on_down(); }
+    void on_confirmed(Instant now, const broker::LogPosition& position, broker::BrokerCore& broker,
+                      broker::Actions& actions);
+    void on_message(Instant now, const uplink::FromRemote& message, std::uint64_t token,
+                    broker::BrokerCore& broker, broker::Actions& actions);
+    void on_for_owner(const broker::MessagePtr& message, std::vector<uplink::UplinkAction>& out);
+
+    /// Sends what may go, lets the MQTT broker know of what is safe. `own`: how far the own log is
+    /// safe.
+    void go_on(Instant now, const broker::LogPosition& own, broker::BrokerCore& broker,
+               broker::Actions& actions, std::vector<uplink::UplinkAction>& out);
+
+private:
+    [[nodiscard]] bool may_connect(Instant now, const broker::BrokerCore& broker,
+                                   const cluster::ClusterCore& cluster);
+    [[nodiscard]] std::vector<std::vector<std::uint8_t>> missing_subscriptions(
+        const broker::BrokerCore& broker) const;
+
+    uplink::UplinkCore core_;
+    cluster::ViewNumber view_;
+    Instant view_since_{};
+    Instant connect_again_at_ = Instant::min();
+    std::map<broker::Seq, std::vector<std::uint64_t>> unsafe_;  // tokens, by what they wait for
+};
+
+}  // namespace romano::overlay

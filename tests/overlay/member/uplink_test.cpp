@@ -1,0 +1,217 @@
+// The uplink of a cluster: held by the leader alone, what waits for it moves with it.
+
+#include <gmock/gmock.h>
+
+#include "tests/overlay/member/brokers.h"
+
+namespace romano::test {
+namespace {
+
+using namespace std::chrono_literals;
+using mqttsn::Qos;
+using testing::ElementsAre;
+using testing::IsEmpty;
+using uplink::PublishUp;
+
+class MemberWithUplink : public testing::Test {
+protected:
+    MemberWithUplink() {
+        brokers.give_uplink(
+            {.network = "site-a", .rules = {uplink::parse_rule("fleet/#").value()}});
+    }
+    void start(std::initializer_list<int> ranks) {
+        for (const int rank : ranks) brokers.start(rank);
+        brokers.run_for(3s);
+    }
+    /// Opened and not closed since.
+    bool holds(int rank) {
+        bool open = false;
+        for (const auto& action : brokers.uplink_actions(rank)) {
+            if (std::holds_alternative<uplink::OpenLink>(action)) open = true;
+            if (std::holds_alternative<uplink::CloseLink>(action)) open = false;
+        }
+        return open;
+    }
+    std::vector<PublishUp> sent(int rank) {
+        std::vector<PublishUp> all;
+        for (const auto& action : brokers.uplink_actions(rank)) {
+            if (const auto* up = std::get_if<PublishUp>(&action)) all.push_back(*up);
+        }
+        return all;
+    }
+    std::vector<std::string> texts(int rank) {
+        std::vector<std::string> all;
+        for (const auto& up : sent(rank)) all.emplace_back(as_text(up.message->payload));
+        return all;
+    }
+    std::vector<std::uint64_t> acknowledged(int rank) {
+        std::vector<std::uint64_t> all;
+        for (const auto& action : brokers.uplink_actions(rank)) {
+            if (const auto* safe = std::get_if<uplink::Acknowledge>(&action)) {
+                all.push_back(safe->token);
+            }
+        }
+        return all;
+    }
+    static uplink::FromRemote from_remote(const std::string& text, std::uint16_t packet_id,
+                                          const std::string& identity = {}) {
+        const Bytes octets = as_octets(text);
+        return {.topic = "fleet/down",
+                .payload = {octets.begin(), octets.end()},
+                .qos = Qos::exactly_once,
+                .retain = false,
+                .identity = identity,
+                .packet_id = packet_id};
+    }
+    Robot& subscriber(int broker, const std::string& topic = "fleet/down") {
+        Robot& robot = brokers.robot("subscriber", broker);
+        robot.connect();
+        robot.subscribe(topic, Qos::exactly_once);
+        brokers.run_for(300ms);
+        return robot;
+    }
+    Robot& publisher(int broker) {
+        Robot& robot = brokers.robot("publisher", broker);
+        robot.connect();
+        brokers.run_for(200ms);
+        return robot;
+    }
+
+    Brokers brokers;
+};
+
+TEST_F(MemberWithUplink, TheLeaderAloneHoldsItAndTheNextLeaderAfterIt) {
+    start({1, 2, 3});
+    EXPECT_FALSE(holds(1));
+    EXPECT_FALSE(holds(2));
+    EXPECT_TRUE(holds(3));
+    brokers.kill(3);
+    brokers.run_for(3s);
+    EXPECT_FALSE(holds(1));
+    EXPECT_TRUE(holds(2));
+    brokers.start(3);
+    brokers.run_for(3s);
+    EXPECT_FALSE(holds(2));
+    EXPECT_TRUE(holds(3));
+}
+
+TEST_F(MemberWithUplink, CarriesWhatAnyBrokersClientsPublishAtEveryQos) {
+    start({1, 2});
+    brokers.uplink_up(2, false);
+    Robot& robot = publisher(1);
+    robot.publish("fleet/pose", "zero", Qos::at_most_once);
+    robot.publish("fleet/pose", "one", Qos::at_least_once);
+    robot.publish("fleet/pose", "two", Qos::exactly_once);
+    robot.publish("elsewhere", "no", Qos::at_least_once);
+    brokers.run_for(500ms);
+    EXPECT_THAT(texts(2), ElementsAre("zero", "one", "two"));
+    EXPECT_THAT(texts(1), IsEmpty());
+}
+
+TEST_F(MemberWithUplink, WhatWaitsWhileItIsDownGoesInOrderWhenItIsUp) {
+    start({1, 2});
+    Robot& robot = publisher(1);
+    for (const char* text : {"a", "b", "c"}) robot.publish("fleet/x", text, Qos::at_least_once);
+    brokers.run_for(500ms);
+    EXPECT_THAT(texts(2), IsEmpty());
+    brokers.uplink_up(2, false);
+    EXPECT_THAT(texts(2), ElementsAre("a", "b", "c"));
+}
+
+TEST_F(MemberWithUplink, WhatWasNotConfirmedIsSentAgainByTheNextLeaderUnderTheSameIdentity) {
+    start({1, 2, 3});
+    brokers.uplink_up(3, false);
+    Robot& robot = publisher(1);
+    for (const char* text : {"a", "b", "c"}) robot.publish("fleet/x", text, Qos::exactly_once);
+    brokers.run_for(500ms);
+    const auto first = sent(3);
+    ASSERT_EQ(first.size(), 3U);
+    brokers.uplink_confirms(3, first[0].message->position);
+    brokers.run_for(100ms);
+    brokers.kill(3);
+    brokers.run_for(3s);
+    ASSERT_TRUE(holds(2));
+    brokers.uplink_up(2, true);
+    EXPECT_THAT(texts(2), ElementsAre("b", "c"));
+    EXPECT_EQ(sent(2)[0].identity, first[1].identity);
+}
+
+TEST_F(MemberWithUplink, WhatWasQueuedGoesWithTheLeadershipThoughNobodyDied) {
+    start({1, 2});
+    Robot& robot = publisher(1);
+    robot.publish("fleet/x", "early", Qos::at_least_once);
+    brokers.run_for(500ms);
+    brokers.start(3);
+    brokers.run_for(3s);
+    ASSERT_TRUE(holds(3));
+    ASSERT_FALSE(holds(2));
+    brokers.uplink_up(3, false);
+    EXPECT_THAT(texts(3), ElementsAre("early"));
+}
+
+TEST_F(MemberWithUplink, BringsAMessageToEveryBrokersSubscribersOnce) {
+    start({1, 2});
+    brokers.uplink_up(2, false);
+    Robot& robot = subscriber(1);
+    brokers.uplink_brings(2, from_remote("go", 7), 1);
+    brokers.uplink_brings(2, from_remote("go", 7), 2);
+    brokers.run_for(500ms);
+    EXPECT_THAT(robot.received(), ElementsAre("go"));
+    EXPECT_THAT(acknowledged(2), ElementsAre(1, 2));
+}
+
+TEST_F(MemberWithUplink, AcknowledgesOnlyWhatAPeerHolds) {
+    start({1, 2});
+    brokers.uplink_up(2, false);
+    brokers.cut(1, 2);
+    brokers.uplink_brings(2, from_remote("go", 7), 1);
+    EXPECT_THAT(acknowledged(2), IsEmpty());
+    brokers.heal();
+    brokers.run_for(500ms);
+    EXPECT_THAT(acknowledged(2), ElementsAre(1));
+}
+
+TEST_F(MemberWithUplink, WhatTheMqttBrokerRepeatsToTheNextLeaderIsKnownThere) {
+    start({1, 2, 3});
+    brokers.uplink_up(3, false);
+    Robot& robot = subscriber(1);
+    brokers.uplink_brings(3, from_remote("go", 7), 1);
+    brokers.run_for(200ms);  // published and held by peers; the acknowledgement did not get out
+    brokers.kill(3);
+    brokers.run_for(3s);
+    brokers.uplink_up(2, true);
+    brokers.uplink_brings(2, from_remote("go", 7), 1);
+    brokers.uplink_brings(2, from_remote("on", 8), 2);
+    brokers.run_for(500ms);
+    EXPECT_THAT(robot.received(), ElementsAre("go", "on"));
+}
+
+TEST_F(MemberWithUplink, WhatCameInNeverGoesOutAgain) {
+    start({1, 2});
+    brokers.uplink_up(2, false);
+    brokers.uplink_brings(2, from_remote("go", 7), 1);
+    brokers.uplink_brings(2, from_remote("now", 0), 0);
+    brokers.run_for(500ms);
+    brokers.kill(2);
+    brokers.run_for(3s);
+    brokers.uplink_up(1, true);
+    brokers.run_for(500ms);
+    EXPECT_THAT(sent(2), IsEmpty());
+    EXPECT_THAT(sent(1), IsEmpty());
+}
+
+TEST_F(MemberWithUplink, ItsSessionIsNobodyElses) {
+    start({1, 2});
+    Robot& thief = brokers.robot("romano-uplink", 2);
+    thief.connect(false);
+    brokers.run_for(1s);
+    Robot& robot = publisher(1);
+    robot.publish("fleet/x", "secret", Qos::at_least_once);
+    brokers.run_for(500ms);
+    brokers.uplink_up(2, false);
+    EXPECT_THAT(thief.received(), IsEmpty());
+    EXPECT_THAT(texts(2), ElementsAre("secret"));
+}
+
+}  // namespace
+}  // namespace romano::test
