@@ -38,13 +38,14 @@ overlay::MemberOptions member_options(const Settings& settings) {
     out.romano = settings.romano;
     out.name = settings.name;
     out.incarnation = out.broker.log.incarnation;
+    if (settings.uplink) out.uplink = settings.uplink->options;
     return out;
 }
 
 }  // namespace
 
 ClusterBroker::ClusterBroker(boost::asio::io_context& io, const Settings& settings,
-                             OnServing on_serving)
+                             OnServing on_serving, MakeUplink make_uplink)
     : io_(io),
       settings_(settings),
       on_serving_(std::move(on_serving)),
@@ -52,6 +53,7 @@ ClusterBroker::ClusterBroker(boost::asio::io_context& io, const Settings& settin
       udp_(io, *this),
       moved_(io),
       timer_(io, [this] { on_core_wakeup(); }) {
+    if (make_uplink != nullptr) open_uplink(make_uplink);
     open_addresses();
     open_transport();
     if (options_.cluster.detector == "link") open_links();
@@ -124,6 +126,26 @@ void ClusterBroker::open_links() {
                       "); choose another --interface or --detector");
     }
     options_.link = links_->address();
+}
+
+void ClusterBroker::open_uplink(MakeUplink make_uplink) {
+    uplink_ = make_uplink(io_, settings_.uplink->mqtt,
+                          {.on_up =
+                               [this](bool resumed) {
+                                   member_->on_uplink_up(net::now(), resumed, actions_);
+                                   carry_out();
+                               },
+                           .on_down = [this] { member_->on_uplink_down(); },
+                           .on_confirmed =
+                               [this](const broker::LogPosition& position) {
+                                   member_->on_uplink_confirmed(net::now(), position, actions_);
+                                   carry_out();
+                               },
+                           .on_message =
+                               [this](const uplink::FromRemote& message, std::uint64_t token) {
+                                   member_->on_uplink_message(net::now(), message, token, actions_);
+                                   carry_out();
+                               }});
 }
 
 // Somebody has an address that we shall serve: fine if a peer's beacon says that it is the peer's
@@ -211,6 +233,7 @@ void ClusterBroker::carry_out() {
         dds::pack(actions_.peers);
         for (const auto& outgoing : actions_.peers) transport_->send(outgoing);
         udp_.carry_out(actions_.clients);
+        for (const auto& action : actions_.uplink) uplink_->carry_out(action);
         actions_.clear();
         if (answers_.empty()) break;
         for (const Answer& answer : answers_) {

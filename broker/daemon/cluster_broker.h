@@ -22,10 +22,20 @@
 
 namespace romano::daemon {
 
+/// What carries the uplink's actions out; romano-broker-uplink has one.
+class Uplink {
+public:
+    virtual ~Uplink() = default;
+    virtual void carry_out(const uplink::UplinkAction& action) = 0;
+};
+using MakeUplink = std::unique_ptr<Uplink> (*)(boost::asio::io_context&,
+                                               const uplink::MqttSettings&, uplink::LinkEvents);
+
 class ClusterBroker : public RunningBroker, private net::DatagramHandler {
 public:
     /// Throws Refusal. Runs `io` for a moment when an address is held by somebody else.
-    ClusterBroker(boost::asio::io_context& io, const Settings& settings, OnServing on_serving);
+    ClusterBroker(boost::asio::io_context& io, const Settings& settings, OnServing on_serving,
+                  MakeUplink make_uplink = nullptr);
     void leave() override;
     void add_metrics(metrics::Page& page) const override;
 
@@ -34,6 +44,7 @@ private:
     void warn_of_shared_addresses() const;
     void open_transport();
     void open_links();
+    void open_uplink(MakeUplink make_uplink);
     void wait_for_the_holders();
     void start_member();
 
@@ -58,6 +69,7 @@ private:
     std::unique_ptr<dds::Domain> domain_;
     std::unique_ptr<dds::DdsTransport> transport_;
     std::unique_ptr<link::LinkService> links_;  // null when the detector does not look at links
+    std::unique_ptr<Uplink> uplink_;            // null without --uplink
     std::unique_ptr<overlay::Member> member_;   // null until every address is accounted for
     overlay::MemberActions actions_;
     net::CoreTimer timer_;

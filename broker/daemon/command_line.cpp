@@ -21,6 +21,10 @@ constexpr const char* examples = R"(Examples:
       two brokers that are one: a client may talk to either, and each takes over from the other
   romano-broker --store /var/lib/romano/store.db
       alone; after a crash or a restart its clients' sessions and messages go on
+  romano-broker --listen 192.168.1.5:1883 --domain 7 --uplink mqtts://mqtt.example.org \
+      --uplink-network site-a --uplink-topic 'fleet/# both' --uplink-topic 'pose/# out 0 "" site-a/' \
+      --uplink-username site-a --uplink-password-file /etc/romano/uplink-password
+      whoever leads the cluster exchanges these topics with an MQTT broker
   romano-broker --metrics 127.0.0.1:9883
       tells Prometheus and `romano status` what it counts
   romano-broker --default-config > r1.toml; romano-broker --config r1.toml
@@ -107,6 +111,34 @@ void add_options(CLI::App& app, SettingTexts& texts) {
         ->type_name("NAME")
         ->capture_default_str()
         ->group(cluster);
+
+    const std::string uplink = "Uplink (held by the broker that leads the cluster)";
+    app.add_option("--uplink", texts.uplink,
+                   "Exchange topics with this MQTT 5 broker (default ports 1883 and 8883)")
+        ->type_name("mqtt[s]://HOST[:PORT]")
+        ->group(uplink);
+    app.add_option(
+           "--uplink-network", texts.uplink_network,
+           "Names this network of robots there: the same at all its brokers, different from "
+           "other networks")
+        ->type_name("NAME")
+        ->group(uplink);
+    app.add_option("--uplink-topic", texts.uplink_topic,
+                   "What is exchanged (repeatable), as mosquitto's bridges write it: PATTERN "
+                   "[out|in|both] [QOS] [LOCAL-PREFIX] [REMOTE-PREFIX]; unless said, both at QoS 2")
+        ->type_name("RULE")
+        ->group(uplink);
+    app.add_option("--uplink-ca", texts.uplink_ca,
+                   "mqtts: certificates that sign the MQTT broker's (default: the system's)")
+        ->type_name("FILE")
+        ->group(uplink);
+    app.add_option("--uplink-username", texts.uplink_username, "User name at the MQTT broker")
+        ->type_name("NAME")
+        ->group(uplink);
+    app.add_option("--uplink-password-file", texts.uplink_password_file,
+                   "File whose first line is the password there")
+        ->type_name("FILE")
+        ->group(uplink);
 
     const std::string times = "Times (--profile sets them together: lan, wifi or mesh)";
     app.add_option("--profile", texts.profile, "The network that the brokers share")

@@ -38,6 +38,12 @@ struct SettingTexts {
     std::optional<std::string> store_limit_mb = {};
     bool store_sync = false;
     std::map<std::string, std::string> limits = default_limit_texts();  // by key
+    std::optional<std::string> uplink = {};
+    std::optional<std::string> uplink_network = {};
+    std::vector<std::string> uplink_topic = {};
+    std::optional<std::string> uplink_ca = {};
+    std::optional<std::string> uplink_username = {};
+    std::optional<std::string> uplink_password_file = {};
     std::optional<std::string> metrics = {};
     std::string log_level = "info";
 };

@@ -1,4 +1,5 @@
-// romano-broker: a broker alone; with --domain it becomes romano-broker-member.
+// romano-broker: a broker alone; with --domain it becomes romano-broker-member,
+// with --uplink romano-broker-uplink.
 
 #include <unistd.h>
 
@@ -23,7 +24,7 @@ using namespace romano::daemon;
     const auto self = std::filesystem::read_symlink("/proc/self/exe", unknown);
     const std::string path = self.parent_path() / name;
     execv(path.c_str(), argv);
-    throw Refusal("--domain needs the program " + path + ", which cannot be started (" +
+    throw Refusal("this needs the program " + path + ", which cannot be started (" +
                   std::strerror(errno) + "); install it beside romano-broker");
 }
 
@@ -33,6 +34,7 @@ int main(int argc, char** argv) {
     return run_program(argc, argv,
                        {.prepare =
                             [argv](const Settings& settings) {
+                                if (settings.uplink) become("romano-broker-uplink", argv);
                                 if (settings.cluster) become("romano-broker-member", argv);
                             },
                         .start =

@@ -12,6 +12,7 @@
 
 #include "broker/daemon/profile.h"
 #include "broker/daemon/refusal.h"
+#include "broker/daemon/uplink_settings.h"
 #include "broker/net/discovery_group.h"
 #include "broker/net/endpoint_text.h"
 #include "broker/net/socket_address.h"
@@ -310,6 +311,7 @@ Settings check(const SettingTexts& texts) {
     out.realtime = texts.realtime;
     out.store = check_store(texts);
     out.cluster = check_cluster(texts, profile);
+    out.uplink = check_uplink(texts);
     out.log_level = one_of("log-level", texts.log_level, levels);
     return out;
 }

@@ -10,6 +10,8 @@
 
 #include "broker/core/limits.h"
 #include "broker/daemon/command_line.h"
+#include "broker/uplink/mqtt/mqtt_settings.h"
+#include "broker/uplink/uplink_core.h"
 #include "overlay/cluster/options.h"
 #include "romano/base/endpoint.h"
 #include "romano/mqttsn/types.h"
@@ -28,6 +30,11 @@ struct StoreSettings {
     bool survives_power_cut = false;
 };
 
+struct UplinkSettings {
+    uplink::MqttSettings mqtt;
+    uplink::UplinkOptions options;
+};
+
 struct Settings {
     std::string name;
     std::vector<Endpoint> listen;
@@ -42,6 +49,7 @@ struct Settings {
     bool realtime = false;
     std::optional<StoreSettings> store;
     std::optional<ClusterSettings> cluster;
+    std::optional<UplinkSettings> uplink;
     std::string log_level;
 };
 
