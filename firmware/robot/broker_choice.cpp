@@ -5,6 +5,15 @@
 namespace romano::firmware {
 
 void BrokerChoice::search(Instant now) {
+    for (std::size_t i = candidates_.size(); i > 0; --i) {
+        Candidate& candidate = candidates_[i - 1];
+        if (!candidate.was_heard) {
+            candidates_.erase_at(i - 1);
+            continue;
+        }
+        candidate.was_heard = false;
+        candidate.cost_when_searched = candidate.cost;
+    }
     discovery_.search(now);
     search_at_ = now + search_again_every;
 }
@@ -13,8 +22,8 @@ void BrokerChoice::abandon(Instant now, const Endpoint& broker) {
     for (std::size_t i = candidates_.size(); i > 0; --i) {
         if (candidates_[i - 1].broker == broker) candidates_.erase_at(i - 1);
     }
-    if (candidates_.empty()) decides_at_ = never;
     search(now);
+    if (candidates_.empty()) decides_at_ = never;
 }
 
 BrokerChoice::Candidate* BrokerChoice::find(const Endpoint& broker) {
@@ -26,10 +35,10 @@ BrokerChoice::Candidate* BrokerChoice::find(const Endpoint& broker) {
 
 /// In units of 2^19 ns, about half a millisecond (small chips shift well and divide badly); much
 /// for who answers unasked.
-std::int32_t BrokerChoice::answer_time(Instant now) const {
+std::int16_t BrokerChoice::answer_time(Instant now) const {
     if (asked_at_ == never) return 10'000;
     const auto time = static_cast<std::uint64_t>((now - asked_at_).count()) >> 19U;
-    return static_cast<std::int32_t>(std::min<std::uint64_t>(time, 10'000));
+    return static_cast<std::int16_t>(std::min<std::uint64_t>(time, 10'000));
 }
 
 void BrokerChoice::on_datagram(Instant now, const Endpoint& from, Bytes datagram,
@@ -38,13 +47,17 @@ void BrokerChoice::on_datagram(Instant now, const Endpoint& from, Bytes datagram
     for (const client::Gateway& gateway : discovery_.gateways()) {
         if (gateway.address != from) continue;
         const bool by_signal = link_dbm.has_value();
-        const auto cost = by_signal ? -*link_dbm : answer_time(now);
+        const auto cost = by_signal ? static_cast<std::int16_t>(-*link_dbm) : answer_time(now);
         Candidate* known = find(from);
         if (known != nullptr) {
             // Of the times that answers took, the shortest is the way; the rest was waiting.
             known->cost = by_signal ? cost : std::min(known->cost, cost);
+            known->was_heard = true;
+            if (by_signal && cost >= known->cost_when_searched + clearly_better_db) {
+                search_at_ = std::min(search_at_, now + looks_around_within);
+            }
         } else {
-            (void)candidates_.push_back({from, cost, by_signal});
+            (void)candidates_.push_back({from, cost, cost, by_signal});
         }
         if (decides_at_ == never) decides_at_ = now + answers_within;
     }

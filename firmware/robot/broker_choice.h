@@ -1,6 +1,7 @@
 // Which broker a robot talks to: the nearest of those that discovery finds, by signal strength
 // where the radio tells, else by the time that an answer takes. A broker is left for a better one
-// only when that is clearly better, so that a robot between two brokers does not swing.
+// only when that is clearly better, so that a robot between two brokers does not swing. A broker that
+// gets weaker makes it look around; one that answers no search any more is forgotten.
 #pragma once
 
 #include <cstddef>
@@ -20,6 +21,7 @@ public:
     /// After the first answer this long for further ones.
     static constexpr Duration answers_within{std::chrono::milliseconds{300}};
     static constexpr Duration search_again_every{std::chrono::seconds{10}};
+    static constexpr Duration looks_around_within{std::chrono::seconds{1}};
     static constexpr int clearly_better_db = 6;
     static constexpr std::size_t largest_datagram = client::Discovery::largest_datagram;
 
@@ -48,12 +50,14 @@ public:
 private:
     struct Candidate {
         Endpoint broker;
-        std::int32_t cost = 0;  // dB below 0 dBm, or about half milliseconds
+        std::int16_t cost = 0;  // dB below 0 dBm, or about half milliseconds
+        std::int16_t cost_when_searched = 0;
         bool by_signal = false;
+        bool was_heard = true;  // since the last search
     };
 
     Candidate* find(const Endpoint& broker);
-    [[nodiscard]] std::int32_t answer_time(Instant now) const;
+    [[nodiscard]] std::int16_t answer_time(Instant now) const;
     [[nodiscard]] static bool is_clearly_better(const Candidate& a, const Candidate& b);
 
     client::Discovery discovery_;

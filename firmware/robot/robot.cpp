@@ -66,7 +66,9 @@ void RobotCore::choose_broker() {
         board_.send(board_.self, &everybody, search.data(), static_cast<std::uint32_t>(size));
     }
     // A session follows its client from broker to broker of one cluster: nothing is begun anew.
-    broker_ = choice_.choose(now_, broker_);
+    const auto nearest = choice_.choose(now_, broker_);
+    if (broker_ && nearest != broker_) node_.on_broker_changed(now_);
+    broker_ = nearest;
 }
 
 void RobotCore::send(Bytes datagram) {

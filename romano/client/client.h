@@ -151,6 +151,10 @@ public:
     /// `never` when nothing is due; may be in the past.
     [[nodiscard]] Instant next_wakeup() const;
 
+    /// The owner talks to another broker of the same cluster from now on: a PINGREQ is due, so that
+    /// the session comes there.
+    void on_broker_changed(Instant now);
+
     [[nodiscard]] State state() const { return state_; }
     [[nodiscard]] bool is_connected() const { return state_ == State::connected; }
     /// True when no operation waits for the broker.

@@ -30,6 +30,13 @@ void ClientCore::tick_keep_alive(const Call& call) {
     send(mqttsn::Pingreq{}, call.out);
 }
 
+/// Also when no ping would be due for long, or ever: the former broker would go on talking to us.
+void ClientCore::on_broker_changed(Instant now) {
+    if (state_ != State::connected) return;
+    ping_.stop();
+    ping_due_ = now;
+}
+
 void ClientCore::on_pingresp(const Call& call) {
     if (state_ == State::awake) return fall_asleep(call);
     if (state_ != State::connected) return drop();

@@ -90,6 +90,9 @@ public:
     void on_tick(Instant now, Port& port);
     [[nodiscard]] Instant next_wakeup() const;
 
+    /// The owner talks to another broker of the same cluster from now on.
+    void on_broker_changed(Instant now) { client_.on_broker_changed(now); }
+
     /// False when the client's queue is full, the message is too long, or there is no connection
     /// for a QoS 0 one.
     bool publish(Instant now, std::string_view topic, const message::Message& message,

@@ -110,5 +110,33 @@ TEST_F(Choosing, OtherDatagramsAreNoAnswers) {
     EXPECT_FALSE(choice.choose(now, {}));
 }
 
+TEST_F(Choosing, ABrokerThatAnswersNoSearchAnyMoreIsForgotten) {
+    choice.search(now);
+    asks();
+    answers(1, -50);
+    answers(2, -70);
+    now += BrokerChoice::answers_within;
+    EXPECT_EQ(choice.choose(now, broker(2)), broker(1));
+    for (int searches = 0; searches < 2; ++searches) {  // the robot drives out of 1's cell
+        choice.search(now);
+        asks();
+        answers(2, -70);
+        now += 1s;
+    }
+    choice.search(now);
+    EXPECT_EQ(choice.choose(now, broker(2)), broker(2));
+}
+
+TEST_F(Choosing, LooksAroundWhenItsBrokerGetsWeaker) {
+    choice.search(now);
+    asks();
+    answers(1, -50);
+    now += 2s;
+    answers(1, -50 - BrokerChoice::clearly_better_db + 1);
+    EXPECT_GT(choice.next_wakeup(), now + BrokerChoice::looks_around_within);
+    answers(1, -50 - BrokerChoice::clearly_better_db);
+    EXPECT_LE(choice.next_wakeup(), now + BrokerChoice::looks_around_within);
+}
+
 }  // namespace
 }  // namespace romano::firmware

@@ -97,6 +97,16 @@ TEST(KeepAlive, OfZeroNeverPings) {
     EXPECT_EQ(chart.client().next_wakeup(), never);
 }
 
+TEST(KeepAlive, PingsAtOnceWhenTheOwnerTalksToAnotherBroker) {
+    SequenceChart chart;
+    chart.connect({.client_id = "c", .keep_alive = 0s});
+    chart.client().on_broker_changed(chart.now());
+    chart.after(0s);
+    chart.sends(Pingreq{});
+    chart.gets(Pingresp{});
+    EXPECT_EQ(chart.client().next_wakeup(), never);
+}
+
 TEST(KeepAlive, AnswersTheBrokersPing) {  // 6.11b
     SequenceChart chart;
     chart.connect(every_60_s);
