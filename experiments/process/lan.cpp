@@ -60,9 +60,40 @@ Lan::Lan(int hosts) : prefix_("romano" + std::to_string(getpid()) + "-"), hosts_
 }
 
 Lan::~Lan() {
-    for (int host = 0; host <= hosts_; ++host) {
+    for (int host = 0; host <= hosts_ + (has_cells_ ? 1 : 0); ++host) {
         (void)std::system(("ip netns del " + name(host) + " 2>/dev/null").c_str());
     }
+}
+
+// The cells are bridges beside the LAN's, in host 0.
+void Lan::add_cells(int cells) {
+    if (!why_not_.empty()) return;
+    const std::string air = "ip -n " + name(0) + " ";
+    const int rover = hosts_ + 1;
+    has_cells_ = true;
+    for (int cell = 1; cell <= cells; ++cell) {
+        const std::string n = std::to_string(cell);
+        const std::string in = "ip -n " + name(cell) + " ";
+        const bool done =
+            run(air + "link add cell" + n + " type bridge") &&
+            run(air + "link set cell" + n + " up") &&
+            run(in + "link add cell0 address 02:00:00:00:00:99 type veth peer name radio" + n +
+                " netns " + name(0)) &&
+            run(air + "link set radio" + n + " master cell" + n + " up") &&
+            run(in + "link set cell0 up") &&
+            run(in + "address add " + cell_address + "/24 dev cell0");
+        if (!done) return;
+    }
+    const std::string in = "ip -n " + name(rover) + " ";
+    (void)(run("ip netns add " + name(rover)) &&
+           run(in + "link add eth0 type veth peer name rover netns " + name(0)) &&
+           run(air + "link set rover master cell1 up") && run(in + "link set lo up") &&
+           run(in + "link set eth0 up") &&
+           run(in + "address add " + rover_address + "/24 dev eth0"));
+}
+
+void Lan::drive_to(int cell) {
+    EXPECT_TRUE(run("ip -n " + name(0) + " link set rover master cell" + std::to_string(cell)));
 }
 
 std::string Lan::name(int host) const {

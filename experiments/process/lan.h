@@ -15,6 +15,15 @@ public:
     Lan(const Lan&) = delete;
     Lan& operator=(const Lan&) = delete;
 
+    /// Gives each of these hosts an interface `cell0` with one and the same address (and hardware
+    /// address, as access points of one network have), into a cell of its own; and makes one more
+    /// host, hosts + 1, that is in the first cell with 10.99.0.50.
+    void add_cells(int cells);
+    static constexpr const char* cell_address = "10.99.0.1";
+    static constexpr const char* rover_address = "10.99.0.50";
+    /// That host drives into another cell.
+    void drive_to(int cell);
+
     /// Why it cannot be built here; empty when it was.
     [[nodiscard]] const std::string& why_not() const { return why_not_; }
 
@@ -45,6 +54,7 @@ private:
 
     std::string prefix_;
     int hosts_;
+    bool has_cells_ = false;
     std::string why_not_;
 };
 
