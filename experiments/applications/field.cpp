@@ -48,6 +48,7 @@ void Field::add(const Placing& placing) {
     options.telemetry_every = 50ms;
     options.follow = placing.follow;
     options.start = placing.start;
+    options.hears = placing.hears;
     placings_.push_back(placing);
     robots_.push_back(std::make_unique<firmware::SimulatedRobot>(
         io_, options, [](const auto&, const std::string&) {}));

@@ -26,6 +26,7 @@ public:
         firmware::Pose start{};
         std::string telemetry{};  // tells its location on this topic, 20 times a second
         std::string follow{};     // copies the path that is told on this topic
+        decltype(firmware::SimulatedRobotOptions::hears) hears{};
     };
     void add(const Placing& placing);
 
@@ -37,6 +38,8 @@ public:
     void wait_for(const std::function<bool()>& done, const std::string& what);
     void run_for(std::chrono::milliseconds time);
 
+    [[nodiscard]] boost::asio::io_context& io() { return io_; }
+    [[nodiscard]] firmware::SimulatedRobot& robot(std::size_t robot) { return *robots_[robot]; }
     [[nodiscard]] const firmware::Pose& pose(std::size_t robot) const {
         return robots_[robot]->body().pose();
     }

@@ -8,7 +8,8 @@
 namespace romano::firmware {
 namespace {
 
-const romano_board& open_board(romano_udp_board& udp, const SimulatedRobotOptions& options) {
+const romano_board& open_board(romano_udp_board& udp, std::optional<RadioBoard>& radio,
+                               const SimulatedRobotOptions& options) {
     romano_address local = options.local;
     if (local.family == 0) {
         local.family = options.robot.broker.family == Endpoint::Family::ipv6 ? 6 : 4;
@@ -19,7 +20,8 @@ const romano_board& open_board(romano_udp_board& udp, const SimulatedRobotOption
                                  std::strerror(error));
     }
     if (options.group.family != 0) udp.group = options.group;
-    return udp.board;
+    if (options.radio == nullptr) return udp.board;
+    return radio.emplace(udp.board, *options.radio).board();
 }
 
 /// What a robot prints of a message that it does not carry out.
@@ -57,7 +59,7 @@ SimulatedRobot::SimulatedRobot(boost::asio::io_context& io, const SimulatedRobot
       say_(std::move(say)),
       socket_(io),
       timer_(io, [this] { run(); }),
-      robot_(options.robot, open_board(udp_, options), *this),
+      robot_(options.robot, open_board(udp_, radio_, options), *this),
       body_(options.start) {
     socket_.assign(udp_.socket);
     wait_for_datagrams();
@@ -87,6 +89,13 @@ void SimulatedRobot::run() {
         next = robot_.run();
     }
     timer_.arm(std::min(next, telemetry_at_));
+}
+
+bool SimulatedRobot::publish(std::string_view topic, const message::Message& message,
+                             mqttsn::Qos qos) {
+    const bool taken = robot_.publish(topic, message, qos);
+    run();
+    return taken;
 }
 
 void SimulatedRobot::carry_out_commands() {
@@ -146,6 +155,7 @@ void SimulatedRobot::on_message(std::string_view topic, const message::Message& 
     if (sensor != nullptr && topic == options_.follow) {
         if (const auto ahead = pose_of(sensor->value)) return copy_path(*ahead);
     }
+    if (options_.hears && options_.hears(topic, message)) return;
     say_(options_.robot.node.id,
          "hears " + std::visit(Words{}, message) + " on `" + std::string{topic} + '`');
 }

@@ -5,10 +5,13 @@
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/posix/stream_descriptor.hpp>
 #include <functional>
+#include <optional>
 #include <string>
+#include <string_view>
 
 #include "broker/net/core_timer.h"
 #include "firmware/posix/body.h"
+#include "firmware/posix/radio_board.h"
 #include "firmware/posix/udp_board.h"
 #include "firmware/robot/robot.h"
 
@@ -23,6 +26,9 @@ struct SimulatedRobotOptions {
     std::vector<std::string> subscriptions;
     std::string follow;  // copies the path of the locations on this topic; empty: none
     Pose start;
+    Radio* radio = nullptr;  // null: every datagram gets through, and nobody tells how strongly
+    /// What nobody here carries out is told to it before it is printed; true: it is not printed.
+    std::function<bool(std::string_view topic, const message::Message& message)> hears = {};
 };
 
 struct RobotCounters {
@@ -40,6 +46,11 @@ public:
     /// Throws std::runtime_error when the socket cannot be opened.
     SimulatedRobot(boost::asio::io_context& io, const SimulatedRobotOptions& options, Say say);
     ~SimulatedRobot();
+
+    /// As of RobotCore, at once. Not to be called from `hears` or `say`.
+    bool publish(std::string_view topic, const message::Message& message, mqttsn::Qos qos);
+    /// Moves by itself.
+    void carry_out(const romano_command& command) { body_.carry_out(command); }
 
     [[nodiscard]] const RobotCounters& counters() const { return counters_; }
     [[nodiscard]] const RobotCore& core() const { return robot_; }
@@ -61,6 +72,7 @@ private:
     SimulatedRobotOptions options_;
     Say say_;
     romano_udp_board udp_{};
+    std::optional<RadioBoard> radio_;
     boost::asio::posix::stream_descriptor socket_;
     net::CoreTimer timer_;
     Robot<> robot_;

@@ -45,14 +45,12 @@ struct LegacyFirmware : testing::Test {
     /// Until that broker knows of the robot.
     void wait_until_listed(int broker) {
         said.clear();
-        for (int i = 0; i < 100 && said.find(robot.id) == std::string::npos; ++i) {
+        for (int i = 0; i < 100 && said.find(id) == std::string::npos; ++i) {
             ASSERT_EQ(romano(broker, {"robots"}), 0) << said;
         }
     }
 
-    struct Placed {
-        std::string id = "0433ed81";
-    } robot;
+    std::string id = "0433ed81";
     TestAddresses addresses;
     std::vector<std::unique_ptr<BrokerProcess>> brokers;
     std::string said;
@@ -75,20 +73,19 @@ TEST_F(LegacyFirmware, GoesThroughEverythingThoughItsHomeIsKilled) {
         // It subscribes at QoS 0: what comes to its home's address before the heir is there is
         // lost.
         for (int tries = 0; tries < 5 && firmware.movements.empty(); ++tries) {
-            EXPECT_EQ(romano(2, {"move", robot.id, "front", "500ms"}), 0) << said;
+            EXPECT_EQ(romano(2, {"move", id, "front", "500ms"}), 0) << said;
             firmware.run_until([&] { return !firmware.movements.empty(); }, 2s);
         }
         ASSERT_EQ(firmware.movements.size(), 1U) << "by its id; home is dead: " << home_is_dead;
 
-        EXPECT_EQ(romano(3, {"subscribe-robot", robot.id, team}), 0) << said;
+        EXPECT_EQ(romano(3, {"subscribe-robot", id, team}), 0) << said;
         EXPECT_TRUE(
             firmware.run_until([&] { return std::ranges::count(firmware.subscribed, team) == 1; }));
         EXPECT_EQ(romano(2, {"move", team, "back", "200ms", "--form", "legacy"}), 0) << said;
         EXPECT_TRUE(firmware.run_until([&] { return firmware.movements.size() == 2; }))
             << "by its team; home is dead: " << home_is_dead;
 
-        EXPECT_EQ(romano(2, {"request", robot.id, "telemetry", home_is_dead ? "b" : "a"}), 0)
-            << said;
+        EXPECT_EQ(romano(2, {"request", id, "telemetry", home_is_dead ? "b" : "a"}), 0) << said;
         const std::size_t before = listener.received.size();
         EXPECT_TRUE(firmware.run_until([&] {
             return listener.run_until([&] { return listener.received.size() > before; }, 20ms);
@@ -103,7 +100,7 @@ TEST_F(LegacyFirmware, WhoseHomeDiesBeforeTheAcknowledgementIsAnsweredByTheHeir)
     // Until the brokers know each other, nobody takes over.
     LegacyRobot first{addresses.client(), addresses.service_endpoint(1), "0433ed82"};
     ASSERT_TRUE(first.establish());
-    robot.id = "0433ed82";
+    id = "0433ed82";
     wait_until_listed(2);
     wait_until_listed(3);
     brokers[0]->kill_9();

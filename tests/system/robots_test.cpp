@@ -1,12 +1,16 @@
 // Real robots (romano-robot, the controllers of firmware/examples), real brokers, and the
 // operator's program.
 
+#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <signal.h>
 #include <stdlib.h>
+#include <sys/file.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -246,10 +250,46 @@ TEST_P(Application, EndsWhereItShouldAndDrawsTheTrails) {
     EXPECT_TRUE(std::filesystem::exists(folder / (file + ".svg"))) << "is gnuplot installed?";
 }
 
-INSTANTIATE_TEST_SUITE_P(Of, Application, testing::Values("group-control", "path-copy"),
-                         [](const auto& test) {
-                             return test.index == 0 ? "GroupControl" : "PathCopy";
-                         });
+INSTANTIATE_TEST_SUITE_P(
+    Of, Application, testing::Values("group-control", "path-copy", "radio-distance"),
+    [](const auto& test) {
+        constexpr std::array names{"GroupControl", "PathCopy", "RadioDistance"};
+        return names.at(test.index);
+    });
+
+/// Those that start brokers of their own, at addresses and ports of their own: one at a time on a
+/// machine.
+class ApplicationWithBrokers : public testing::TestWithParam<std::vector<std::string>> {
+protected:
+    ApplicationWithBrokers()
+        : lock_(open("/tmp/romano-test-applications", O_RDWR | O_CREAT | O_CLOEXEC, 0666)) {
+        EXPECT_EQ(flock(lock_, LOCK_EX), 0);
+    }
+    ~ApplicationWithBrokers() override { close(lock_); }
+
+private:
+    int lock_;
+};
+
+TEST_P(ApplicationWithBrokers, DoesWhatItShouldAndDrawsIt) {
+    std::string name = "/tmp/romano-apply-XXXXXX";
+    const std::filesystem::path folder = mkdtemp(name.data());
+    std::vector<std::string> arguments{"apply",    "-o", folder,      "--broker", ROMANO_BROKER,
+                                       "--domain", "86", "--network", "127.77.86"};
+    arguments.insert(arguments.begin() + 1, GetParam().begin(), GetParam().end());
+    Process program(ROMANO_PROGRAM, arguments);
+    const bool done = program.wait_for_exit(std::chrono::minutes{3}) == 0;
+    EXPECT_TRUE(done) << program.rest_of_output() << program.errors();
+    const std::string& file = GetParam()[0];
+    EXPECT_TRUE(std::filesystem::exists(folder / (file + ".csv")));
+    EXPECT_TRUE(std::filesystem::exists(folder / (file + ".svg"))) << "is gnuplot installed?";
+    std::filesystem::remove_all(folder);
+}
+
+INSTANTIATE_TEST_SUITE_P(Of, ApplicationWithBrokers,
+                         testing::Values(std::vector<std::string>{"bridge"},
+                                         std::vector<std::string>{"roaming", "--brief"}),
+                         [](const auto& test) { return test.index == 0 ? "Bridge" : "Roaming"; });
 
 class Example : public Robots, public testing::WithParamInterface<const char*> {};
 
