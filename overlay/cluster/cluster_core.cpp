@@ -216,6 +216,9 @@ void ClusterCore::on_view(Effects& effects, const ViewAnnouncement& announcement
     // Another member hands us what our earlier life left at our address, if it has not done so yet.
     for (const Assignment& assignment : announcement.assignments) {
         const Endpoint& address = assignment.address;
+        // Unless that serves the address in its own cell: then the sessions are at home there.
+        const Peer* heir = membership_.find(assignment.heir);
+        if (heir != nullptr && heir->is_home_of(address)) continue;
         if (assignment.heir != own_.id().broker && addresses_.is_home(address) &&
             addresses_.is_serving(address) && effects.broker.images_via(address).empty()) {
             hand_back_.expect(effects.now, address, assignment.heir);

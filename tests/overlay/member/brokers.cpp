@@ -31,7 +31,7 @@ Endpoint broker_address(int host) {
 }
 
 void Brokers::start(int rank) {
-    const Endpoint home = broker_address(rank);
+    const Endpoint home = home_of(rank);
     overlay::MemberOptions options;
     options.cluster = options_;
     options.cluster.rank = static_cast<std::uint32_t>(rank);
@@ -46,7 +46,7 @@ void Brokers::start(int rank) {
                     .messages = {},
                     .datagrams = {}};
     running_.insert_or_assign(rank, std::move(running));
-    const bool free = sockets_[home].empty();
+    const bool free = cells_ || sockets_[home].empty();
     if (free) bind(rank, home);
     overlay::MemberActions actions;
     running_.at(rank).member->on_address(now_, home, free, actions);
@@ -68,18 +68,29 @@ void Brokers::leave(int rank) {
 
 Robot& Brokers::robot(const std::string& name, int broker, int site) {
     const Endpoint self = endpoint(1, static_cast<int>(robots_.size()) + 1, 5000);
-    const auto send = [this, site](const Endpoint& from, const Endpoint& to, Bytes octets) {
-        const int reached = reached_from(site, to);
+    const auto send = [this](const Endpoint& from, const Endpoint& to, Bytes octets) {
+        const int reached = reached_from(robots_.at(from).site, to);
         if (reached == 0) return;
         running_.at(reached).datagrams.push_back({to, from, {octets.begin(), octets.end()}});
     };
     Placed& placed = robots_[self];
-    placed = {site, std::make_unique<Robot>(name, self, broker_address(broker), send)};
+    placed = {site, std::make_unique<Robot>(name, self, home_of(broker), send)};
     placed.robot->on_tick(now_);
     return *placed.robot;
 }
 
+void Brokers::drive(const Robot& robot, int broker) {
+    for (auto& [address, placed] : robots_) {
+        if (placed.robot.get() == &robot) placed.site = broker;
+    }
+}
+
+Endpoint Brokers::home_of(int rank) const {
+    return broker_address(cells_ ? 1 : rank);
+}
+
 int Brokers::reached_from(int site, const Endpoint& address) const {
+    if (cells_) return running_.contains(site) ? site : 0;
     const auto holders = sockets_.find(address);
     if (holders == sockets_.end()) return 0;
     const auto& ranks = holders->second;
@@ -130,6 +141,7 @@ void Brokers::carry_out(int rank, overlay::MemberActions& actions) {
         const auto robot = robots_.find(send->to.endpoint);
         if (robot == robots_.end() || cut_.contains(std::minmax(robot->second.site, rank)))
             continue;
+        if (cells_ && robot->second.site != rank) continue;
         robot->second.robot->on_datagram(actions.clients.octets(*send));
     }
     auto& uplink = uplink_actions_[rank];

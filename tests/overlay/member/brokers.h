@@ -41,6 +41,12 @@ public:
     /// It stands somewhere else: what parts `site` from a broker parts the robot from it.
     Robot& robot(const std::string& name, int broker, int site);
 
+    /// Brokers that are started from now on serve one address, each in its own cell: a robot
+    /// reaches the broker that it stands beside.
+    void serve_one_address_in_every_cell() { cells_ = true; }
+    /// The robot drives there.
+    void drive(const Robot& robot, int broker);
+
     // --- the uplink of brokers that are started from now on
     void give_uplink(uplink::UplinkOptions options) { uplink_ = std::move(options); }
     /// What a broker wanted of its uplink so far.
@@ -80,11 +86,13 @@ private:
     void step();
     void carry_out(int rank, overlay::MemberActions& actions);
     void carry_out_locally(int rank, const overlay::MemberActions& actions);
+    [[nodiscard]] Endpoint home_of(int rank) const;
     /// The newest socket of the address that a robot beside `site` reaches; 0: none.
     [[nodiscard]] int reached_from(int site, const Endpoint& address) const;
     void bind(int rank, const Endpoint& address);
 
     cluster::ClusterOptions options_;
+    bool cells_ = false;
     std::optional<uplink::UplinkOptions> uplink_;
     std::map<int, std::vector<uplink::UplinkAction>> uplink_actions_;
     Instant now_ = Instant{} + std::chrono::seconds{1};
