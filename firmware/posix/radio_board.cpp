@@ -1,5 +1,7 @@
 #include "firmware/posix/radio_board.h"
 
+#include <cstdint>
+
 namespace romano::firmware {
 
 RadioBoard::RadioBoard(const romano_board& board, Radio& radio) : socket_(board), radio_(radio) {
