@@ -68,8 +68,8 @@ void LinkService::Guest::leave() {
 
 void LinkService::Guest::stop() {
     service_ = nullptr;
-    timer_.cancel();
     error_code ignored;
+    timer_.cancel(ignored);
     socket_.close(ignored);
 }
 

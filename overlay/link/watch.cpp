@@ -103,8 +103,8 @@ void LinkService::Watch::rest() {
 void LinkService::Watch::stop() {
     state_ = State::idle;
     ++attempt_;
-    timer_.cancel();
     error_code ignored;
+    timer_.cancel(ignored);
     socket_.close(ignored);
 }
 
