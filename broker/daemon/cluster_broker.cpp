@@ -51,7 +51,7 @@ ClusterBroker::ClusterBroker(boost::asio::io_context& io, const Settings& settin
       on_serving_(std::move(on_serving)),
       options_(member_options(settings)),
       udp_(io, *this),
-      moved_(io),
+      moved_(io, [this](const Endpoint& a) { return !member_ || member_->may_announce(a); }),
       timer_(io, [this] { on_core_wakeup(); }) {
     if (make_uplink != nullptr) open_uplink(make_uplink);
     open_addresses();

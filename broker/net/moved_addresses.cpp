@@ -75,7 +75,7 @@ void MovedAddresses::wait() {
 void MovedAddresses::renew() {
     for (auto& [address, moved] : moved_) {
         if (moved.added) (void)add_address(address, moved.interface, lease);
-        (void)net::announce(address, moved.interface);
+        if (may_repeat_(address)) (void)net::announce(address, moved.interface);
         --moved.announcements_left;
     }
     std::erase_if(moved_, [](const auto& entry) {

@@ -9,7 +9,9 @@
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <boost/system/error_code.hpp>
+#include <functional>
 #include <map>
+#include <utility>
 
 #include "broker/net/machine_address.h"
 #include "romano/base/endpoint.h"
@@ -18,7 +20,11 @@ namespace romano::net {
 
 class MovedAddresses {
 public:
-    explicit MovedAddresses(boost::asio::io_context& io) : timer_(io) {}
+    /// Whether the neighbours may be told again of an address that is here.
+    using MayRepeat = std::function<bool(const Endpoint& address)>;
+
+    MovedAddresses(boost::asio::io_context& io, MayRepeat may_repeat)
+        : timer_(io), may_repeat_(std::move(may_repeat)) {}
     /// Removes what was added.
     ~MovedAddresses();
     MovedAddresses(const MovedAddresses&) = delete;
@@ -47,6 +53,7 @@ private:
     void renew();
 
     boost::asio::steady_timer timer_;
+    MayRepeat may_repeat_;
     bool waiting_ = false;
     std::map<Endpoint, Moved> moved_;
 };

@@ -144,8 +144,21 @@ void ClusterCore::break_silence(Effects& effects) {
 void ClusterCore::on(Effects& effects, BrokerId, const Beacon& beacon) {
     if (!membership_.on_beacon(effects.now, beacon)) return;
     has_heard_a_peer_ = true;
+    const auto late = late_ticks_.find(beacon.log);
+    if (late != late_ticks_.end() && beacon.tick >= late->second) is_up_to_date_ = true;
     if (membership_.is_alive(beacon.log)) heed(beacon);
     heed_news_of_peers(effects);
+}
+
+void ClusterCore::listen_only(Duration away) {
+    listens_only_ = true;
+    has_heard_a_peer_ = false;
+    is_up_to_date_ = false;
+    late_ticks_.clear();
+    const auto ticks = static_cast<std::uint64_t>(away / options_.beacon_every);
+    for (const auto& [id, peer] : membership_.peers()) {
+        late_ticks_[peer.beacon.log] = peer.beacon.tick + ticks * 3 / 4;
+    }
 }
 
 void ClusterCore::heed_news_of_peers(Effects& effects) {

@@ -7,9 +7,11 @@
 #pragma once
 
 #include <algorithm>
+#include <map>
 #include <set>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "overlay/cluster/adoption.h"
@@ -109,13 +111,13 @@ public:
     /// already the new, empty one.
     void restart(Effects& effects, LogId log);
     void leave(Effects& effects);
-    /// We were away for a while: listen to the peers, and say nothing before resume().
-    void listen_only() {
-        listens_only_ = true;
-        has_heard_a_peer_ = false;
-    }
-    /// A beacon came since listen_only().
-    [[nodiscard]] bool has_heard_a_peer() const { return has_heard_a_peer_; }
+    /// We were away for so long: listen to the peers, and say nothing before resume().
+    void listen_only(Duration away);
+    /// A beacon came since the last call.
+    bool take_heard_a_peer() { return std::exchange(has_heard_a_peer_, false); }
+    /// A beacon came that was sent late in the time that we were away, by its tick. One that was
+    /// sent early cannot know yet what the others did about it.
+    [[nodiscard]] bool is_up_to_date() const { return is_up_to_date_; }
     void resume(Instant now) {
         listens_only_ = false;
         next_tick_ = now;
@@ -193,6 +195,8 @@ private:
 
     bool listens_only_ = false;
     bool has_heard_a_peer_ = false;
+    bool is_up_to_date_ = true;
+    std::map<LogId, std::uint64_t> late_ticks_;  // of the peers, in the time that we were away
     Instant next_tick_ = Instant::min();
     Instant next_cursors_ = Instant::min();
     Instant next_trim_ = Instant::min();

@@ -5,16 +5,15 @@
 namespace romano::overlay {
 namespace {
 
-// MQTT-SN 1.2 section 5.3.4.
-constexpr std::uint8_t dup = 0x80;
-constexpr std::uint8_t qos_mask = 0x60;
-constexpr std::uint8_t qos_2 = 0x40;
+constexpr std::uint8_t dup = 0x80;  // MQTT-SN 1.2 section 5.3.4
 
-bool is_repeated_qos2(Bytes datagram) {
+bool is_repetition(Bytes datagram) {
     auto frame = mqttsn::decode_frame(datagram);
     if (frame && !frame->wrapped.empty()) frame = mqttsn::decode_frame(frame->wrapped);
-    if (!frame || frame->type != mqttsn::MsgType::publish || frame->body.empty()) return false;
-    return (frame->body[0] & (dup | qos_mask)) == (dup | qos_2);
+    if (!frame) return false;
+    if (frame->type == mqttsn::MsgType::pubrel) return true;
+    return frame->type == mqttsn::MsgType::publish && !frame->body.empty() &&
+           (frame->body[0] & dup) != 0;
 }
 
 }  // namespace
@@ -38,7 +37,7 @@ void CutOff::on_heard(const Endpoint& client) {
 }
 
 bool CutOff::withholds(const Endpoint& client, Bytes datagram) const {
-    return is_possible() && !heard_.contains(client) && is_repeated_qos2(datagram);
+    return is_possible() && !heard_.contains(client) && is_repetition(datagram);
 }
 
 }  // namespace romano::overlay

@@ -2,8 +2,10 @@
 //
 // It lost more members of its view by silence than it has left: the others may well live, have
 // taken its clients over and sent them what was in flight here. Said once more from here, in the
-// moment in which the way is open again, that would be a QoS 2 message delivered twice. So a QoS 2
-// PUBLISH is not repeated (DUP) to a client that was not heard since. What is new goes out as ever.
+// moment in which the way is open again, that would be a QoS 2 message delivered twice; and what
+// comes from here calls clients away from a broker that lives (ARP). So nothing is repeated
+// (PUBLISH with DUP, PUBREL) to a client that was not heard since. What is new goes out as ever: in
+// a part of the network that is cut off indeed, clients are served.
 #pragma once
 
 #include <cstddef>

@@ -28,6 +28,7 @@ namespace {
 
 constexpr Duration status_every = 1s;
 constexpr int most_detection_times_waited = 20;  // for peers, after a stall
+constexpr int beacon_times_heard = 5;            // one after the other: they live, and we hear them
 
 }  // namespace
 
@@ -68,6 +69,9 @@ public:
     [[nodiscard]] const ClusterCore& cluster() const { return cluster_; }
     void on_transport_octets(std::uint64_t sent, std::uint64_t received) {
         cluster_.on_transport_octets(sent, received);
+    }
+    [[nodiscard]] bool may_announce(const Endpoint& address) const {
+        return !cut_off_.is_possible() && !cluster_.is_silent(address);
     }
     [[nodiscard]] MemberFacts facts() const;
     void check_invariants() const;
@@ -117,7 +121,7 @@ private:
     struct Stall {
         Instant listen_until;  // nothing is said before
         Instant give_up_at;    // nobody is there who could say that we were replaced
-        bool is_drained;       // what came while we stood still was read
+        int heard_in_a_row;    // beacon times in which peers were heard
     };
     std::optional<Stall> stall_;
 
@@ -223,18 +227,18 @@ void Member::State::notice_stall(Instant now) {
     const Duration longest_wait = most_detection_times_waited * cluster_.detection_time();
     stall_ = {.listen_until = now + 3 * beacon,
               .give_up_at = now + std::min(now - due, longest_wait),
-              .is_drained = false};
-    cluster_.listen_only();
+              .heard_in_a_row = 0};
+    cluster_.listen_only(now - due);
 }
 
-/// What was read first may have waited since before the others replaced us, and after a long stall
-/// their transport must find us again: only a fresh beacon tells.
+/// What is read first may have waited since before the others replaced us, and after a long stall
+/// their transport must find us again. So a beacon from the end of the stall tells; or, when all
+/// stood still, that beacons come steadily.
 void Member::State::end_stall(Instant now, MemberActions& out) {
     if (cluster_.was_replaced()) return restart(now, out);
-    const bool must_hear = !stall_->is_drained || !cluster_.has_heard_a_peer();
-    if (must_hear && !cluster_.live_peers().empty() && now < stall_->give_up_at) {
-        if (!stall_->is_drained) cluster_.listen_only();
-        stall_->is_drained = true;
+    stall_->heard_in_a_row = cluster_.take_heard_a_peer() ? stall_->heard_in_a_row + 1 : 0;
+    const bool knows = cluster_.is_up_to_date() || stall_->heard_in_a_row >= beacon_times_heard;
+    if (!knows && !cluster_.live_peers().empty() && now < stall_->give_up_at) {
         stall_->listen_until = now + options_.cluster.beacon_every;
         return;
     }
@@ -514,6 +518,9 @@ const broker::Mirror* Member::mirror(const broker::LogId& log) const {
     const auto& logs = state_->cluster().peer_logs();
     const auto found = logs.find(log);
     return found == logs.end() ? nullptr : &found->second.mirror();
+}
+bool Member::may_announce(const Endpoint& address) const {
+    return state_->may_announce(address);
 }
 std::vector<Endpoint> Member::serving() const {
     const auto& serving = state_->cluster().addresses().serving();

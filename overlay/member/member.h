@@ -99,6 +99,8 @@ public:
     [[nodiscard]] const broker::Mirror* mirror(const broker::LogId& log) const;
     /// The service addresses that are answered on now.
     [[nodiscard]] std::vector<Endpoint> serving() const;
+    /// Its clients may be told again that the address is here: nobody else is likely to serve it.
+    [[nodiscard]] bool may_announce(const Endpoint& address) const;
     void check_invariants() const;
 
 private:

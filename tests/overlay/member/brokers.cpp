@@ -59,6 +59,13 @@ void Brokers::kill(int rank) {
     for (auto& [address, holders] : sockets_) std::erase(holders, rank);
 }
 
+void Brokers::wake_slowly(int rank, std::size_t messages_kept) {
+    auto& messages = running_.at(rank).messages;
+    messages.resize(std::min(messages.size(), messages_kept));
+    slow_.insert(rank);
+    wake(rank);
+}
+
 void Brokers::leave(int rank) {
     overlay::MemberActions actions;
     running_.at(rank).member->leave(now_, actions);
@@ -110,7 +117,15 @@ void Brokers::step() {
     std::map<int, std::pair<std::deque<overlay::Envelope>, std::deque<Datagram>>> inputs;
     for (auto& [rank, running] : running_) {
         if (stalled_.contains(rank)) continue;
-        inputs[rank] = {std::exchange(running.messages, {}), std::exchange(running.datagrams, {})};
+        if (running.messages.empty()) slow_.erase(rank);
+        auto& [messages, datagrams] = inputs[rank];
+        datagrams = std::exchange(running.datagrams, {});
+        if (!slow_.contains(rank)) {
+            messages = std::exchange(running.messages, {});
+        } else if (now_.time_since_epoch() / 1ms % 2 == 0) {
+            messages.push_back(std::move(running.messages.front()));
+            running.messages.pop_front();
+        }
     }
     for (auto& [rank, input] : inputs) {
         overlay::Member& member = *running_.at(rank).member;

@@ -32,6 +32,8 @@ public:
     void leave(int rank);
     void stall(int rank) { stalled_.insert(rank); }
     void wake(int rank) { stalled_.erase(rank); }
+    /// Of what came meanwhile only the first messages were kept; they are read one every 2 ms.
+    void wake_slowly(int rank, std::size_t messages_kept);
     void cut(int a, int b) { cut_.insert(std::minmax(a, b)); }
     void heal() { cut_.clear(); }
 
@@ -99,6 +101,7 @@ private:
     std::uint64_t starts_ = 0;
     std::map<int, Running> running_;
     std::set<int> stalled_;
+    std::set<int> slow_;
     std::set<std::pair<int, int>> cut_;
     std::map<Endpoint, std::vector<int>> sockets_;  // the last one is the newest
     struct Placed {

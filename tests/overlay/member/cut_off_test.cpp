@@ -36,7 +36,7 @@ bool fell_silent(const broker::LogId&) {
     return false;
 }
 
-TEST(CutOff, WithholdsRepeatedQos2FromThoseThatWereNotHeardSince) {
+TEST(CutOff, RepeatsNothingToThoseThatWereNotHeardSince) {
     CutOff cut_off;
     cut_off.on_view(view(1, {member(1), member(2), member(3)}), fell_silent);
     cut_off.on_heard(client(1));
@@ -44,7 +44,8 @@ TEST(CutOff, WithholdsRepeatedQos2FromThoseThatWereNotHeardSince) {
     cut_off.on_view(view(2, {member(1)}), fell_silent);
     EXPECT_TRUE(cut_off.withholds(client(1), publish(0xC0)));
     EXPECT_FALSE(cut_off.withholds(client(1), publish(0x40))) << "the first time";
-    EXPECT_FALSE(cut_off.withholds(client(1), publish(0xA0))) << "QoS 1";
+    EXPECT_TRUE(cut_off.withholds(client(1), publish(0xA0))) << "QoS 1";
+    EXPECT_TRUE(cut_off.withholds(client(1), std::vector<std::uint8_t>{4, 0x10, 0, 1})) << "PUBREL";
     cut_off.on_heard(client(2));
     EXPECT_FALSE(cut_off.withholds(client(2), publish(0xC0)));
     EXPECT_TRUE(cut_off.withholds(client(1), publish(0xC0)));

@@ -532,5 +532,27 @@ TEST(Member, AllButOneDieAndTheLastServesEverybody) {
     EXPECT_EQ(brokers.member(1).broker().session_count(), 5U);
 }
 
+// After SIGSTOP, SIGCONT: the oldest of what came meanwhile is read first, the rest found no room,
+// and the transport takes a moment until it hears the peers again.
+TEST(Member, AReplacedLeaderIsNotMisledByBeaconsFromBeforeItWasReplaced) {
+    Brokers brokers;
+    start(brokers, {1, 2, 3});
+    Robot& robot = subscriber(brokers, "robot", 3, Qos::exactly_once);
+    Robot& other = publisher(brokers, "other", 2);
+    brokers.stall(3);
+    for (const auto& text : numbers(1, 10)) other.publish("pose", text, Qos::exactly_once);
+    brokers.run_for(2s);
+    brokers.cut(1, 3);
+    brokers.cut(2, 3);
+    brokers.wake_slowly(3, 20);
+    brokers.run_for(150ms);
+    brokers.heal();
+    for (const auto& text : numbers(11, 20)) other.publish("pose", text, Qos::exactly_once);
+    brokers.run_for(2s);
+    EXPECT_EQ(robot.received(), numbers(1, 20));
+    expect_unnoticed(robot);
+    EXPECT_EQ(brokers.view_size(3), 3U);
+}
+
 }  // namespace
 }  // namespace romano::test
