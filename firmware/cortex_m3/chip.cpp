@@ -28,8 +28,12 @@ constexpr std::uint32_t tx_full = 1U << 5U;
 constexpr std::uint32_t clock_hz = 50'000'000;
 constexpr unsigned uart1_interrupt = 6;
 
-std::uint32_t volatile milliseconds = 0;
-std::uint32_t volatile wraps = 0;  // of the milliseconds, after 49 days
+#ifndef ROMANO_CLOCK_STARTS_AT_MS  // a test lets months have passed
+#define ROMANO_CLOCK_STARTS_AT_MS 0
+#endif
+constexpr std::uint64_t start_ms = ROMANO_CLOCK_STARTS_AT_MS;
+std::uint32_t volatile milliseconds = start_ms & 0xFFFFFFFFU;
+std::uint32_t volatile wraps = start_ms >> 32U;  // of the milliseconds, after 49 days
 
 /// One writer (the interrupt), one reader (the program).
 class Ring {
@@ -91,6 +95,11 @@ std::uint64_t now_ms() {
         const std::uint32_t low = milliseconds;
         if (high == wraps) return (std::uint64_t{high} << 32U) | low;
     }
+}
+
+void restart_clock() {
+    milliseconds = 0;
+    wraps = 0;
 }
 
 void wait() {

@@ -12,6 +12,7 @@ namespace romano::chip {
 /// 50 MHz, UART 0 (console) and UART 1 (radio) at 115200 baud, a tick a millisecond.
 void start();
 [[nodiscard]] std::uint64_t now_ms();
+void restart_clock();
 /// Until the next interrupt: a millisecond at most.
 void wait();
 

@@ -15,7 +15,11 @@ namespace {
 
 using namespace romano;
 
-constexpr Duration repeat_after = std::chrono::milliseconds{50};  // as the authors' controller
+constexpr Duration repeat_after =
+    to_duration(std::chrono::milliseconds{50});  // as the authors' controller
+
+/// Half of what ROMANO_SHORT_TIME can count.
+constexpr std::uint64_t hundred_days_ms = 100ULL * 24 * 60 * 60 * 1000;
 
 /// Receives any ROMANO message in one MQTT-SN PUBLISH, 255 octets and 9; sends up to 127.
 constexpr std::size_t largest_received = 264;
@@ -41,9 +45,9 @@ public:
                 robot_->run();
                 carry_out_commands();
             }
-            const Instant now{std::chrono::milliseconds{chip::now_ms()}};
-            line_.on_tick(now);
+            line_.on_tick(now());
             write_line();
+            if (robot_ && chip::now_ms() >= hundred_days_ms) begin_time_anew();
             chip::wait();
         }
     }
@@ -55,23 +59,35 @@ private:
 
     void wait_for_id() {
         while (const auto octet = chip::read_radio()) {
-            const Instant now{std::chrono::milliseconds{chip::now_ms()}};
-            const auto input = line_.on_octet(now, *octet);
+            const auto input = line_.on_octet(now(), *octet);
             write_line();
             if (!input.packet || input.packet->type != radio::PacketType::hwaddr_get) continue;
             const auto id = message::RomanoId::parse(as_text(input.packet->body));
             if (!id) continue;
-            (void)line_.send_packet(now, radio::PacketType::hwaddr_ack, {});
+            (void)line_.send_packet(now(), radio::PacketType::hwaddr_ack, {});
             write_line();
-            firmware::RobotSettings settings;
-            settings.node.id = *id;
-            settings.timing.t_retry = std::chrono::seconds{2};
-            for (const char digit : id->text()) {
-                settings.seed = settings.seed * 31 + static_cast<unsigned char>(digit);
-            }
-            robot_ = new (storage_) Robot(settings, board_, *this);
+            id_ = *id;
+            start_robot();
             return;
         }
+    }
+
+    void start_robot() {
+        firmware::RobotSettings settings;
+        settings.node.id = id_;
+        settings.timing.t_retry = std::chrono::seconds{2};
+        for (const char digit : id_.text()) {
+            settings.seed = settings.seed * 31 + static_cast<unsigned char>(digit);
+        }
+        robot_ = new (storage_) Robot(settings, board_, *this);
+    }
+
+    /// Long before the short time ends the robot connects anew, with the clock at zero; at a moment
+    /// at which the line to the radio waits for no time.
+    void begin_time_anew() {
+        if (line_.next_wakeup() != never) return;
+        chip::restart_clock();
+        start_robot();
     }
 
     void carry_out_commands() {
@@ -105,12 +121,12 @@ private:
     static Controller& self(void* controller) { return *static_cast<Controller*>(controller); }
 
     static std::uint64_t now_ms(void*) { return chip::now_ms(); }
+    static Instant now() { return Instant{to_duration(std::chrono::milliseconds{chip::now_ms()})}; }
 
     static void send(void* controller, const romano_address* to, const std::uint8_t* octets,
                      std::uint32_t size) {
         Controller& us = self(controller);
-        us.line_.send(Instant{std::chrono::milliseconds{chip::now_ms()}},
-                      {firmware::endpoint_of(*to), radio::unknown_dbm, {octets, size}});
+        us.line_.send(now(), {firmware::endpoint_of(*to), radio::unknown_dbm, {octets, size}});
         us.write_line();
     }
 
@@ -118,8 +134,7 @@ private:
                                        std::uint32_t* size) {
         Controller& us = self(controller);
         while (const auto octet = chip::read_radio()) {
-            const Instant now{std::chrono::milliseconds{chip::now_ms()}};
-            const auto input = us.line_.on_octet(now, *octet);
+            const auto input = us.line_.on_octet(now(), *octet);
             us.write_line();
             if (!input.datagram) continue;
             us.dbm_ = input.datagram->dbm;
@@ -136,6 +151,7 @@ private:
     radio::Line line_{radio::PacketType::send_udp, to_send, to_receive, repeat_after};
     const romano_board board_{this, now_ms, send, receive, link_dbm};
     std::int8_t dbm_ = radio::unknown_dbm;
+    message::RomanoId id_;
     Robot* robot_ = nullptr;
     alignas(Robot) std::uint8_t storage_[sizeof(Robot)];
 };

@@ -20,7 +20,7 @@
 namespace romano::hdlc {
 
 /// Pause before a frame is repeated: the radio's setting. The controller uses 50 ms.
-inline constexpr Duration default_repeat_after = std::chrono::milliseconds{100};
+inline constexpr Duration default_repeat_after = to_duration(std::chrono::milliseconds{100});
 
 class Link {
 public:

@@ -33,12 +33,13 @@ BrokerChoice::Candidate* BrokerChoice::find(const Endpoint& broker) {
     return nullptr;
 }
 
-/// In units of 2^19 ns, about half a millisecond (small chips shift well and divide badly); much
-/// for who answers unasked.
+/// In half milliseconds; much for who answers unasked.
 std::int16_t BrokerChoice::answer_time(Instant now) const {
-    if (asked_at_ == never) return 10'000;
-    const auto time = static_cast<std::uint64_t>((now - asked_at_).count()) >> 19U;
-    return static_cast<std::int16_t>(std::min<std::uint64_t>(time, 10'000));
+    using HalfMilliseconds = std::chrono::duration<std::int64_t, std::ratio<1, 2000>>;
+    constexpr HalfMilliseconds most = std::chrono::seconds{5};
+    if (asked_at_ == never) return most.count();
+    const auto time = std::chrono::duration_cast<HalfMilliseconds>(now - asked_at_);
+    return static_cast<std::int16_t>(std::min(time, most).count());
 }
 
 void BrokerChoice::on_datagram(Instant now, const Endpoint& from, Bytes datagram,

@@ -19,15 +19,16 @@ namespace romano::firmware {
 class BrokerChoice {
 public:
     /// After the first answer this long for further ones.
-    static constexpr Duration answers_within{std::chrono::milliseconds{300}};
+    static constexpr Duration answers_within = to_duration(std::chrono::milliseconds{300});
     static constexpr Duration search_again_every{std::chrono::seconds{10}};
     static constexpr Duration looks_around_within{std::chrono::seconds{1}};
     static constexpr int clearly_better_db = 6;
     static constexpr std::size_t largest_datagram = client::Discovery::largest_datagram;
 
     explicit BrokerChoice(std::uint64_t seed)
-        : discovery_({.t_searchgw = std::chrono::milliseconds{200}, .answers_others = false},
-                     seed) {}
+        : discovery_(
+              {.t_searchgw = to_duration(std::chrono::milliseconds{200}), .answers_others = false},
+              seed) {}
 
     /// Asks who is there; also again and again by itself.
     void search(Instant now);
@@ -50,7 +51,7 @@ public:
 private:
     struct Candidate {
         Endpoint broker;
-        std::int16_t cost = 0;  // dB below 0 dBm, or about half milliseconds
+        std::int16_t cost = 0;  // dB below 0 dBm, or half milliseconds
         std::int16_t cost_when_searched = 0;
         bool by_signal = false;
         bool was_heard = true;  // since the last search

@@ -23,7 +23,7 @@ RobotCore::RobotCore(client::ClientCore& client, client::Output& scratch,
 }
 
 Instant RobotCore::now() const {
-    return Instant{std::chrono::milliseconds{board_.now_ms(board_.self)}};
+    return Instant{to_duration(std::chrono::milliseconds{board_.now_ms(board_.self)})};
 }
 
 std::optional<int> RobotCore::link_dbm(const romano_address& peer) const {
@@ -77,9 +77,6 @@ void RobotCore::send(Bytes datagram) {
     board_.send(board_.self, &to, datagram.data(), static_cast<std::uint32_t>(datagram.size()));
 }
 
-bool RobotCore::publish(std::string_view topic, const message::Message& message, mqttsn::Qos qos) {
-    return node_.publish(now_, topic, message, qos, *this);
-}
 bool RobotCore::subscribe(std::string_view topic) {
     return node_.subscribe(now_, topic, *this);
 }

@@ -51,7 +51,10 @@ public:
     bool next_command(romano_command& command) { return romano_mailbox_get(&mailbox_, &command); }
 
     /// As of node::Node; false when it cannot be taken now.
-    bool publish(std::string_view topic, const message::Message& message, mqttsn::Qos qos);
+    template <typename M>
+    bool publish(std::string_view topic, const M& message, mqttsn::Qos qos) {
+        return node_.publish(now_, topic, message, qos, *this);
+    }
     bool subscribe(std::string_view topic);
     bool request_connected_nodes();
 

@@ -37,7 +37,7 @@ public:
         const auto width = static_cast<std::uint64_t>((high - low).count());
         const std::uint64_t high_part = (width >> 32U) * next();
         const std::uint64_t low_part = ((width & 0xFFFFFFFFU) * next()) >> 32U;
-        return low + Duration{static_cast<std::int64_t>(high_part + low_part)};
+        return low + Duration{static_cast<Duration::rep>(high_part + low_part)};
     }
 
 private:

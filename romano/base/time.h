@@ -10,7 +10,16 @@
 
 namespace romano {
 
+#ifndef ROMANO_SHORT_TIME
 using Duration = std::chrono::duration<std::int64_t, std::nano>;
+#else  // for small chips, in all files alike: steps of 8 ms, which end after 198 days
+using Duration = std::chrono::duration<std::int32_t, std::ratio<1, 125> >;
+#endif
+
+/// Rounded to the clock's steps where these are longer.
+constexpr Duration to_duration(std::chrono::milliseconds time) {
+    return std::chrono::duration_cast<Duration>(time);
+}
 
 struct CoreClock {
     using rep = Duration::rep;

@@ -11,14 +11,14 @@ using mqttsn::MsgType;
 using mqttsn::TopicIdType;
 
 ClientCore::ClientCore(const Storage& storage, const Timing& timing, std::uint64_t seed)
-    : timing_(timing),
-      topics_(storage.topics, storage.names),
+    // A kept session may remember message ids of this client's earlier life; a random start makes
+    // it unlikely to meet them.
+    : last_msg_id_(static_cast<std::uint16_t>(Random{seed}.next())),
       operations_(storage.queue),
+      timing_(timing),
+      topics_(storage.topics, storage.names),
       unreleased_(storage.unreleased),
-      datagram_octets_(storage.datagram_octets),
-      // A kept session may remember message ids of this client's earlier life; a random start makes
-      // it unlikely to meet them.
-      last_msg_id_(static_cast<std::uint16_t>(Random{seed}.next())) {}
+      datagram_octets_(storage.datagram_octets) {}
 
 void ClientCore::on_datagram(Instant now, Bytes datagram, Output& out) {
     out.clear();

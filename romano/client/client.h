@@ -38,7 +38,8 @@
 #include "romano/client/operations.h"
 #include "romano/client/retry_timer.h"
 #include "romano/client/topic_table.h"
-#include "romano/mqttsn/codec.h"
+#include "romano/mqttsn/encode.h"
+#include "romano/mqttsn/frame.h"
 #include "romano/mqttsn/messages.h"
 #include "romano/mqttsn/types.h"
 
@@ -58,10 +59,13 @@ struct Will {
     mqttsn::Qos qos = mqttsn::Qos::at_most_once;
     bool retain = false;
 };
+/// Seconds as on the wire; 0: no supervision.
+using KeepAlive = std::chrono::duration<std::uint16_t>;
+
 struct ConnectOptions {
     std::string_view client_id;
     bool clean_session = true;
-    std::chrono::seconds keep_alive{60};  // 0: no supervision; at most 65535
+    KeepAlive keep_alive{60};
     std::optional<Will> will = std::nullopt;
 };
 
@@ -190,7 +194,6 @@ private:
     void on_disconnect(const Call& call);
     void become_disconnected(const Event& why, Output& out);
     void stop_timers();
-    [[nodiscard]] std::uint16_t keep_alive_s() const;
 
     // registering.cpp
     void begin_register(const Call& call);
@@ -226,7 +229,7 @@ private:
 
     // keep_alive.cpp
     void on_answer(Instant now);
-    [[nodiscard]] static Duration before_end_of(std::uint16_t period_s);
+    [[nodiscard]] static Duration before_end_of(KeepAlive period);
     void tick_keep_alive(const Call& call);
     void on_pingreq(Output& out);
     void on_pingresp(const Call& call);
@@ -243,7 +246,8 @@ private:
     void give_up(const Call& call);
     template <typename M>
     void send(const M& message, Output& out) {
-        out.send(mqttsn::encode(message, out.room()));
+        std::uint8_t* body = out.begin(M::type, body_size(message));
+        if (body != nullptr) put(message, mqttsn::Fields{body});
     }
 
     // turns.cpp: the operations one after the other
@@ -271,14 +275,8 @@ private:
     /// What fits into the long form of PUBLISH; other messages have less around it.
     [[nodiscard]] std::size_t most_data() const { return datagram_octets_ - 9; }
 
-    Timing timing_;
-    ConnectOptions options_;
-    TopicTable topics_;
-    OperationQueue operations_;
-    std::span<mqttsn::MsgId> unreleased_;  // QoS 2 received, oldest first; PUBREL has not come
-    std::size_t unreleased_count_ = 0;
-    std::size_t datagram_octets_;
-
+    // The small and busy ones first: a Cortex-M3 reaches the first octets of a class with its short
+    // instructions.
     State state_ = State::disconnected;
     ConnectStep connect_step_ = ConnectStep::connect;
     bool unfinished_ = false;        // the last Output was too small for all that could be sent
@@ -288,11 +286,19 @@ private:
     std::uint16_t last_operation_ = 0;
     std::uint32_t dropped_ = 0;
 
+    OperationQueue operations_;
     RetryTimer exchange_;  // of connecting, of the front operation, of collecting...
-    RetryTimer ping_;      // of a keep-alive PINGREQ, beside the exchange
     Instant ping_due_ = never;
+    RetryTimer ping_;                        // of a keep-alive PINGREQ, beside the exchange
     Instant collect_due_ = never;            // asleep: the next PINGREQ with client id
     Instant paused_until_ = Instant::min();  // T_WAIT after "congestion"
+
+    Timing timing_;
+    TopicTable topics_;
+    std::span<mqttsn::MsgId> unreleased_;  // QoS 2 received, oldest first; PUBREL has not come
+    std::size_t unreleased_count_ = 0;
+    std::size_t datagram_octets_;
+    ConnectOptions options_;
 };
 
 /// A client with its storage. It stays where it was made.

@@ -1,6 +1,4 @@
 // MQTT-SN 1.2 sections 6.2 (connect, with the will's prompts), 6.3 (clean session) and 6.12.
-#include <algorithm>
-
 #include "romano/client/client.h"
 
 namespace romano::client {
@@ -25,7 +23,7 @@ void ClientCore::send_connect_step(Output& out) {
             return send(mqttsn::Connect{.will = options_.will.has_value(),
                                         .clean_session = options_.clean_session,
                                         .protocol_id = mqttsn::protocol_id,
-                                        .duration_s = keep_alive_s(),
+                                        .duration_s = options_.keep_alive.count(),
                                         .client_id = options_.client_id},
                         out);
         case ConnectStep::will_topic:
@@ -101,11 +99,6 @@ void ClientCore::stop_timers() {
     ping_.stop();
     ping_due_ = never;
     collect_due_ = never;
-}
-
-std::uint16_t ClientCore::keep_alive_s() const {
-    const auto seconds = std::clamp<std::int64_t>(options_.keep_alive.count(), 0, 0xFFFF);
-    return static_cast<std::uint16_t>(seconds);
 }
 
 }  // namespace romano::client

@@ -24,7 +24,7 @@ struct DiscoveryOptions {
     Duration t_searchgw{mqttsn::default_t_searchgw};
     Duration t_gwinfo{mqttsn::default_t_gwinfo};
     Duration t_adv{mqttsn::default_t_adv};  // of a gateway that has not told its own
-    int n_adv = mqttsn::default_n_adv;
+    std::uint8_t n_adv = mqttsn::default_n_adv;
     std::uint8_t radius = 0;            // everywhere
     std::uint16_t gateway_port = 1883;  // of a gwAdd without port
     bool answers_others = true;         // 6.1e; not for devices that want to be silent

@@ -2,6 +2,8 @@
 
 #include <cassert>
 
+#include "romano/mqttsn/frame.h"
+
 namespace romano::client {
 
 void Output::clear() {
@@ -15,11 +17,16 @@ bool Output::has_room() const {
            used_ <= small_datagrams_octets;
 }
 
-void Output::send(std::size_t size) {
-    assert(size != 0 && size <= octets_.size() - used_);  // an Output for smaller limits than ours
+std::uint8_t* Output::begin(mqttsn::MsgType type, std::size_t body_size) {
+    const MutableBytes room = octets_.subspan(used_);
+    std::uint8_t* body = mqttsn::begin_frame(type, body_size, room);
+    assert(body != nullptr);  // an Output for smaller limits than the client's
     assert(datagram_count_ < most);
-    datagrams_[datagram_count_++] = Bytes{octets_}.subspan(used_, size);
+    if (body == nullptr) return nullptr;
+    const std::size_t size = mqttsn::framed_size(body_size);
+    datagrams_[datagram_count_++] = room.first(size);
     used_ += size;
+    return body;
 }
 
 void Output::tell(const Event& event) {

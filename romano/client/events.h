@@ -85,14 +85,13 @@ public:
     // For the client.
 
     /// No call of the client makes more of either: what would not fit waits for the next tick.
-    static constexpr std::size_t most = 4;
+    static constexpr std::size_t most = 3;
 
     void clear();
     /// Room for two more of each, and for one more datagram of any size.
     [[nodiscard]] bool has_room() const;
-    [[nodiscard]] MutableBytes room() const { return octets_.subspan(used_); }
-    /// The first `size` octets of room() are a datagram.
-    void send(std::size_t size);
+    /// One more datagram: returns where its body belongs, or nullptr when there is no room for it.
+    [[nodiscard]] std::uint8_t* begin(mqttsn::MsgType type, std::size_t body_size);
     void tell(const Event& event);
 
 protected:

@@ -10,12 +10,12 @@ namespace romano::client {
 /// The broker has answered a request, so it has heard of us.
 void ClientCore::on_answer(Instant now) {
     if (ping_.is_running()) return;  // that PINGREQ wants its own answer
-    ping_due_ = options_.keep_alive.count() == 0 ? never : now + before_end_of(keep_alive_s());
+    ping_due_ = options_.keep_alive.count() == 0 ? never : now + before_end_of(options_.keep_alive);
 }
 
 /// Three quarters of a period.
-Duration ClientCore::before_end_of(std::uint16_t period_s) {
-    return std::chrono::milliseconds{period_s * std::int64_t{750}};
+Duration ClientCore::before_end_of(KeepAlive period) {
+    return Duration{period} * 3 / 4;
 }
 
 void ClientCore::tick_keep_alive(const Call& call) {

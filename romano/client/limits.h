@@ -23,6 +23,6 @@ struct DeviceLimits {
 };
 
 /// What an answer or a ping needs beside the largest datagram in one Output.
-inline constexpr std::size_t small_datagrams_octets = 96;
+inline constexpr std::size_t small_datagrams_octets = 32;
 
 }  // namespace romano::client

@@ -33,7 +33,7 @@ void ClientCore::begin_collecting(const Call& call) {
 void ClientCore::fall_asleep(const Call& call) {
     state_ = State::asleep;
     stop_timers();
-    collect_due_ = call.now + before_end_of(sleep_duration_s_);
+    collect_due_ = call.now + before_end_of(KeepAlive{sleep_duration_s_});
     call.out.tell(Asleep{});
 }
 

@@ -122,12 +122,11 @@ public:
     void octets(Bytes values) {
         for (const std::uint8_t value : values) octet(value);
     }
-    void text(std::string_view value) { octets(as_octets(value)); }
 
-    [[nodiscard]] std::size_t finish() {
-        if (overflow_) return 0;
+    [[nodiscard]] Bytes finish() {
+        if (overflow_) return {};
         out_[1] = static_cast<std::uint8_t>(size_);
-        return size_;
+        return out_.first(size_);
     }
 
 private:
@@ -136,76 +135,25 @@ private:
     bool overflow_ = false;
 };
 
-struct Encoder {
-    MutableBytes out;
+/// The size of a written message; 0 when it would not decode again.
+std::size_t checked(Bytes written) {
+    return !written.empty() && decode(written).has_value() ? written.size() : 0;
+}
 
-    [[nodiscard]] std::size_t plain(DataType type, Bytes data) const {
-        Writer writer(type, out);
-        writer.octets(data);
-        return writer.finish();
-    }
-    [[nodiscard]] std::size_t id(DataType type, const RomanoId& id) const {
-        return plain(type, as_octets(id.text()));
-    }
-
-    std::size_t operator()(const NormalData& m) const {
-        return plain(DataType::normal_data, m.data);
-    }
-    std::size_t operator()(const MqttSubscribe& m) const {
-        return plain(DataType::mqtt_subscribe, as_octets(m.topic));
-    }
-    std::size_t operator()(const MqttUnsubscribe& m) const {
-        return plain(DataType::mqtt_unsubscribe, as_octets(m.topic));
-    }
-    std::size_t operator()(const MqttPublishRequest& m) const {
-        if (m.topic.size() > max_message) return 0;
-        Writer writer(DataType::mqtt_publish_request, out);
-        writer.octet(static_cast<std::uint8_t>(header_size + m.topic.size()));
-        writer.text(m.topic);
-        writer.octets(m.kind_of_data);
-        return writer.finish();
-    }
-    std::size_t operator()(const ConnectedNodes& m) const {
-        return plain(DataType::connected_nodes, m.ids);
-    }
-    std::size_t operator()(const RequestConnectedNodes& m) const {
-        return id(DataType::request_connected_nodes, m.asker);
-    }
-    std::size_t operator()(const RssiReport& m) const {
-        Writer writer(DataType::rssi_report, out);
-        writer.text(m.heard.text());
-        writer.octet(static_cast<std::uint8_t>(m.rssi_dbm));
-        return writer.finish();
-    }
-    std::size_t operator()(const SensorData& m) const {
-        Writer writer(DataType::sensor_data, out);
-        writer.number16(static_cast<std::uint16_t>(m.type));
-        writer.octets(m.value);
-        return writer.finish();
-    }
-    std::size_t operator()(const MovementControl& m) const {
-        Writer writer(DataType::movement_control, out);
-        writer.number16(static_cast<std::uint16_t>(m.type));
-        writer.octets(m.arguments);
-        return writer.finish();
-    }
-    std::size_t operator()(const RemoteControl& m) const {
-        return plain(DataType::remote_control, m.data);
-    }
-    std::size_t operator()(const Heartbeat& m) const { return id(DataType::heartbeat, m.sender); }
-    std::size_t operator()(const ConnectionRequest& m) const {
-        return id(DataType::connection_request, m.sender);
-    }
-    std::size_t operator()(const ConnectionAck&) const {
-        return plain(DataType::connection_ack, {});
-    }
-    std::size_t operator()(const UdpSendReq&) const { return plain(DataType::udp_send_req, {}); }
-    std::size_t operator()(const UdpSendGo&) const { return plain(DataType::udp_send_go, {}); }
-    std::size_t operator()(const ApplicationData& m) const {
-        if (m.type < static_cast<std::uint8_t>(DataType::first_of_application)) return 0;
-        return plain(static_cast<DataType>(m.type), m.data);
-    }
-};
+std::size_t encode_data(DataType type, Bytes data, MutableBytes out) {
+    Writer writer(type, out);
+    writer.octets(data);
+    return checked(writer.finish());
+}
+std::size_t encode_id(DataType type, const RomanoId& id, MutableBytes out) {
+    return encode_data(type, as_octets(id.text()), out);
+}
+std::size_t encode_typed(DataType type, std::uint16_t inner, Bytes data, MutableBytes out) {
+    Writer writer(type, out);
+    writer.number16(inner);
+    writer.octets(data);
+    return checked(writer.finish());
+}
 
 }  // namespace
 
@@ -256,9 +204,67 @@ Decoded decode(Bytes data) {
     }
 }
 
+std::size_t encode(const NormalData& m, MutableBytes out) {
+    return encode_data(DataType::normal_data, m.data, out);
+}
+std::size_t encode(const MqttSubscribe& m, MutableBytes out) {
+    return encode_data(DataType::mqtt_subscribe, as_octets(m.topic), out);
+}
+std::size_t encode(const MqttPublishRequest& m, MutableBytes out) {
+    if (m.topic.size() > max_message) return 0;
+    Writer writer(DataType::mqtt_publish_request, out);
+    writer.octet(static_cast<std::uint8_t>(header_size + m.topic.size()));
+    writer.octets(as_octets(m.topic));
+    writer.octets(m.kind_of_data);
+    return checked(writer.finish());
+}
+std::size_t encode(const ConnectedNodes& m, MutableBytes out) {
+    return encode_data(DataType::connected_nodes, m.ids, out);
+}
+std::size_t encode(const RequestConnectedNodes& m, MutableBytes out) {
+    return encode_id(DataType::request_connected_nodes, m.asker, out);
+}
+std::size_t encode(const RssiReport& m, MutableBytes out) {
+    Writer writer(DataType::rssi_report, out);
+    writer.octets(as_octets(m.heard.text()));
+    writer.octet(static_cast<std::uint8_t>(m.rssi_dbm));
+    return checked(writer.finish());
+}
+std::size_t encode(const SensorData& m, MutableBytes out) {
+    return encode_typed(DataType::sensor_data, static_cast<std::uint16_t>(m.type), m.value, out);
+}
+std::size_t encode(const MovementControl& m, MutableBytes out) {
+    return encode_typed(DataType::movement_control, static_cast<std::uint16_t>(m.type), m.arguments,
+                        out);
+}
+std::size_t encode(const RemoteControl& m, MutableBytes out) {
+    return encode_data(DataType::remote_control, m.data, out);
+}
+std::size_t encode(const MqttUnsubscribe& m, MutableBytes out) {
+    return encode_data(DataType::mqtt_unsubscribe, as_octets(m.topic), out);
+}
+std::size_t encode(const Heartbeat& m, MutableBytes out) {
+    return encode_id(DataType::heartbeat, m.sender, out);
+}
+std::size_t encode(const ConnectionRequest& m, MutableBytes out) {
+    return encode_id(DataType::connection_request, m.sender, out);
+}
+std::size_t encode(const ConnectionAck&, MutableBytes out) {
+    return encode_data(DataType::connection_ack, {}, out);
+}
+std::size_t encode(const UdpSendReq&, MutableBytes out) {
+    return encode_data(DataType::udp_send_req, {}, out);
+}
+std::size_t encode(const UdpSendGo&, MutableBytes out) {
+    return encode_data(DataType::udp_send_go, {}, out);
+}
+std::size_t encode(const ApplicationData& m, MutableBytes out) {
+    if (m.type < static_cast<std::uint8_t>(DataType::first_of_application)) return 0;
+    return encode_data(static_cast<DataType>(m.type), m.data, out);
+}
+
 std::size_t encode(const Message& message, MutableBytes out) {
-    const std::size_t size = std::visit(Encoder{out}, message);
-    return size != 0 && decode(out.first(size)).has_value() ? size : 0;
+    return std::visit([out](const auto& m) { return encode(m, out); }, message);
 }
 
 std::optional<std::uint32_t> amount_of(const MovementControl& movement) {

@@ -27,6 +27,25 @@ inline constexpr std::size_t malformed_kinds = 5;
 /// does not fit, or would not decode again.
 [[nodiscard]] std::size_t encode(const Message& message, MutableBytes out);
 
+/// As encode(Message) where the type is known: no variant is built, and a device links only the
+/// encoders that it calls.
+[[nodiscard]] std::size_t encode(const NormalData& message, MutableBytes out);
+[[nodiscard]] std::size_t encode(const MqttSubscribe& message, MutableBytes out);
+[[nodiscard]] std::size_t encode(const MqttPublishRequest& message, MutableBytes out);
+[[nodiscard]] std::size_t encode(const ConnectedNodes& message, MutableBytes out);
+[[nodiscard]] std::size_t encode(const RequestConnectedNodes& message, MutableBytes out);
+[[nodiscard]] std::size_t encode(const RssiReport& message, MutableBytes out);
+[[nodiscard]] std::size_t encode(const SensorData& message, MutableBytes out);
+[[nodiscard]] std::size_t encode(const MovementControl& message, MutableBytes out);
+[[nodiscard]] std::size_t encode(const RemoteControl& message, MutableBytes out);
+[[nodiscard]] std::size_t encode(const MqttUnsubscribe& message, MutableBytes out);
+[[nodiscard]] std::size_t encode(const Heartbeat& message, MutableBytes out);
+[[nodiscard]] std::size_t encode(const ConnectionRequest& message, MutableBytes out);
+[[nodiscard]] std::size_t encode(const ConnectionAck& message, MutableBytes out);
+[[nodiscard]] std::size_t encode(const UdpSendReq& message, MutableBytes out);
+[[nodiscard]] std::size_t encode(const UdpSendGo& message, MutableBytes out);
+[[nodiscard]] std::size_t encode(const ApplicationData& message, MutableBytes out);
+
 /// The argument of the six standard movements: mm or millidegrees. Empty for the application's own.
 [[nodiscard]] std::optional<std::uint32_t> amount_of(const MovementControl& movement);
 

@@ -1,29 +1,12 @@
 #include "romano/node/node.h"
 
 #include <algorithm>
-#include <array>
 #include <cassert>
 
 namespace romano::node {
 
 using client::Event;
-using message::Message;
 using mqttsn::Qos;
-
-namespace {
-
-/// The others say that something went as it should.
-bool is_heeded(const Event& event) {
-    return std::holds_alternative<client::Received>(event) ||
-           std::holds_alternative<client::Connected>(event) ||
-           std::holds_alternative<client::Subscribed>(event) ||
-           std::holds_alternative<client::Failed>(event) ||
-           std::holds_alternative<client::Lost>(event) ||
-           std::holds_alternative<client::Refused>(event) ||
-           std::holds_alternative<client::Disconnected>(event);
-}
-
-}  // namespace
 
 Node::Node(client::ClientCore& client, client::Output& scratch, romano_mailbox& mailbox,
            const NodeOptions& options)
@@ -53,7 +36,7 @@ void Node::on_tick(Instant now, Port& port) {
     }
     if (heartbeat_due_ <= now) {
         heartbeat_due_ = now + options_.heartbeat_every;
-        publish_id(now, common_topic, message::Heartbeat{options_.id}, Qos::at_most_once, port);
+        publish_id<message::Heartbeat>(now, common_topic, Qos::at_most_once, port);
     }
 }
 
@@ -82,9 +65,24 @@ void Node::flush(Instant now, Port& port) {
     for (const Event& event : scratch_.events()) {
         if (!is_heeded(event)) continue;
         [[maybe_unused]] const bool has_room = events_.push_back(event);
-        assert(has_room);  // answers come with datagrams, at most one each
+        assert(has_room);
     }
     if (!handles_events_) handle_events(now, port);
+}
+
+/// Of the answers only those to the node's own subscription; the others say that something went as
+/// it should. So a call of the client brings one such event: what a datagram or the passing of time
+/// did, and at the very most the failure of that subscription behind it.
+bool Node::is_heeded(const Event& event) const {
+    if (const auto* subscribed = std::get_if<client::Subscribed>(&event))
+        return subscription_ == subscribed->operation;
+    if (const auto* failed = std::get_if<client::Failed>(&event))
+        return subscription_ == failed->operation;
+    return std::holds_alternative<client::Received>(event) ||
+           std::holds_alternative<client::Connected>(event) ||
+           std::holds_alternative<client::Lost>(event) ||
+           std::holds_alternative<client::Refused>(event) ||
+           std::holds_alternative<client::Disconnected>(event);
 }
 
 void Node::handle_events(Instant now, Port& port) {
@@ -104,15 +102,13 @@ void Node::on_event(Instant now, const Event& event, Port& port) {
         phase_ = Phase::subscribing;
         return follow_up(now, port);
     }
-    if (const auto* subscribed = std::get_if<client::Subscribed>(&event)) {
-        if (subscription_ != subscribed->operation) return;
+    if (std::holds_alternative<client::Subscribed>(event)) {
         subscription_.reset();
         phase_ = phase_ == Phase::subscribing ? Phase::requesting : Phase::established;
         return follow_up(now, port);
     }
-    if (const auto* failed = std::get_if<client::Failed>(&event)) {
+    if (std::holds_alternative<client::Failed>(event)) {
         // A broker that refuses the node's own topics is as good as none.
-        if (subscription_ != failed->operation) return;
         phase_ = Phase::connecting;
         due_ = now + options_.connect_again;
         return;
@@ -160,7 +156,7 @@ void Node::send_connection_request(Instant now, Port& port) {
     due_ = now + options_.ack_timeout;
     if (!client_.is_idle()) return;  // the broker has not answered the last one yet
     ++counters_.requests_sent;
-    publish_id(now, init_topic, message::ConnectionRequest{options_.id}, options_.qos, port);
+    publish_id<message::ConnectionRequest>(now, init_topic, options_.qos, port);
 }
 
 void Node::on_received(Instant now, const client::Received& received, Port& port) {
@@ -191,25 +187,10 @@ void Node::on_received(Instant now, const client::Received& received, Port& port
     }
 }
 
-bool Node::publish(Instant now, std::string_view topic, const Message& message, Qos qos,
-                   Port& port) {
-    std::array<std::uint8_t, message::max_message> octets;
-    return publish(now, topic, message, qos, octets, port);
-}
-
-/// The node's own messages, without the stack that the longest one takes.
-bool Node::publish_id(Instant now, std::string_view topic, const Message& message, Qos qos,
-                      Port& port) {
-    std::array<std::uint8_t, 2 + message::RomanoId::size> octets;
-    return publish(now, topic, message, qos, octets, port);
-}
-
-bool Node::publish(Instant now, std::string_view topic, const Message& message, Qos qos,
-                   MutableBytes room, Port& port) {
-    const std::size_t size = message::encode(message, room);
-    if (size == 0) return false;
+bool Node::publish_octets(Instant now, std::string_view topic, Bytes message, Qos qos, Port& port) {
+    if (message.empty()) return false;
     const auto operation =
-        client_.publish(now, client::topic_name(topic), room.first(size), {.qos = qos}, scratch_);
+        client_.publish(now, client::topic_name(topic), message, {.qos = qos}, scratch_);
     flush(now, port);
     return operation.has_value();
 }
@@ -222,8 +203,7 @@ bool Node::subscribe(Instant now, std::string_view topic, Port& port) {
 }
 
 bool Node::request_connected_nodes(Instant now, Port& port) {
-    return publish_id(now, init_topic, message::RequestConnectedNodes{options_.id}, options_.qos,
-                      port);
+    return publish_id<message::RequestConnectedNodes>(now, init_topic, options_.qos, port);
 }
 
 }  // namespace romano::node

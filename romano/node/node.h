@@ -7,6 +7,7 @@
 // (client/discovery.h).
 #pragma once
 
+#include <array>
 #include <chrono>
 #include <cstdint>
 #include <optional>
@@ -32,7 +33,7 @@ struct NodeOptions {
         std::chrono::seconds{2}};  // paper: 2 s, then the request is repeated, for ever
     Duration connect_again{std::chrono::seconds{1}};  // pause after a lost or refused connection
     Duration heartbeat_every{0};                      // 0: no heartbeats
-    std::chrono::seconds keep_alive{30};
+    client::KeepAlive keep_alive{30};
     bool keep_session = false;  // the broker keeps messages while the node is away
     mqttsn::Qos qos = mqttsn::Qos::at_least_once;  // of the node's own subscriptions and publishes
 };
@@ -94,9 +95,15 @@ public:
     void on_broker_changed(Instant now) { client_.on_broker_changed(now); }
 
     /// False when the client's queue is full, the message is too long, or there is no connection
-    /// for a QoS 0 one.
-    bool publish(Instant now, std::string_view topic, const message::Message& message,
-                 mqttsn::Qos qos, Port& port);
+    /// for a QoS 0 one. `message` is a message::Message, or one of its types when that is known: a
+    /// device then links that type's encoder alone.
+    template <typename M>
+    bool publish(Instant now, std::string_view topic, const M& message, mqttsn::Qos qos,
+                 Port& port) {
+        std::array<std::uint8_t, message::max_message> room;
+        return publish_octets(now, topic, Bytes{room}.first(message::encode(message, room)), qos,
+                              port);
+    }
     bool subscribe(Instant now, std::string_view topic, Port& port);
     /// Asks the ROMANO server for the connected nodes; they arrive as ConnectedNodes on the own id.
     bool request_connected_nodes(Instant now, Port& port);
@@ -107,15 +114,21 @@ public:
 private:
     void connect(Instant now, Port& port);
     void flush(Instant now, Port& port);
+    [[nodiscard]] bool is_heeded(const client::Event& event) const;
     [[gnu::noinline]] void handle_events(Instant now, Port& port);  // for flush()'s small stack
     void on_event(Instant now, const client::Event& event, Port& port);
     void on_received(Instant now, const client::Received& received, Port& port);
     void follow_up(Instant now, Port& port);
     void send_connection_request(Instant now, Port& port);
-    bool publish_id(Instant now, std::string_view topic, const message::Message& message,
-                    mqttsn::Qos qos, Port& port);
-    bool publish(Instant now, std::string_view topic, const message::Message& message,
-                 mqttsn::Qos qos, MutableBytes room, Port& port);
+    bool publish_octets(Instant now, std::string_view topic, Bytes message, mqttsn::Qos qos,
+                        Port& port);
+    /// The node's own messages, without the stack that the longest one takes.
+    template <typename M>
+    bool publish_id(Instant now, std::string_view topic, mqttsn::Qos qos, Port& port) {
+        std::array<std::uint8_t, 2 + message::RomanoId::size> room;
+        const std::size_t size = message::encode(M{options_.id}, room);
+        return publish_octets(now, topic, Bytes{room}.first(size), qos, port);
+    }
 
     client::ClientCore& client_;
     client::Output& scratch_;
@@ -125,7 +138,7 @@ private:
     std::optional<client::OperationId> subscription_;  // of the own id, then of `common`
     Instant due_ = never;  // connecting again, or repeating the connection request
     Instant heartbeat_due_ = never;
-    FixedVector<client::Event, client::Output::most> events_;  // not handled yet
+    FixedVector<client::Event, 2> events_;  // not handled yet
     bool handles_events_ = false;
     NodeCounters counters_;
 };

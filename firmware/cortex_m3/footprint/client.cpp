@@ -10,12 +10,12 @@ namespace {
 struct Limits {
     static constexpr std::size_t datagram_octets = 512;
     static constexpr std::size_t queue_octets = 512;
-    static constexpr std::size_t topics = 12;
-    static constexpr std::size_t name_octets = 192;
+    static constexpr std::size_t topics = 8;
+    static constexpr std::size_t name_octets = 128;
     static constexpr std::size_t unreleased = 4;
 };
 
-std::uint8_t volatile line;  // where datagrams come from and go to
+std::uint8_t volatile line;  // where datagrams come from and go to, of any size
 
 void drain(const client::Output& out) {
     for (const Bytes datagram : out.datagrams()) line = datagram[0];
@@ -33,8 +33,10 @@ int main() {
     core.connect(now, {.client_id = "abcd1234"}, out);
     (void)core.subscribe(now, client::topic_name("abcd1234"), mqttsn::Qos::exactly_once, out);
     for (;;) {
-        now += std::chrono::milliseconds{1};
-        const std::uint8_t octets[] = {line, line, line};
+        now += Duration{1};
+        std::uint8_t room[255];
+        const Bytes octets = Bytes{room}.first(line);
+        for (std::uint8_t& octet : room) octet = line;
         core.on_datagram(now, octets, out);
         drain(out);
         (void)core.publish(now, client::topic_name("pose"), octets, {.qos = mqttsn::Qos{line}},

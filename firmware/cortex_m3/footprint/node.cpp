@@ -12,12 +12,12 @@ namespace {
 struct Limits {
     static constexpr std::size_t datagram_octets = 512;
     static constexpr std::size_t queue_octets = 512;
-    static constexpr std::size_t topics = 12;
-    static constexpr std::size_t name_octets = 192;
+    static constexpr std::size_t topics = 8;
+    static constexpr std::size_t name_octets = 128;
     static constexpr std::size_t unreleased = 4;
 };
 
-std::uint8_t volatile line;  // where datagrams come from and go to
+std::uint8_t volatile line;  // where datagrams come from and go to, of any size
 
 struct Port final : node::Port {
     void send(Bytes datagram) override { line = datagram[0]; }
@@ -39,11 +39,13 @@ int main() {
     discovery.search(now);
     robot.start(now, port);
     for (;;) {
-        now += std::chrono::milliseconds{1};
-        std::uint8_t octets[21] = {line, line, line};
-        discovery.on_datagram(now, {}, octets);
+        now += Duration{1};
+        std::uint8_t room[255];
+        const Bytes octets = Bytes{room}.first(line);
+        for (std::uint8_t& octet : room) octet = line;
+        discovery.on_datagram(now, {.address = {line, line, line, line}, .port = line}, octets);
         robot.on_datagram(now, octets, port);
-        if (discovery.on_tick(now, octets) != 0) line = octets[0];
+        if (discovery.on_tick(now, room) != 0) line = room[0];
         if (robot.next_wakeup() <= now) robot.on_tick(now, port);
         robot.publish(now, "pose", message::NormalData{octets}, mqttsn::Qos{line}, port);
         romano_command command;

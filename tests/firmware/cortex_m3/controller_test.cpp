@@ -27,12 +27,13 @@ protected:
             group()}));
         brokers.back()->wait_until_serving();
     }
-    void start_controller(const std::vector<std::string>& radio_settings = {}) {
+    void start_controller(const std::vector<std::string>& radio_settings = {},
+                          const std::string& image = CONTROLLER) {
         controller = std::make_unique<Process>(
             QEMU, std::vector<std::string>{
                       "-M", "lm3s6965evb", "-display", "none", "-monitor", "none", "-nodefaults",
-                      "-net", "none", "-kernel", CONTROLLER, "-chardev",
-                      "stdio,id=console,signal=off", "-serial", "chardev:console", "-chardev",
+                      "-net", "none", "-kernel", image, "-chardev", "stdio,id=console,signal=off",
+                      "-serial", "chardev:console", "-chardev",
                       "socket,id=uart,server=on,wait=off,path=" + uart, "-serial", "chardev:uart"});
         ASSERT_NE(controller->wait_for("started"), "") << controller->errors();
         std::vector<std::string> arguments{"--uart",  uart,    "--id",    "abcd1234",
@@ -98,6 +99,15 @@ TEST_F(ControllerOnCortexM3, ABadLineBetweenControllerAndRadioLosesNothing) {
     }
     radio->signal(SIGTERM);
     EXPECT_THAT(radio->wait_for("frames heard"), testing::Not(HasSubstr(" 0 bad, 0 repeated")));
+}
+
+TEST_F(ControllerOnCortexM3, ConnectsAnewBeforeItsClockEnds) {
+    start_broker(1);
+    start_controller({}, OLD_CONTROLLER);
+    EXPECT_NE(controller->wait_for("established"),
+              "");  // once more, when the hundred days are over
+    romano(1, {"move", "abcd1234", "front", "100mm"});
+    EXPECT_NE(controller->wait_for("front 100"), "");
 }
 
 }  // namespace
