@@ -14,6 +14,7 @@
 #include "broker/daemon/refusal.h"
 #include "broker/daemon/settings.h"
 #include "broker/daemon/trace.h"
+#include "broker/net/service_manager.h"
 
 namespace romano::daemon {
 namespace {
@@ -26,17 +27,20 @@ void run(const Settings& settings, const Program& program) {
     boost::asio::io_context io{1};  // one thread: no locks within Asio
     start_trace(settings.log_level);
     if (settings.realtime) become_realtime();  // before other threads begin: they inherit it
+    net::ServiceManager manager(io);
     std::unique_ptr<RunningBroker> broker;
     // Before the broker says that it serves, so that whoever waits for that may stop it.
     boost::asio::signal_set signals(io, SIGTERM, SIGINT);
     signals.async_wait([&](const auto& error, int) {
         if (error) return;
         if (!broker) throw Interrupted{};
+        manager.ending();
         broker->leave();
     });
     MetricsEndpoint metrics(io, settings);
     broker = program.start(io, settings, [&](const std::string& where) {
         std::cout << "romano-broker " << settings.name << ": serving " << where << std::endl;
+        manager.serving("serving " + where);
     });
     metrics.tell_of(*broker);
     io.run();

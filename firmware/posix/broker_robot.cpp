@@ -19,6 +19,7 @@
 #include "broker/daemon/settings.h"
 #include "broker/daemon/trace.h"
 #include "broker/net/endpoint_text.h"
+#include "broker/net/service_manager.h"
 #include "broker/net/socket_address.h"
 #include "firmware/posix/simulated_robot.h"
 
@@ -82,16 +83,20 @@ void run(const Settings& settings) {
     const firmware::SimulatedRobotOptions options = robot_options(settings);
     boost::asio::io_context io{1};
     daemon::start_trace(settings.broker.log_level);
+    net::ServiceManager manager(io);
     std::unique_ptr<firmware::SimulatedRobot> robot;
     std::unique_ptr<daemon::RunningBroker> broker;
     boost::asio::signal_set signals(io, SIGTERM, SIGINT);
     signals.async_wait([&](const auto& error, int) {
-        if (!error && broker) broker->leave();
+        if (error || !broker) return;
+        manager.ending();
+        broker->leave();
     });
     broker = start_broker(io, settings.broker, [&](const std::string& where) {
         std::printf("romano-broker-robot %s: serving %s\n", settings.broker.name.c_str(),
                     where.c_str());
         std::fflush(stdout);
+        manager.serving("serving " + where);
         robot = std::make_unique<firmware::SimulatedRobot>(
             io, options, [](const message::RomanoId& id, const std::string& what) {
                 std::printf("%s %s\n", std::string{id.text()}.c_str(), what.c_str());

@@ -14,6 +14,7 @@
 
 #include "broker/net/clock.h"
 #include "broker/net/endpoint_text.h"
+#include "broker/net/service_manager.h"
 #include "firmware/posix/simulated_robot.h"
 #include "firmware/robot/address.h"
 
@@ -200,7 +201,11 @@ void run(const Settings& settings) {
     const std::uint32_t first = first_id(settings.id);
     boost::asio::io_context io{1};
     boost::asio::signal_set signals(io, SIGTERM, SIGINT);
-    signals.async_wait([&](const auto&, int) { io.stop(); });
+    net::ServiceManager manager(io);
+    signals.async_wait([&](const auto&, int) {
+        manager.ending();
+        io.stop();
+    });
     std::vector<std::unique_ptr<SimulatedRobot>> robots;
     for (unsigned i = 0; i < settings.count; ++i) {
         options.robot.node.id = id_of(first + i);
@@ -210,6 +215,7 @@ void run(const Settings& settings) {
             io, options,
             [&](const auto& id, const std::string& what) { say(settings, id, what); }));
     }
+    manager.serving(std::to_string(robots.size()) + " robots");
     if (settings.seconds > 0) {
         io.run_for(
             std::chrono::duration_cast<std::chrono::milliseconds>(seconds(settings.seconds)));
