@@ -1,0 +1,84 @@
+# The programs as Debian packages, a component each: romano-broker, romano-robot, romano-tools.
+#
+#     cd build/release && cpack        (for robots with a 64-bit ARM: build/arm64, see cmake/arm64-sysroot)
+
+set(package_folder ${PROJECT_SOURCE_DIR}/cmake/package)
+set(package_build ${PROJECT_BINARY_DIR}/package)
+
+# The broker's configuration file is what the broker itself says of its settings.
+add_custom_command(OUTPUT ${package_build}/broker.toml
+    COMMAND romano-broker --default-config > ${package_build}/broker.toml
+    DEPENDS romano-broker VERBATIM)
+add_custom_target(packaged_configuration ALL DEPENDS ${package_build}/broker.toml)
+
+install(TARGETS romano-broker romano-broker-member romano-broker-robot
+        RUNTIME DESTINATION bin COMPONENT broker)
+install(FILES ${package_build}/broker.toml DESTINATION /etc/romano COMPONENT broker)
+install(FILES broker/daemon/package/romano-broker.service
+        DESTINATION /lib/systemd/system COMPONENT broker)
+install(FILES broker/daemon/package/address-takeover.conf broker/daemon/package/realtime.conf
+        DESTINATION share/doc/romano-broker/examples COMPONENT broker)
+install(FILES broker/daemon/README.md DESTINATION share/doc/romano-broker COMPONENT broker)
+
+install(TARGETS romano-robot romano-radio RUNTIME DESTINATION bin COMPONENT robot)
+install(FILES firmware/posix/package/romano-robot.default
+        DESTINATION /etc/default RENAME romano-robot COMPONENT robot)
+install(FILES firmware/posix/package/romano-robot.service
+        DESTINATION /lib/systemd/system COMPONENT robot)
+install(FILES firmware/README.md DESTINATION share/doc/romano-robot COMPONENT robot)
+
+install(TARGETS romano RUNTIME DESTINATION bin COMPONENT tools)
+install(FILES README.md DESTINATION share/doc/romano-tools COMPONENT tools)
+
+foreach(component broker robot tools)
+    install(FILES LICENSE DESTINATION share/doc/romano-${component} RENAME copyright
+            COMPONENT ${component})
+endforeach()
+
+# maintainer_scripts(COMPONENT UNIT STARTS STATE CONFFILES): the service of a package is started with
+# it, or not, and its state goes when the package is purged.
+function(maintainer_scripts component unit starts state conffiles)
+    set(folder ${package_build}/${component})
+    foreach(script postinst prerm postrm)
+        configure_file(${package_folder}/${script}.in ${folder}/${script} @ONLY
+                       FILE_PERMISSIONS OWNER_READ OWNER_WRITE OWNER_EXECUTE GROUP_READ
+                                        GROUP_EXECUTE WORLD_READ WORLD_EXECUTE)
+    endforeach()
+    file(WRITE ${folder}/conffiles "${conffiles}\n")
+    string(TOUPPER ${component} name)
+    set(CPACK_DEBIAN_${name}_PACKAGE_CONTROL_EXTRA
+        ${folder}/conffiles ${folder}/postinst ${folder}/prerm ${folder}/postrm PARENT_SCOPE)
+endfunction()
+maintainer_scripts(broker romano-broker.service true romano /etc/romano/broker.toml)
+# A robot wants an id before it starts.
+maintainer_scripts(robot romano-robot.service false "" /etc/default/romano-robot)
+
+set(CPACK_GENERATOR DEB)
+set(CPACK_DEB_COMPONENT_INSTALL ON)
+set(CPACK_COMPONENTS_ALL broker robot tools)
+set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
+set(CPACK_STRIP_FILES ON)
+set(CPACK_PACKAGE_CONTACT "The ROMANO project <romano@localhost>")
+set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
+set(CPACK_DEBIAN_PACKAGE_SECTION net)
+set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
+set(CPACK_DEBIAN_COMPRESSION_TYPE xz)
+if(CMAKE_CROSSCOMPILING)  # dpkg-shlibdeps asks this machine's packages for those of the robot
+    set(CPACK_DEBIAN_PACKAGE_ARCHITECTURE arm64)
+    set(CPACK_PROJECT_CONFIG_FILE ${package_folder}/arm64.cmake)
+endif()
+
+set(CPACK_DEBIAN_BROKER_PACKAGE_NAME romano-broker)
+set(CPACK_DEBIAN_BROKER_DESCRIPTION "distributed MQTT-SN broker for robots
+ A light MQTT-SN 1.2 broker: alone on one UDP port, or one of a cluster over
+ Eclipse Cyclone DDS whose members take each other's clients and addresses over.")
+set(CPACK_DEBIAN_ROBOT_PACKAGE_NAME romano-robot)
+set(CPACK_DEBIAN_ROBOT_DESCRIPTION "ROMANO on a robot with Linux
+ A ROMANO robot that finds its broker by itself, and the radio side of a robot
+ whose controller is another chip.")
+set(CPACK_DEBIAN_TOOLS_PACKAGE_NAME romano-tools)
+set(CPACK_DEBIAN_TOOLS_DESCRIPTION "commands for ROMANO brokers and robots
+ Publish, subscribe, look at brokers and robots, steer robots, and experiment.")
+
+include(CPack)
