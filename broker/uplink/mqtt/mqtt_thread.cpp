@@ -158,6 +158,9 @@ void MqttThread::acknowledge(std::uint64_t token) {
 
 template <typename Event>
 void MqttThread::tell(Event event) {
+    // Under the lock: after stop() the io_context may be gone at any moment.
+    const std::lock_guard posting(mutex_);
+    if (stopping_) return;
     boost::asio::post(io_, [self = shared_from_this(), event = std::move(event)] {
         {
             const std::lock_guard lock(self->mutex_);

@@ -52,7 +52,6 @@ private:
     void run();
     void serve();
     void rest(std::chrono::milliseconds time);
-    void subscribe();
     template <typename Event>
     void tell(Event event);
     void on_connected(int reason, bool resumed);
