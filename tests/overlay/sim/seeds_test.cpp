@@ -36,8 +36,8 @@ std::vector<Shard> shards() {
         {"RobotsAndCrash", {Fault::roam, Fault::sleep, Fault::die, Fault::crash}},
         {"Mixed", {}},
     };
-    constexpr std::uint64_t shards_each = 2;
-    constexpr std::uint64_t seeds_each = 30;
+    constexpr std::uint64_t shards_each = 4;
+    constexpr std::uint64_t seeds_each = 13;
     std::vector<Shard> all;
     std::uint64_t next = 1;
     for (const auto& [name, faults] : kinds) {
