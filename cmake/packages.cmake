@@ -11,7 +11,7 @@ add_custom_command(OUTPUT ${package_build}/broker.toml
     DEPENDS romano-broker VERBATIM)
 add_custom_target(packaged_configuration ALL DEPENDS ${package_build}/broker.toml)
 
-install(TARGETS romano-broker romano-broker-member romano-broker-robot
+install(TARGETS romano-broker romano-broker-member romano-broker-uplink romano-broker-robot
         RUNTIME DESTINATION bin COMPONENT broker)
 install(FILES ${package_build}/broker.toml DESTINATION /etc/romano COMPONENT broker)
 install(FILES broker/daemon/package/romano-broker.service
