@@ -7,14 +7,15 @@
 #include <thread>
 
 #include "broker/net/endpoint_text.h"
+#include "experiments/process/lan.h"
 #include "tests/system/broker_process.h"
-#include "tests/system/network_namespaces.h"
 #include "tests/system/test_client.h"
 
 namespace romano::system {
 namespace {
 
 using namespace std::chrono_literals;
+using experiments::Lan;
 using mqttsn::Qos;
 
 constexpr int brokers_in_all = 3;

@@ -10,7 +10,7 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <array>
+#include <cctype>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -250,12 +250,20 @@ TEST_P(Application, EndsWhereItShouldAndDrawsTheTrails) {
     EXPECT_TRUE(std::filesystem::exists(folder / (file + ".svg"))) << "is gnuplot installed?";
 }
 
-INSTANTIATE_TEST_SUITE_P(
-    Of, Application, testing::Values("group-control", "path-copy", "radio-distance"),
-    [](const auto& test) {
-        constexpr std::array names{"GroupControl", "PathCopy", "RadioDistance"};
-        return names.at(test.index);
-    });
+/// "group-control" is GroupControl.
+std::string in_camel_case(const testing::TestParamInfo<const char*>& test) {
+    std::string name;
+    bool begins = true;
+    for (const char* letter = test.param; *letter != '\0'; ++letter) {
+        if (*letter != '-') name += begins ? static_cast<char>(std::toupper(*letter)) : *letter;
+        begins = *letter == '-';
+    }
+    return name;
+}
+
+INSTANTIATE_TEST_SUITE_P(Of, Application,
+                         testing::Values("group-control", "path-copy", "radio-distance"),
+                         in_camel_case);
 
 /// Those that start brokers of their own, at addresses and ports of their own: one at a time on a
 /// machine.
@@ -272,10 +280,9 @@ private:
 };
 
 TEST_P(ApplicationWithBrokers, DoesWhatItShouldAndDrawsIt) {
-    std::string name = "/tmp/romano-apply-XXXXXX";
-    const std::filesystem::path folder = mkdtemp(name.data());
-    std::vector<std::string> arguments{"apply",    "-o", folder,      "--broker", ROMANO_BROKER,
-                                       "--domain", "86", "--network", "127.77.86"};
+    const tests::TemporaryFolder folder;
+    std::vector<std::string> arguments{"apply",    "-o", folder.path(), "--broker", ROMANO_BROKER,
+                                       "--domain", "86", "--network",   "127.77.86"};
     arguments.insert(arguments.begin() + 1, GetParam().begin(), GetParam().end());
     Process program(ROMANO_PROGRAM, arguments);
     const bool done = program.wait_for_exit(std::chrono::minutes{3}) == 0;
@@ -283,7 +290,6 @@ TEST_P(ApplicationWithBrokers, DoesWhatItShouldAndDrawsIt) {
     const std::string& file = GetParam()[0];
     EXPECT_TRUE(std::filesystem::exists(folder / (file + ".csv")));
     EXPECT_TRUE(std::filesystem::exists(folder / (file + ".svg"))) << "is gnuplot installed?";
-    std::filesystem::remove_all(folder);
 }
 
 INSTANTIATE_TEST_SUITE_P(Of, ApplicationWithBrokers,

@@ -23,7 +23,7 @@ std::optional<cluster::ClusterMessage> decode(const proto::ClusterMessage& messa
 // Whoever adds a field adds it to the .proto file, to its conversions and to random_message.cpp,
 // and then here.
 static_assert(field_count<Endpoint>() == 4);
-static_assert(field_count<broker::Message>() == 6);
+static_assert(field_count<broker::Message>() == 7);
 static_assert(field_count<broker::SessionHeader>() == 10);
 static_assert(field_count<broker::Will>() == 4);
 static_assert(field_count<broker::Subscription>() == 4);
@@ -141,6 +141,7 @@ TEST(BodyCodec, ASessionImageKeepsItsFields) {
                 EXPECT_EQ(x.message->retain, y.message->retain);
                 EXPECT_EQ(x.message->position, y.message->position);
                 EXPECT_EQ(x.message->published_at, y.message->published_at);
+                EXPECT_EQ(x.message->origin, y.message->origin);
             }
         }
     }

@@ -69,7 +69,7 @@ Endpoint endpoint(Random& r) {
 
 broker::MessagePtr message(Random& r) {
     return broker::MessagePtr{
-        broker::Message{text(r), octets(r), qos(r), flag(r), position(r), {wide(r)}}};
+        broker::Message{text(r), octets(r), qos(r), flag(r), position(r), {wide(r)}, text(r)}};
 }
 
 broker::SessionHeader header(Random& r) {
