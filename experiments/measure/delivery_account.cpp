@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cassert>
 #include <map>
-#include <ranges>
 #include <tuple>
 
 namespace romano::experiments {
@@ -14,12 +13,12 @@ namespace {
 void count_out_of_order(const std::vector<PublishedMessage>& messages,
                         std::array<DeliveryTally, 3>& tallies) {
     std::map<std::tuple<RobotNumber, Stream, std::uint8_t>, double> later_one_came;
-    for (const PublishedMessage& message : messages | std::views::reverse) {
-        for (const Delivery& delivery : message.deliveries) {
+    for (auto message = messages.rbegin(); message != messages.rend(); ++message) {
+        for (const Delivery& delivery : message->deliveries) {
             if (!delivery.first_at_s) continue;
             const auto [later, is_last] = later_one_came.try_emplace(
-                {delivery.receiver, message.stream, message.qos}, *delivery.first_at_s);
-            if (*delivery.first_at_s > later->second) ++tallies[message.qos].out_of_order;
+                {delivery.receiver, message->stream, message->qos}, *delivery.first_at_s);
+            if (*delivery.first_at_s > later->second) ++tallies[message->qos].out_of_order;
             later->second = std::min(later->second, *delivery.first_at_s);
         }
     }
