@@ -173,4 +173,10 @@ TEST(Arrows, IncludesAreRootedAtTheRepository) {
     }
 }
 
+TEST(Arrows, NobodyUsesViewsOfRanges) {  // Clang 14 cannot compile those of GCC 12's library
+    for (const auto& include : includes_of_the_tree()) {
+        EXPECT_NE(include.target, "ranges") << include.file.string() << ":" << include.line;
+    }
+}
+
 }  // namespace
