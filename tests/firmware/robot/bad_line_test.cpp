@@ -25,7 +25,7 @@ Endpoint broker() {
 }
 
 /// cortex_m3/main.cpp without the chip.
-class ControllerBehindALine : public Controller {
+class ControllerBehindALine final : public Controller {
 public:
     ControllerBehindALine() {
         RobotSettings settings;
