@@ -40,9 +40,12 @@ Datagrams CarriedUplink::requests(Instant now, const broker::BrokerCore& broker,
     if (!leads) {
         core_.hold(false, out);
         unsafe_.clear();
+        is_subscribed_ = false;
         return {};
     }
     if (!is_here) {
+        is_subscribed_ = false;
+        subscribe_again_at_ = Instant::min();
         if (!may_connect(now, broker, cluster)) return {};
         connect_again_at_ = now + connect_again_after;
         return {encoded(mqttsn::Connect{.will = false,
@@ -51,12 +54,14 @@ Datagrams CarriedUplink::requests(Instant now, const broker::BrokerCore& broker,
                                         .duration_s = 0,
                                         .client_id = client_id})};
     }
-    if (now >= connect_again_at_) {
-        connect_again_at_ = now + connect_again_after;
+    if (!is_subscribed_) {
         Datagrams missing = missing_subscriptions(broker);
-        if (!missing.empty()) return missing;
+        is_subscribed_ = missing.empty();
+        if (now < subscribe_again_at_) missing.clear();
+        if (!missing.empty()) subscribe_again_at_ = now + connect_again_after;
+        if (!is_subscribed_) return missing;
     }
-    core_.hold(true, out);
+    core_.hold(true, out);  // not before: what is published from then on goes out
     return {};
 }
 

@@ -59,6 +59,8 @@ private:
     cluster::ViewNumber view_;
     Instant view_since_{};
     Instant connect_again_at_ = Instant::min();
+    bool is_subscribed_ = false;
+    Instant subscribe_again_at_ = Instant::min();
     std::map<broker::Seq, std::vector<std::uint64_t>> unsafe_;  // tokens, by what they wait for
 };
 

@@ -108,6 +108,13 @@ TEST_F(MemberWithUplink, CarriesWhatAnyBrokersClientsPublishAtEveryQos) {
     EXPECT_THAT(texts(1), IsEmpty());
 }
 
+TEST_F(MemberWithUplink, CarriesWhatIsPublishedFromTheMomentOnAtWhichItAsksForTheLink) {
+    brokers.start(1);
+    for (int i = 0; i < 3000 && !holds(1); ++i) brokers.run_for(1ms);
+    ASSERT_TRUE(holds(1));
+    EXPECT_FALSE(brokers.member(1).broker().image("romano-uplink")->subscriptions.empty());
+}
+
 TEST_F(MemberWithUplink, WhatWaitsWhileItIsDownGoesInOrderWhenItIsUp) {
     start({1, 2});
     Robot& robot = publisher(1);
