@@ -54,7 +54,7 @@ protected:
     /// What the robot hears of the station now.
     static bool hears(TestClient& robot, TestClient& station, mqttsn::TopicId topic,
                       const std::string& data) {
-        if (!station.publish(topic, data, Qos::at_least_once)) return false;
+        if (!station.publish(topic, data, Qos::exactly_once)) return false;
         return robot.run_until(
             [&] { return !robot.received.empty() && robot.received.back().data == data; });
     }
