@@ -101,7 +101,6 @@ private:
     Outcome& outcome_;
     std::vector<Roamer> roamers_;
     SocketClient station_;
-    bool station_connected_ = false;
     bool station_subscribed_ = false;
     Instant next_message_ = never;
 };
