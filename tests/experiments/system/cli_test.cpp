@@ -120,7 +120,7 @@ INSTANTIATE_TEST_SUITE_P(
         Refused{"sub -t a -h 'no such host'", "cannot find the host `no such host`"},
         Refused{"sweep /nowhere.toml", "cannot read the sweep file `/nowhere.toml`: no such file"},
         Refused{"simulate --seeds 9..1", "'9..1' is not FIRST..LAST, such as 1..100"},
-        Refused{"simulate --acks many", "'many' is not 0 to 31 or all"},
+        Refused{"simulate --acks many", "'many' is not 0 to 99 or all"},
         Refused{"simulate --fault fire", "--fault: fire not in {crash,stop,leave"},
         Refused{"swep", "The following argument was not expected: swep"},
         Refused{"", "a subcommand is needed: pub, sub, brokers, status"},
