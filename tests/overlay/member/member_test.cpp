@@ -281,11 +281,15 @@ TEST(Member, FormerLivesOfABrokerAreForgotten) {  // P8
     Brokers brokers;
     start(brokers, {1, 2});
     subscriber(brokers, "robot", 1, Qos::exactly_once);
+    Robot& talker = publisher(brokers, "talker", 2);
     for (int life = 0; life < 10; ++life) {
         brokers.kill(2);
-        brokers.run_for(500ms);
+        brokers.run_for(300ms);
         brokers.start(2);
-        brokers.run_for(500ms);
+        brokers.run_for(1s);
+        ASSERT_EQ(brokers.server_of(2), 2);
+        talker.publish("pose", std::to_string(life), Qos::at_least_once);
+        brokers.run_for(200ms);
     }
     const auto logs_known = [&] {
         return brokers.member(1).broker().image("robot")->worked_through.size();
