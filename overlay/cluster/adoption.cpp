@@ -46,8 +46,9 @@ std::vector<MessagePtr> missed_publishes(const broker::SessionImage& image, cons
     return missed;
 }
 
-void leave_out_delivered(std::vector<MessagePtr>& missed, const broker::SessionImage& former) {
-    std::erase_if(missed, [&](const MessagePtr& message) {
+void leave_out_delivered(broker::SessionImage& image, std::vector<MessagePtr>& missed,
+                         const broker::SessionImage& former) {
+    const auto is_delivered = [&](const MessagePtr& message) {
         const LogPosition& position = message->position;
         if (position.seq > worked_through(former, position.log)) return false;
         const bool was_queued =
@@ -58,6 +59,12 @@ void leave_out_delivered(std::vector<MessagePtr>& missed, const broker::SessionI
         const bool still_waits =
             std::ranges::count(former.deliveries, position, &broker::Delivery::position) > 0;
         return was_queued && !still_waits;
+    };
+    std::erase_if(missed, is_delivered);
+    // What the image's home had received: the client knows, and waits for its end.
+    std::erase_if(image.deliveries, [&](const broker::Delivery& delivery) {
+        return delivery.message && !delivery.retain &&
+               delivery.stage != broker::DeliveryStage::released && is_delivered(delivery.message);
     });
 }
 
@@ -72,7 +79,7 @@ bool adopt(Effects& effects, const Logs& logs, broker::SessionImage image) {
     find_missing_messages(image, effects, logs);
     auto missed = missed_publishes(image, logs);
     if (const auto own = effects.broker.image(image.header.client_id)) {
-        leave_out_delivered(missed, *own);
+        leave_out_delivered(image, missed, *own);
     }
     return effects.broker.adopt(effects.now, std::move(image), missed, effects.clients);
 }

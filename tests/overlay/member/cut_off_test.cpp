@@ -99,5 +99,34 @@ TEST(CutOff, P3_WhatTheHeirDeliveredIsNotRepeatedWhenTheWayIsOpenAgain) {
     EXPECT_THAT(subscriber.received(), ElementsAre("1", "2"));
 }
 
+// The way to the clients is open again before the brokers meet: a client speaks to the broker that
+// was cut off, whose copy of the session wins.
+TEST(CutOff, P3_WhatTheOtherHomeDeliveredMeanwhileIsNotDeliveredAgain) {
+    constexpr int robots_site = 4;
+    Brokers brokers;
+    for (const int rank : {1, 2, 3}) brokers.start(rank);
+    brokers.run_for(1s);
+    Robot& subscriber = brokers.robot("subscriber", 2, robots_site);
+    subscriber.connect();
+    subscriber.subscribe("pose", Qos::exactly_once);
+    Robot& publisher = brokers.robot("publisher", 3);
+    publisher.connect();
+    brokers.run_for(200ms);
+
+    for (const int other : {2, 3, robots_site}) brokers.cut(1, other);
+    brokers.run_for(300ms);
+    for (const char* text : {"1", "2", "3"}) publisher.publish("pose", text, Qos::exactly_once);
+    brokers.run_for(1s);
+    EXPECT_THAT(subscriber.received(), ElementsAre("1", "2", "3"));
+    brokers.heal(1, robots_site);
+    subscriber.publish("hello", "x", Qos::at_least_once);
+    brokers.run_for(50ms);
+    brokers.heal();
+    brokers.run_for(2s);
+    publisher.publish("pose", "4", Qos::exactly_once);
+    brokers.run_for(1s);
+    EXPECT_THAT(subscriber.received(), ElementsAre("1", "2", "3", "4"));
+}
+
 }  // namespace
 }  // namespace romano::test
