@@ -43,11 +43,10 @@ CellBrokers::CellBrokers(const SweepSettings& settings, const Cell& cell,
     }
     brokers_.resize(cell.brokers);
     for (std::size_t i = 0; i < size(); ++i) {
-        Broker& broker = brokers_[i];
-        broker.name = "b" + std::to_string(i + 1);
-        broker.address = {boost::asio::ip::make_address(address_text(i)), settings_.port};
-        start(i);
+        brokers_[i].name = "b" + std::to_string(i + 1);
+        brokers_[i].address = {boost::asio::ip::make_address(address_text(i)), settings_.port};
     }
+    for (std::size_t i = 0; i < size(); ++i) start(i);  // each may have to name all (voters)
 }
 
 std::string CellBrokers::address_text(std::size_t number) const {
