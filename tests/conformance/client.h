@@ -27,7 +27,8 @@ public:
 
     /// The next datagram, waiting for it as long as is needed; empty when none comes.
     [[nodiscard]] Octets next(std::chrono::milliseconds patience = std::chrono::seconds{20});
-    /// The next datagram is exactly this.
+    /// The next datagram is exactly this; probes of the broker (6.11b) may come at any time and are
+    /// passed over, unless one is expected.
     void hears(const Octets& expected);
     /// Passes over all datagrams until exactly this one comes.
     void hears_in_time(const Octets& expected,
@@ -59,6 +60,8 @@ public:
     const std::string id;
 
 private:
+    [[nodiscard]] Octets next_but_probes();
+
     int socket_ = -1;
     bool connected_ = false;
     std::uint16_t last_msg_id_ = 0x0100;  // both octets count

@@ -61,11 +61,14 @@ TEST_P(S6_11_KeepAlive, s6_14_AnyMessageCountsAsLife) {
 }
 
 TEST_P(S6_11_KeepAlive, AnAnsweredProbeIsLife) {
-    Client& robot = connected(clean, 1);
-    for (int i = 0; i < 3; ++i) {
-        robot.hears(pingreq());
-        robot.says(pingresp());
-    }
+    Client& robot = connected(clean, 4);
+    robot.hears(pingreq());
+    robot.says(pingresp());  // with 2 s left of the 6 s that are tolerated
+    Client& watcher = connected();
+    Client& late = client();
+    const unsigned id = watcher.subscribes(topic("will"));
+    late.connects_with_will(topic("will"), "3 s have passed", no_flags, clean, 2);
+    watcher.hears_publish(no_flags, id, "3 s have passed");
     robot.says(pingreq());
     robot.hears(pingresp());
 }
