@@ -5,6 +5,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "tests/broker/core/scripted_client.h"
 
 namespace romano::broker {
@@ -67,7 +69,8 @@ TEST(Limit, OfLevelsInAFilterIsAnsweredByNotSupported) {
     for (int level = 128; level < 32'000; ++level) filter += "/a";
     EXPECT_EQ(refused(filter), ReturnCode::not_supported);
     EXPECT_EQ(broker.dropped(Drop::invalid_topic), 2u);
-    client.publishes(client.registers(filter.substr(2)), "names may be as deep as they like");
+    std::ranges::replace(filter, '+', 'a');
+    client.publishes(client.registers(filter), "names may be as deep as they like");
 }
 
 TEST(Limit, OfClientIdOctetsIsAnsweredByNotSupported) {
