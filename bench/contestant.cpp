@@ -125,13 +125,12 @@ std::unique_ptr<experiments::LoadClients> Contestant::clients(
     timing.n_retry = 20;
     timing.t_wait = 500ms;
     return std::make_unique<experiments::MqttsnClients>(
-        plan,
-        experiments::MqttsnOptions{
-            .brokers = {entrant_.address
-                            ? *entrant_.address
-                            : *net::parse_endpoint(host_ + ":" + std::to_string(port_))},
-            .sockets = experiments::SocketUse::shared,
-            .timing = timing});
+        plan, experiments::MqttsnOptions{
+                  .brokers = {entrant_.address
+                                  ? *entrant_.address
+                                  : *net::parse_endpoint(host_ + ":" + std::to_string(port_))},
+                  .sockets = experiments::SocketUse::shared,
+                  .timing = timing});
 }
 
 double Contestant::cpu_s() const {

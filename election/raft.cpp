@@ -68,8 +68,8 @@ void RaftElector::on_claim(Instant now, const Claim& claim) {
     }
 }
 
-/// The voters take turns: the first one asks at once, which is when a lost link told of the leader's
-/// death to all of them at the same time. Chance would let two ask at once, or all wait.
+/// The voters take turns: the first one asks at once, which is when a lost link told of the
+/// leader's death to all of them at the same time. Chance would let two ask at once, or all wait.
 void RaftElector::on_suspect(Instant now, NodeId node) {
     heard_.erase(node);
     if (leader_ != node || role_ != Role::follower) return;

@@ -52,7 +52,7 @@ struct Tables {
     Cursors cursors;
     Counters counters;
     const Audience* peers = nullptr;  // null: they may want everything
-    bool congested = false;  // no new promises (BrokerCore::set_congested)
+    bool congested = false;           // no new promises (BrokerCore::set_congested)
 
     void count(Drop reason) { ++counters.dropped[static_cast<std::size_t>(reason)]; }
     [[nodiscard]] const Limits& limits() const { return options.limits; }

@@ -1,7 +1,7 @@
 // Which broker a robot talks to: the nearest of those that discovery finds, by signal strength
 // where the radio tells, else by the time that an answer takes. A broker is left for a better one
-// only when that is clearly better, so that a robot between two brokers does not swing. A broker that
-// gets weaker makes it look around; one that answers no search any more is forgotten.
+// only when that is clearly better, so that a robot between two brokers does not swing. A broker
+// that gets weaker makes it look around; one that answers no search any more is forgotten.
 #pragma once
 
 #include <cstddef>

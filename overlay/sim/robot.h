@@ -1,8 +1,8 @@
 // A robot: the shipped client core, and an application that publishes numbered messages, subscribes
 // and writes down in the ledger what it asked for, what was acknowledged and what it got.
 //
-// A conforming client. It talks to one address until it roams to another one, which it does not tell
-// anybody; when the broker counts as lost or says DISCONNECT it connects again without clean
+// A conforming client. It talks to one address until it roams to another one, which it does not
+// tell anybody; when the broker counts as lost or says DISCONNECT it connects again without clean
 // session, and relies on its subscriptions being kept. Asleep, it publishes nothing.
 #pragma once
 
