@@ -32,7 +32,8 @@ using mqttsn::Qos;
 constexpr std::size_t brokers = 3;
 constexpr std::uint16_t port = 18830;
 constexpr Duration message_every = 50ms;  // 20 a second, to or from each robot
-constexpr Duration settle = 3s;           // for the last repetitions
+constexpr Duration settle = 1s;           // for late copies
+constexpr Duration arrives_within = 30s;  // QoS 1 and 2, after the last was handed over
 
 enum class Way : std::uint8_t { to_robots, from_robots };
 const char* to_text(Way way) {
@@ -192,6 +193,16 @@ void Run::drive(Duration time) {
     for (Roamer& roamer : roamers_) roamer.radio->set_out();
     run_until(net::now() + time, true);
     for (Roamer& roamer : roamers_) roamer.radio->stop();
+    const auto is_complete = [this] {
+        return std::ranges::all_of(roamers_, [](const Roamer& roamer) {
+            return roamer.book.arrived.size() >= roamer.book.sent_at.size();
+        });
+    };
+    const bool is_kept = outcome_.qos != Qos::at_most_once;
+    for (const Instant end = net::now() + arrives_within;
+         is_kept && net::now() < end && !is_complete();) {
+        io_.run_one_for(5ms);
+    }
     run_until(net::now() + settle, false);
     tell();
 }
@@ -307,7 +318,8 @@ void run_roaming(const ApplicationOptions& options) {
             name, options.broker_program,
             std::vector<std::string>{"--name", name, "--listen", row.address(i), "--domain",
                                      std::to_string(options.domain), "--interface", "lo",
-                                     "--gateway-id", std::to_string(i + 1)},
+                                     "--gateway-id", std::to_string(i + 1),
+                                     "--detection-timeout-ms", "500"},
             options.output / ("roaming-" + name + ".txt")));
     }
     BrokerWatch watch(io, row.broker(0), "roaming-watch", {.t_retry = 100ms, .n_retry = 200}, {});
