@@ -18,8 +18,8 @@ bool is_repetition(Bytes datagram) {
 
 }  // namespace
 
-void CutOff::on_view(const cluster::View& view, const HasEnded& has_ended) {
-    if (view.number == seen_ || view.members.empty()) return;
+bool CutOff::on_view(const cluster::View& view, const HasEnded& has_ended) {
+    if (view.number == seen_ || view.members.empty()) return false;
     seen_ = view.number;
     const bool was_possible = is_possible();
     missing_.merge(members_);
@@ -30,6 +30,7 @@ void CutOff::on_view(const cluster::View& view, const HasEnded& has_ended) {
     });
     if (!is_possible()) missing_.clear();
     if (!was_possible || !is_possible()) heard_.clear();
+    return was_possible && !is_possible();
 }
 
 void CutOff::on_heard(const Endpoint& client) {

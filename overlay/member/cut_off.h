@@ -23,8 +23,9 @@ public:
     /// `has_ended(member)`: that process is known to be gone; it did not just fall silent.
     using HasEnded = std::function<bool(const broker::LogId& member)>;
 
-    /// To be told of the view after each input.
-    void on_view(const cluster::View& view, const HasEnded& has_ended);
+    /// To be told of the view after each input. True when it has become impossible now: what was
+    /// withheld may be said.
+    bool on_view(const cluster::View& view, const HasEnded& has_ended);
     void on_heard(const Endpoint& client);
     [[nodiscard]] bool withholds(const Endpoint& client, Bytes datagram) const;
     [[nodiscard]] bool is_possible() const { return missing_.size() > present_; }

@@ -282,9 +282,14 @@ void Member::State::carry_out(Instant now, MemberActions& out) {
 }
 
 void Member::State::absorb(Instant now, MemberActions& out) {
-    cut_off_.on_view(cluster_.view(), [this](const LogId& member) {
+    const bool is_found = cut_off_.on_view(cluster_.view(), [this](const LogId& member) {
         return member.broker == log_.broker || cluster_.membership().has_ended(member);
     });
+    if (is_found) {
+        for (const Endpoint& address : cluster_.addresses().serving()) {
+            broker_.send_again(now, address, work_);
+        }
+    }
     server_.answer(now, broker_, work_);
     for (broker::Action& action : work_.list()) {
         if (auto* append = std::get_if<broker::Append>(&action)) {
