@@ -478,10 +478,14 @@ void ClusterCore::ask_for_gaps(Effects& effects) {
     }
 }
 
-/// A broker writes one log a life, and none of an earlier life once a later one was heard.
+/// A broker writes one log a life, and none of an earlier life once a later one was heard. While a
+/// peer still holds such a log, a session that comes to it must say what was worked through.
 void ClusterCore::forget_old_lives(Effects& effects) {
     const auto are_over = [this](const LogId& id) {
-        if (logs_.contains(id)) return false;
+        const bool is_held = std::ranges::any_of(membership_.peers(), [&id](const auto& entry) {
+            return std::ranges::count(entry.second.beacon.applied, id, &LogPosition::log) > 0;
+        });
+        if (is_held || logs_.contains(id)) return false;
         if (id.broker == own_.id().broker) return id.incarnation < own_.id().incarnation;
         const Peer* peer = membership_.find(id.broker);
         return peer != nullptr && id.incarnation < peer->beacon.log.incarnation;
