@@ -288,15 +288,14 @@ void DeliveryFlow::on_pubrec(Session& session, const mqttsn::Pubrec& message, Tu
     const bool ours = exchange.msg_id == message.msg_id;
     if (exchange.kind == Kind::publishing && ours &&
         session.queue.front().qos == Qos::exactly_once) {
-        Delivery& delivery = session.queue.front();
-        delivery.stage = DeliveryStage::released;
-        tables_.log.append(turn.out, [&] {
-            return DeliveryReleased{session.header.client_id, delivery.position};
-        });
-        open(session, Kind::releasing, delivery.msg_id, {});
+        release_front(session, turn);
+        open(session, Kind::releasing, message.msg_id, {});
         send_open(session, false, turn);
     } else if (exchange.kind == Kind::releasing && ours) {
         send_open(session, true, turn);
+    } else if (is_left_at(session, DeliveryStage::published, message.msg_id)) {
+        release_front(session, turn);
+        outbox_.send(session, mqttsn::Pubrel{message.msg_id}, Gate::logged, turn);
     } else {
         // We gave this message up or finished it: the client may finish it too.
         tables_.count(Drop::unexpected);
@@ -304,9 +303,27 @@ void DeliveryFlow::on_pubrec(Session& session, const mqttsn::Pubrec& message, Tu
     }
 }
 
+/// The client went to sleep amid the exchange, and its answer came behind its DISCONNECT: it holds
+/// the message, and forgets the id as soon as it is released.
+bool DeliveryFlow::is_left_at(Session& session, DeliveryStage stage, MsgId msg_id) {
+    if (session.exchange.is_open() || session.queue.empty()) return false;
+    const Delivery& delivery = session.queue.front();
+    return delivery.qos == Qos::exactly_once && delivery.stage == stage &&
+           delivery.msg_id == msg_id;
+}
+
+void DeliveryFlow::release_front(Session& session, Turn& turn) {
+    Delivery& delivery = session.queue.front();
+    delivery.stage = DeliveryStage::released;
+    tables_.log.append(turn.out, [&] {
+        return DeliveryReleased{session.header.client_id, delivery.position};
+    });
+}
+
 void DeliveryFlow::on_pubcomp(Session& session, const mqttsn::Pubcomp& message, Turn& turn) {
     const Exchange& exchange = session.exchange;
-    if (exchange.kind != Kind::releasing || exchange.msg_id != message.msg_id) {
+    const bool ours = exchange.kind == Kind::releasing && exchange.msg_id == message.msg_id;
+    if (!ours && !is_left_at(session, DeliveryStage::released, message.msg_id)) {
         tables_.count(Drop::unexpected);
         return;
     }

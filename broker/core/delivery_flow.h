@@ -79,6 +79,9 @@ private:
     [[nodiscard]] Duration patience_with(Session& session);
     [[nodiscard]] bool names_known_id(Session& session);
     void give_up(Session& session, Turn& turn);
+    [[nodiscard]] static bool is_left_at(Session& session, DeliveryStage stage,
+                                         mqttsn::MsgId msg_id);
+    void release_front(Session& session, Turn& turn);
     void fall_asleep(Session& session, Turn& turn);
     [[nodiscard]] static mqttsn::MsgId next_msg_id(Session& session);
 

@@ -53,7 +53,8 @@ public:
         (void)kind_of_data;
     }
     /// Every message that the node does not answer by itself: data, sensors, heartbeats, lists of
-    /// nodes, the application's own types. Movements go to the mailbox instead.
+    /// nodes, the application's own types. Movements go to the mailbox instead. The topic is empty
+    /// when it came under a predefined id.
     virtual void on_message(std::string_view topic, const message::Message& message) {
         (void)topic;
         (void)message;

@@ -19,7 +19,7 @@ class AnyPort final : public node::Port {
 public:
     void send(Bytes datagram) override { REQUIRE(mqttsn::decode(datagram).has_value()); }
     void on_message(std::string_view topic, const message::Message&) override {
-        REQUIRE(!topic.empty());
+        REQUIRE(topic.size() <= 255);  // empty: the broker used a predefined id
     }
 };
 

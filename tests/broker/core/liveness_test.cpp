@@ -154,6 +154,36 @@ TEST_F(Living, SleeperUnderAWildcardIsToldNamesWhenAwake) {  // 6.14b, Paho issu
     robot.hears<Pingresp>();
 }
 
+// Else the message came again under an id that the client has forgotten.
+TEST_F(Living, AnswersThatComeBehindTheDisconnectEndTheExchange) {  // 6.14, QoS 2
+    robot.connects();
+    robot.subscribes("cmd", Qos::exactly_once);
+    publisher.connects();
+    publishes("x", Qos::exactly_once);
+    const MsgId msg_id = robot.hears<Publish>().msg_id;
+    falls_asleep(100);
+    robot.says(Pubrec{msg_id});
+    EXPECT_EQ(robot.hears<Pubrel>().msg_id, msg_id);
+    robot.says(Pubcomp{msg_id});
+    robot.says(Pingreq{"robot"});
+    robot.hears<Pingresp>();
+}
+
+TEST_F(Living, ASleeperThatWasReleasedIsAskedToCompleteWhenItWakesUp) {  // 6.14, QoS 2
+    robot.connects();
+    robot.subscribes("cmd", Qos::exactly_once);
+    publisher.connects();
+    publishes("x", Qos::exactly_once);
+    const MsgId msg_id = robot.hears<Publish>().msg_id;
+    falls_asleep(100);
+    robot.says(Pubrec{msg_id});
+    robot.hears<Pubrel>();
+    robot.says(Pingreq{"robot"});
+    EXPECT_EQ(robot.hears<Pubrel>().msg_id, msg_id);
+    robot.says(Pubcomp{msg_id});
+    robot.hears<Pingresp>();
+}
+
 TEST_F(Living, SleeperThatStaysAwayIsLost) {  // 6.14
     robot.connects();
     falls_asleep(100);
