@@ -97,7 +97,8 @@ std::vector<Point> read_points(const Options& options) {
                                 .lost = count(7),
                                 .suspicions = count(8),
                                 .take_overs = count(9)}};
-        for (const Trial& trial : Results(with_timeout(options, point.timeout_ms)).trials()) {
+        const Results results(with_timeout(options, point.timeout_ms));
+        for (const Trial& trial : results.trials()) {
             if (trial.total_ms) point.failovers_ms.push_back(*trial.total_ms);
         }
         points.push_back(std::move(point));
