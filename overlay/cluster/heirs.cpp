@@ -14,6 +14,13 @@ std::optional<Seq> held_of(const ViewHoldings& holdings, const LogId& log) {
     return std::nullopt;
 }
 
+/// Holds some of it, so that a tail completes it. One that has just started knows that the log is
+/// there, and no more.
+bool knows(const ViewHoldings& holdings, const LogId& log, Seq end) {
+    const auto held = held_of(holdings, log);
+    return held && (*held > 0 || end == 0);
+}
+
 /// The member that answers on the address now, or was told to.
 std::optional<BrokerId> present_server(const Answers& answers, const Membership& membership,
                                        const Endpoint& address) {
@@ -52,11 +59,11 @@ std::map<BrokerId, std::uint64_t> loads(const Answers& answers, const Membership
 }
 
 /// The least loaded member that knows the log.
-std::optional<BrokerId> least_loaded(const Answers& answers, const LogId& log,
+std::optional<BrokerId> least_loaded(const Answers& answers, const LogId& log, Seq end,
                                      const std::map<BrokerId, std::uint64_t>& load) {
     std::optional<BrokerId> best;
     for (const auto& [member, holdings] : answers.holdings) {
-        if (!held_of(holdings, log)) continue;
+        if (!knows(holdings, log, end)) continue;
         if (!best || load.at(member.broker) < load.at(*best)) best = member.broker;
     }
     return best;
@@ -94,9 +101,9 @@ std::vector<Assignment> assign(const Answers& answers, const std::map<LogId, Seq
         if (!heir) heir = owner(answers, membership, address);
         // One that serves the address but does not know the log gets the sessions from an heir.
         if (!heir || std::ranges::none_of(answers.holdings, [&](const auto& entry) {
-                return entry.first.broker == *heir && held_of(entry.second, log).has_value();
+                return entry.first.broker == *heir && knows(entry.second, log, end->second);
             })) {
-            heir = least_loaded(answers, log, load);
+            heir = least_loaded(answers, log, end->second, load);
         }
         if (!heir) continue;
         chosen.try_emplace(address, *heir);

@@ -107,6 +107,14 @@ TEST_F(Heirs, AnAddressGoesToItsOwnBrokerWhenThatIsThere) {
     EXPECT_EQ(heir_of(address(9)), b2.broker);
 }
 
+// It has just come back, and its snapshot of the log was still on its way when the writer died.
+TEST_F(Heirs, OneThatKnowsOfTheLogAndHoldsNothingOfItDoesNotInherit) {
+    beacon(b3, {}, 0, {address(9)});
+    holds(b2, 40, {address(9)});
+    holds(b3, 0);
+    EXPECT_EQ(heir_of(address(9)), b2.broker);
+}
+
 TEST_F(Heirs, OnlyOneThatHoldsTheLogInherits) {
     holds(b1, 9, {address(9)});
     EXPECT_EQ(heir_of(address(9)), b1.broker);
