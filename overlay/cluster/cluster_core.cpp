@@ -215,16 +215,11 @@ void ClusterCore::on_view(Effects& effects, const ViewAnnouncement& announcement
     // silent, at the very moment at which it takes the address over.
     for (const LogPosition& end : announcement.ends) membership_.on_left_out(effects.now, end.log);
     for (const auto& [id, log] : logs_) {
-        const auto shown = in_tables_.find(id.broker);
-        if (log.is_frozen() && shown != in_tables_.end() && shown->second == id) {
-            forget_tables(id.broker);
-        }
+        if (log.is_frozen() && is_in_tables(id)) forget_tables(id.broker);
     }
     for (const LogId& member : view().members) {
         const auto log = logs_.find(member);
-        const auto shown = in_tables_.find(member.broker);
-        if (log == logs_.end() || (shown != in_tables_.end() && shown->second == member)) continue;
-        reset_tables(member, log->second);
+        if (log != logs_.end() && !is_in_tables(member)) reset_tables(member, log->second);
     }
     // Another member hands us what our earlier life left at our address, if it has not done so yet.
     for (const Assignment& assignment : announcement.assignments) {
@@ -415,9 +410,8 @@ void ClusterCore::apply_event(Effects& effects, const LogId& id, PeerLog& log) {
     if (!log.is_frozen()) {
         interest_.on_event(id.broker, event);
         homes_.on_event(id.broker, event);
-    } else if (const auto shown = in_tables_.find(id.broker);
-               shown != in_tables_.end() && shown->second == id) {
-        in_tables_.erase(shown);  // they lack this event
+    } else if (is_in_tables(id)) {
+        in_tables_.erase(id.broker);  // they lack this event
     }
     MessagePtr published;
     if (const auto* publish = std::get_if<broker::Published>(&event)) published = publish->message;
@@ -457,6 +451,11 @@ void ClusterCore::reset_tables(const LogId& id, const PeerLog& log) {
     interest_.reset(id.broker, log.mirror());
     homes_.reset(id.broker, log.mirror());
     in_tables_.insert_or_assign(id.broker, id);
+}
+
+bool ClusterCore::is_in_tables(const LogId& id) const {
+    const auto shown = in_tables_.find(id.broker);
+    return shown != in_tables_.end() && shown->second == id;
 }
 
 void ClusterCore::forget_tables(BrokerId peer) {
@@ -508,8 +507,7 @@ void ClusterCore::trim(Effects& effects) {
         }
         if (now < gone_since_.try_emplace(id, now).first->second + removed_kept_for) return false;
         watermark_.forget(id);
-        const auto shown = in_tables_.find(id.broker);
-        if (shown != in_tables_.end() && shown->second == id) forget_tables(id.broker);
+        if (is_in_tables(id)) forget_tables(id.broker);
         gone_since_.erase(id);
         return true;
     });

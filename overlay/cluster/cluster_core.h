@@ -163,6 +163,7 @@ private:
     /// Interest and homes follow the events of logs that are not frozen.
     void reset_tables(const LogId& id, const PeerLog& log);
     void forget_tables(BrokerId peer);
+    [[nodiscard]] bool is_in_tables(const LogId& id) const;
     /// Tries again for addresses that should be served here and are served by nobody.
     void seek_addresses(Effects& effects);
     void ask_for_gaps(Effects& effects);
