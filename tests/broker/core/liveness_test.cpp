@@ -20,6 +20,17 @@ protected:
         EXPECT_EQ(state_of(robot), SessionState::asleep);
     }
 
+    /// PUBLISH was heard, and DISCONNECT said before the answer.
+    MsgId falls_asleep_amid_qos2() {
+        robot.connects();
+        robot.subscribes("cmd", Qos::exactly_once);
+        publisher.connects();
+        publishes("x", Qos::exactly_once);
+        const MsgId msg_id = robot.hears<Publish>().msg_id;
+        falls_asleep(100);
+        return msg_id;
+    }
+
     void publishes(std::string_view data, Qos qos) {
         publisher.publishes(publisher.registers("cmd"), data, qos);
     }
@@ -156,12 +167,7 @@ TEST_F(Living, SleeperUnderAWildcardIsToldNamesWhenAwake) {  // 6.14b, Paho issu
 
 // Else the message came again under an id that the client has forgotten.
 TEST_F(Living, AnswersThatComeBehindTheDisconnectEndTheExchange) {  // 6.14, QoS 2
-    robot.connects();
-    robot.subscribes("cmd", Qos::exactly_once);
-    publisher.connects();
-    publishes("x", Qos::exactly_once);
-    const MsgId msg_id = robot.hears<Publish>().msg_id;
-    falls_asleep(100);
+    const MsgId msg_id = falls_asleep_amid_qos2();
     robot.says(Pubrec{msg_id});
     EXPECT_EQ(robot.hears<Pubrel>().msg_id, msg_id);
     robot.says(Pubcomp{msg_id});
@@ -170,12 +176,7 @@ TEST_F(Living, AnswersThatComeBehindTheDisconnectEndTheExchange) {  // 6.14, QoS
 }
 
 TEST_F(Living, ASleeperThatWasReleasedIsAskedToCompleteWhenItWakesUp) {  // 6.14, QoS 2
-    robot.connects();
-    robot.subscribes("cmd", Qos::exactly_once);
-    publisher.connects();
-    publishes("x", Qos::exactly_once);
-    const MsgId msg_id = robot.hears<Publish>().msg_id;
-    falls_asleep(100);
+    const MsgId msg_id = falls_asleep_amid_qos2();
     robot.says(Pubrec{msg_id});
     robot.hears<Pubrel>();
     robot.says(Pingreq{"robot"});
