@@ -340,6 +340,8 @@ void BrokerCore::forget_logs(const std::function<bool(const LogId&)>& are_over, 
 
 bool BrokerCore::adopt(Instant now, SessionImage image, std::span<const MessagePtr> missed,
                        Actions& out) {
+    // The image that goes into the log is worked through up to here, and its mirrors must know.
+    append_cursors(out);
     Turn turn{now, out};
     return state_->adoption.adopt(std::move(image), missed, turn);
 }

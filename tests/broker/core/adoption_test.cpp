@@ -183,6 +183,26 @@ TEST_F(Adoption, WhatTheOldHomeHadWorkedThroughIsNotDeliveredAgain) {
     robot.hears_nothing();
 }
 
+// P3: or the next heir would queue once more what this one had queued when it died.
+TEST_F(Adoption, TheHeirsLogSaysHowFarTheSessionWasWorkedThrough) {
+    robot.connects(false);
+    robot.subscribes("cmd");
+    const LogId peer{broker_id_of("peer"), 1};
+    const MessagePtr missed{Message{.topic = "cmd",
+                                    .payload = octets_of("once"),
+                                    .qos = Qos::exactly_once,
+                                    .position = {peer, 7},
+                                    .published_at = {}}};
+    heir.core.on_peer_message(heir.now, missed, heir.actions);  // for none of its own
+    heir.drain();
+    EXPECT_TRUE(heir.core.adopt(heir.now, image_of(home, "robot"), {&missed, 1}, heir.actions));
+    heir.drain();
+    for (const LogEvent& event : heir.log) heir.mirror.apply(heir.mirror.applied() + 1, event);
+    const auto image = *heir.mirror.image("robot");
+    EXPECT_EQ(std::ranges::count(image.deliveries, missed->position, &Delivery::position), 1);
+    EXPECT_EQ(std::ranges::count(image.worked_through, missed->position), 1);
+}
+
 // P2: its writer is out of the heir's sight, and comes back with the message after a heal.
 TEST_F(Adoption, AQueuedMessageThatTheHeirDoesNotKnowIsDeliveredWhenItComes) {
     robot.connects(false);

@@ -159,6 +159,30 @@ TEST(ClusterScenarios, HomesOfAPublisherAndOfASubscriberDieTogetherBehindAPublis
     }
 }
 
+// What the heir had caught up with is not caught up with once more by the next one.
+TEST(ClusterScenarios, AnHeirDiesInTheMomentInWhichItHasAdopted) {
+    for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+        SCOPED_TRACE("seed " + std::to_string(seed));
+        ClusterWorldOptions options;
+        options.seed = seed;
+        options.cluster.acks = 2;
+        Scenario scenario(options);
+        ClusterWorld& world = scenario.world;
+        scenario.add("listener", 0, "", "pose");
+        scenario.add("talker", 2, "pose", "");
+        scenario.begin();
+        scenario.publish(true);
+        world.run_for(1s);
+        world.broker(0).crash();
+        ASSERT_TRUE(world.run_until([&] { return world.home_of("listener") == 1U; }, 1s, 100us));
+        world.run_for(std::chrono::microseconds{seed * 100});
+        world.broker(1).crash();
+        world.run_for(1s);
+        scenario.expect_all_promises_kept();
+        scenario.expect_nobody_noticed();
+    }
+}
+
 TEST_F(ClusterScenario, NewcomerLearnsWhatWasRetainedByOneWhoseDeathIsNotNoticedYet) {
     Robot& talker = add("talker", 0, "", "");
     begin();
