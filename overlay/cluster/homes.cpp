@@ -1,5 +1,7 @@
 #include "overlay/cluster/homes.h"
 
+#include <algorithm>
+
 namespace romano::cluster {
 
 void Homes::on_event(BrokerId peer, const broker::LogEvent& event) {
@@ -18,17 +20,14 @@ void Homes::reset(BrokerId peer, const broker::Mirror& sessions) {
 }
 
 void Homes::forget(BrokerId peer) {
-    std::erase_if(by_client_, [&](const auto& entry) {
-        if (entry.second.broker != peer) return false;
-        by_address_.erase(entry.second.address);
-        return true;
-    });
+    for (auto& [client, claims] : by_client_) take_back(peer, client, claims);
+    std::erase_if(by_client_, [](const auto& entry) { return entry.second.empty(); });
 }
 
 std::optional<Home> Homes::of(const broker::ClientId& client) const {
     const auto found = by_client_.find(client);
     if (found == by_client_.end()) return std::nullopt;
-    return Home{client, found->second.broker};
+    return Home{client, found->second.back().broker};
 }
 
 std::optional<Home> Homes::at(const broker::ClientAddress& address) const {
@@ -37,21 +36,27 @@ std::optional<Home> Homes::at(const broker::ClientAddress& address) const {
 }
 
 void Homes::put(BrokerId peer, const broker::SessionHeader& header) {
-    Entry& entry = by_client_[header.client_id];
-    const auto former = by_address_.find(entry.address);
-    if (former != by_address_.end() && former->second == header.client_id) {
-        by_address_.erase(former);
-    }
-    entry = {peer, header.address};
+    Claims& claims = by_client_[header.client_id];
+    take_back(peer, header.client_id, claims);
+    claims.push_back({peer, header.address});
     by_address_.insert_or_assign(header.address, header.client_id);
 }
 
 void Homes::erase(BrokerId peer, const broker::ClientId& client) {
     const auto found = by_client_.find(client);
-    if (found == by_client_.end() || found->second.broker != peer) return;
-    const auto address = by_address_.find(found->second.address);
-    if (address != by_address_.end() && address->second == client) by_address_.erase(address);
-    by_client_.erase(found);
+    if (found == by_client_.end()) return;
+    take_back(peer, client, found->second);
+    if (found->second.empty()) by_client_.erase(found);
+}
+
+void Homes::take_back(BrokerId peer, const broker::ClientId& client, Claims& claims) {
+    const auto claim = std::ranges::find(claims, peer, &Claim::broker);
+    if (claim == claims.end()) return;
+    const broker::ClientAddress address = claim->address;
+    claims.erase(claim);
+    if (std::ranges::count(claims, address, &Claim::address) > 0) return;
+    const auto known = by_address_.find(address);
+    if (known != by_address_.end() && known->second == client) by_address_.erase(known);
 }
 
 }  // namespace romano::cluster

@@ -1,11 +1,12 @@
 // Which peer is home to which client, by client id and by address. Kept from the events of their
-// logs.
+// logs. While two peers say so, as after a heal, the one that said so last counts; when that one
+// takes it back, the other is left.
 #pragma once
 
-#include <map>
 #include <optional>
 #include <string>
 #include <unordered_map>
+#include <vector>
 
 #include "broker/core/mirror.h"
 #include "overlay/cluster/messages.h"
@@ -28,14 +29,17 @@ public:
     [[nodiscard]] std::optional<Home> at(const broker::ClientAddress& address) const;
 
 private:
-    void put(BrokerId peer, const broker::SessionHeader& header);
-    void erase(BrokerId peer, const broker::ClientId& client);
-
-    struct Entry {
+    struct Claim {
         BrokerId broker;
         broker::ClientAddress address;
     };
-    std::unordered_map<broker::ClientId, Entry> by_client_;  // the newest to say so
+    using Claims = std::vector<Claim>;  // one a peer, the newest last; never empty
+
+    void put(BrokerId peer, const broker::SessionHeader& header);
+    void erase(BrokerId peer, const broker::ClientId& client);
+    void take_back(BrokerId peer, const broker::ClientId& client, Claims& claims);
+
+    std::unordered_map<broker::ClientId, Claims> by_client_;
     std::unordered_map<broker::ClientAddress, broker::ClientId, broker::ClientAddressHash>
         by_address_;
 };

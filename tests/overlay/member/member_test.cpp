@@ -409,6 +409,26 @@ TEST(Member, ARoamingClientIsServedWithoutAnyConnect) {
     expect_unnoticed(robot);
 }
 
+// The robot's broker and broker 2 hear each other all the time; broker 3 alone took the robot over.
+TEST(Member, ARoamingClientIsFoundThoughAnHeirThatWasCutOffHadItMeanwhile) {
+    Brokers brokers;
+    start(brokers, {1, 2, 3});
+    Robot& robot = subscriber(brokers, "robot", 1, Qos::exactly_once);
+    brokers.cut(1, 3);
+    brokers.cut(2, 3);
+    brokers.run_for(settling);
+    ASSERT_THAT(brokers.sessions_at(3), ElementsAre("robot"));
+    brokers.heal();
+    brokers.run_for(settling);
+    ASSERT_THAT(brokers.sessions_at(3), IsEmpty());
+    robot.move_to(broker_address(2));
+    robot.publish("pose", "1", Qos::exactly_once);
+    brokers.run_for(500ms);
+    EXPECT_THAT(robot.received(), ElementsAre("1"));
+    EXPECT_THAT(brokers.sessions_at(2), ElementsAre("robot"));
+    expect_unnoticed(robot);
+}
+
 TEST(Member, StrictAcknowledgementRefusesWhatALoneBrokerCannotKeep) {
     cluster::ClusterOptions strict;
     strict.acks_strict = true;
