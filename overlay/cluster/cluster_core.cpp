@@ -56,7 +56,6 @@ void ClusterCore::on_tick(Effects& effects, const std::set<Endpoint>& pending_ou
     hand_back_.compare(effects.now, membership_, addresses_);
     hand_back_.carry_on(effects, membership_, view(), addresses_, pending_output);
     settlement_.carry_on(effects, logs(), membership_, hand_back_);
-    roaming_.carry_on(effects.now);
     after_input(effects);
     if (effects.now < next_tick_) return;
     next_tick_ = effects.now + options_.beacon_every;
@@ -122,6 +121,7 @@ void ClusterCore::after_input(Effects& effects) {
     if (!listens_only_) membership_.send_ballots(effects.peers);
     take_over_.carry_on(effects, logs(), membership_, view(), addresses_);
     handoffs_.carry_on(effects, safe());
+    roaming_.carry_on(effects, homes_, membership_, view());
     break_silence(effects);
     // Others wait for these news.
     const bool news = leadership() != last_leadership_ || view().number != last_view_;
@@ -215,7 +215,7 @@ void ClusterCore::on_view(Effects& effects, const ViewAnnouncement& announcement
     // silent, at the very moment at which it takes the address over.
     for (const LogPosition& end : announcement.ends) membership_.on_left_out(effects.now, end.log);
     for (const auto& [id, log] : logs_) {
-        if (log.is_frozen() && is_in_tables(id)) forget_tables(id.broker);
+        if (log.is_frozen() && is_in_tables(id)) forget_interest(id.broker);
     }
     for (const LogId& member : view().members) {
         const auto log = logs_.find(member);
@@ -316,6 +316,13 @@ void ClusterCore::restart(Effects& effects, LogId log) {
 }
 
 // --- logs
+
+void ClusterCore::append(Seq seq, LogEvent event) {
+    if (const auto* session = std::get_if<broker::SessionPut>(&event)) {
+        forget_dead_homes(session->image.header.client_id);
+    }
+    own_.append(seq, std::move(event));
+}
 
 void ClusterCore::flush(Outbox& out) {
     own_.flush(out);
@@ -438,6 +445,7 @@ void ClusterCore::apply_event(Effects& effects, const LogId& id, PeerLog& log) {
     }
     if (!put.empty() && !log.is_frozen()) {
         mark_taken(put);
+        forget_dead_homes(put);
         settlement_.on_peer_session(effects, id.broker, put);
     }
 }
@@ -445,6 +453,13 @@ void ClusterCore::apply_event(Effects& effects, const LogId& id, PeerLog& log) {
 /// A peer is home to the client now: what the dead left of it is nobody's to adopt any more.
 void ClusterCore::mark_taken(const broker::ClientId& client) {
     for (auto& [id, log] : logs_) log.mark_taken(client);
+}
+
+/// The client has a living home.
+void ClusterCore::forget_dead_homes(const broker::ClientId& client) {
+    for (const auto& [id, log] : logs_) {
+        if (!in_tables_.contains(id.broker)) homes_.forget(id.broker, client);
+    }
 }
 
 void ClusterCore::reset_tables(const LogId& id, const PeerLog& log) {
@@ -458,9 +473,8 @@ bool ClusterCore::is_in_tables(const LogId& id) const {
     return shown != in_tables_.end() && shown->second == id;
 }
 
-void ClusterCore::forget_tables(BrokerId peer) {
+void ClusterCore::forget_interest(BrokerId peer) {
     interest_.forget(peer);
-    homes_.forget(peer);
     in_tables_.erase(peer);
 }
 
@@ -507,7 +521,8 @@ void ClusterCore::trim(Effects& effects) {
         }
         if (now < gone_since_.try_emplace(id, now).first->second + removed_kept_for) return false;
         watermark_.forget(id);
-        if (is_in_tables(id)) forget_tables(id.broker);
+        if (is_in_tables(id)) forget_interest(id.broker);
+        if (!in_tables_.contains(id.broker)) homes_.forget(id.broker);
         gone_since_.erase(id);
         return true;
     });
@@ -553,7 +568,6 @@ void ClusterCore::on(Effects& effects, BrokerId from, const AddressBound& bound)
 void ClusterCore::on(Effects& effects, BrokerId from, const SessionHandoff& part) {
     if (!handoffs_.on_handoff(effects, logs(), from, part)) return;
     hand_back_.on_handed_over(part.address);
-    for (const auto& image : part.sessions) roaming_.on_handed_over(image.header.client_id);
 }
 
 void ClusterCore::on(Effects& effects, BrokerId from, const HandoffAck& ack) {

@@ -55,7 +55,7 @@ public:
     }
 
     // --- the own log
-    void append(Seq seq, LogEvent event) { own_.append(seq, std::move(event)); }
+    void append(Seq seq, LogEvent event);
     void flush(Outbox& out);
     /// To peers with a matching subscriber.
     void forward(const MessagePtr& message, Outbox& out) const;
@@ -162,7 +162,8 @@ private:
     void break_silence(Effects& effects);
     /// Interest and homes follow the events of logs that are not frozen.
     void reset_tables(const LogId& id, const PeerLog& log);
-    void forget_tables(BrokerId peer);
+    void forget_dead_homes(const broker::ClientId& client);
+    void forget_interest(BrokerId peer);
     [[nodiscard]] bool is_in_tables(const LogId& id) const;
     /// Tries again for addresses that should be served here and are served by nobody.
     void seek_addresses(Effects& effects);

@@ -10,7 +10,7 @@ void Homes::on_event(BrokerId peer, const broker::LogEvent& event) {
     } else if (const auto* changed = std::get_if<broker::SessionChanged>(&event)) {
         put(peer, changed->header);
     } else if (const auto* erased = std::get_if<broker::SessionErased>(&event)) {
-        erase(peer, erased->client_id);
+        forget(peer, erased->client_id);
     }
 }
 
@@ -42,7 +42,7 @@ void Homes::put(BrokerId peer, const broker::SessionHeader& header) {
     by_address_.insert_or_assign(header.address, header.client_id);
 }
 
-void Homes::erase(BrokerId peer, const broker::ClientId& client) {
+void Homes::forget(BrokerId peer, const broker::ClientId& client) {
     const auto found = by_client_.find(client);
     if (found == by_client_.end()) return;
     take_back(peer, client, found->second);

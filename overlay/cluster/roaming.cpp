@@ -1,6 +1,7 @@
 #include "overlay/cluster/roaming.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "romano/mqttsn/decode.h"
 
@@ -31,23 +32,33 @@ bool Roaming::on_datagram(Effects& effects, const Endpoint& from, Bytes datagram
     const auto home = named ? homes.of(*named) : homes.at({from, {}});
     if (!home || fetching_.size() >= fetching_most) return false;
     if (effects.broker.serves(from, datagram)) return false;
-    const Peer* peer = membership.find(home->broker);
-    if (peer == nullptr || !peer->alive ||
-        !std::ranges::binary_search(view.members, peer->beacon.log)) {
-        return false;
-    }
-    fetching_.insert_or_assign(from, Fetching{home->client_id, effects.now});
-    effects.peers.push_back({home->broker, SessionRequest{home->client_id}});
+    Fetching fetching{.client = home->client_id, .since = effects.now, .asked = std::nullopt};
+    ask(effects, fetching, homes, membership, view);
+    fetching_.insert_or_assign(from, std::move(fetching));
     return true;
 }
 
-void Roaming::on_handed_over(const broker::ClientId& client) {
-    std::erase_if(fetching_, [&](const auto& entry) { return entry.second.client == client; });
+void Roaming::carry_on(Effects& effects, const Homes& homes, const Membership& membership,
+                       const View& view) {
+    std::erase_if(fetching_, [&](const auto& entry) {
+        const bool is_here = effects.broker.header(entry.second.client) != nullptr;
+        return is_here || effects.now > entry.second.since + 2 * patience_;
+    });
+    for (auto& [from, fetching] : fetching_) ask(effects, fetching, homes, membership, view);
 }
 
-void Roaming::carry_on(Instant now) {
-    std::erase_if(fetching_,
-                  [&](const auto& entry) { return now > entry.second.since + 2 * patience_; });
+void Roaming::ask(Effects& effects, Fetching& fetching, const Homes& homes,
+                  const Membership& membership, const View& view) {
+    const auto home = homes.of(fetching.client);
+    if (!home || home->broker == fetching.asked) return;
+    const Peer* peer = membership.find(home->broker);
+    if (peer == nullptr || !peer->alive ||
+        !std::ranges::binary_search(view.members, peer->beacon.log)) {
+        return;
+    }
+    fetching.since = effects.now;
+    fetching.asked = home->broker;
+    effects.peers.push_back({home->broker, SessionRequest{fetching.client}});
 }
 
 }  // namespace romano::cluster

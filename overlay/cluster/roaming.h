@@ -1,5 +1,6 @@
 // A client whose session is homed at a peer talks to us: fetch the session, one round trip, and let
-// its datagrams wait meanwhile (design section 3, "Roaming").
+// its datagrams wait meanwhile (design section 3, "Roaming"). Has the home died, they wait for the
+// heir's word, and the session is fetched from there.
 //
 // Bounded: so many clients at a time, and each for so long; without an answer the datagram is
 // handled as that of a stranger.
@@ -22,8 +23,9 @@ public:
     /// True when the datagram shall wait: its session is asked for.
     bool on_datagram(Effects& effects, const Endpoint& from, Bytes datagram, const Homes& homes,
                      const Membership& membership, const View& view);
-    void on_handed_over(const broker::ClientId& client);
-    void carry_on(Instant now);
+    /// Looks again who is home to those whose sessions are awaited.
+    void carry_on(Effects& effects, const Homes& homes, const Membership& membership,
+                  const View& view);
     [[nodiscard]] bool is_fetching(const Endpoint& from) const { return fetching_.contains(from); }
     void restart() { fetching_.clear(); }
 
@@ -31,7 +33,11 @@ private:
     struct Fetching {
         broker::ClientId client;
         Instant since;
+        std::optional<BrokerId> asked;  // none: its home cannot answer
     };
+
+    static void ask(Effects& effects, Fetching& fetching, const Homes& homes,
+                    const Membership& membership, const View& view);
 
     Duration patience_;
     std::map<Endpoint, Fetching> fetching_;

@@ -65,6 +65,23 @@ TEST_F(MemberInCells, TheSessionOutlivesItsHomeAndIsFoundInTheNextCell) {
     EXPECT_EQ(rover->rejections(), 0);
 }
 
+/// However far the others are with the take-over when the robot speaks first.
+TEST_F(MemberInCells, TheSessionIsFoundWhileItsHomeIsBeingReplaced) {
+    int cell = 1;
+    for (int delay = 0; delay <= 120; delay += 8) {
+        const int next = cell % 3 + 1;
+        brokers.kill(cell);
+        brokers.run_for(std::chrono::milliseconds{delay});
+        drive(next);
+        ASSERT_EQ(rover->rejections(), 0) << delay << " ms after its home's death";
+        brokers.start(cell);
+        brokers.run_for(2s);
+        cell = next;
+    }
+    tell("1");
+    EXPECT_THAT(rover->received(), ElementsAre("1"));
+}
+
 TEST_F(MemberInCells, AReturningBrokerTakesNothingFromOtherCells) {
     drive(2);
     brokers.kill(1);
