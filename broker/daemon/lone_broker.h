@@ -17,7 +17,7 @@
 
 namespace romano::daemon {
 
-class LoneBroker : public RunningBroker, private net::DatagramHandler {
+class LoneBroker final : public RunningBroker, private net::DatagramHandler {
 public:
     /// Throws Refusal.
     LoneBroker(boost::asio::io_context& io, const Settings& settings, const OnServing& on_serving);

@@ -40,7 +40,7 @@ bool listens(const std::string& address, std::uint16_t port) {
 
 }  // namespace
 
-MosquittoServer::MosquittoServer(fs::path folder, std::vector<std::string> addresses,
+MosquittoServer::MosquittoServer(const fs::path& folder, std::vector<std::string> addresses,
                                  std::uint16_t port, bool tls)
     : folder_(fs::absolute(folder)), addresses_(std::move(addresses)), port_(port), tls_(tls) {
     fs::create_directories(folder_);

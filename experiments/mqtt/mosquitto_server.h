@@ -15,7 +15,7 @@ namespace romano::experiments {
 class MosquittoServer {
 public:
     /// Listens at each of these IP addresses. Throws std::runtime_error when it does not start.
-    MosquittoServer(std::filesystem::path folder, std::vector<std::string> addresses,
+    MosquittoServer(const std::filesystem::path& folder, std::vector<std::string> addresses,
                     std::uint16_t port, bool tls = true);
 
     void start();

@@ -33,6 +33,7 @@ std::vector<PlotPoint> medians_of(const PlotSeries& series) {
     std::map<double, std::vector<double>> at;
     for (const PlotPoint& point : series.points) at[point.x].push_back(point.y);
     std::vector<PlotPoint> medians;
+    medians.reserve(at.size());
     for (auto& [x, ys] : at) {
         medians.push_back({.x = x, .y = *Percentiles{std::move(ys)}.at(0.5)});
     }
