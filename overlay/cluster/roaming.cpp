@@ -24,6 +24,24 @@ std::optional<broker::ClientId> named_client(Bytes datagram) {
     return std::nullopt;
 }
 
+/// Not of a session: searching for gateways (6.1) and publishing without a connection (6.8).
+bool is_of_session(Bytes datagram) {
+    const auto frame = mqttsn::decode_frame(datagram);
+    if (!frame) return false;
+    switch (frame->type) {
+        case mqttsn::MsgType::advertise:
+        case mqttsn::MsgType::searchgw:
+        case mqttsn::MsgType::gwinfo:
+            return false;
+        case mqttsn::MsgType::publish: {
+            const auto publish = mqttsn::decode_publish(frame->body);
+            return publish && publish->qos != mqttsn::Qos::without_connection;
+        }
+        default:
+            return true;
+    }
+}
+
 }  // namespace
 
 bool Roaming::on_datagram(Effects& effects, const Endpoint& from, Bytes datagram,
@@ -31,7 +49,7 @@ bool Roaming::on_datagram(Effects& effects, const Endpoint& from, Bytes datagram
     const auto named = named_client(datagram);
     const auto home = named ? homes.of(*named) : homes.at({from, {}});
     if (!home || fetching_.size() >= fetching_most) return false;
-    if (effects.broker.serves(from, datagram)) return false;
+    if (!is_of_session(datagram) || effects.broker.serves(from, datagram)) return false;
     Fetching fetching{.client = home->client_id, .since = effects.now, .asked = std::nullopt};
     ask(effects, fetching, homes, membership, view);
     fetching_.insert_or_assign(from, std::move(fetching));

@@ -13,6 +13,7 @@ using namespace std::chrono_literals;
 using mqttsn::Qos;
 using testing::Contains;
 using testing::ElementsAre;
+using testing::IsEmpty;
 using testing::Not;
 
 class MemberInCells : public testing::Test {
@@ -52,6 +53,19 @@ TEST_F(MemberInCells, TheSessionFollowsTheRobot) {
     tell("3");
     EXPECT_THAT(rover->received(), ElementsAre("1", "2", "3"));
     EXPECT_EQ(rover->rejections(), 0);
+}
+
+/// The brokers around hear a robot that looks for a nearer one; its home goes on.
+TEST_F(MemberInCells, TheSessionStaysWhileTheRobotOnlySearchesOrSpeaksToEverybody) {
+    brokers.drive(*rover, 2);
+    rover->search();
+    rover->publish_without_connection(mqttsn::TopicId{7}, "hello");
+    brokers.run_for(500ms);
+    brokers.drive(*rover, 1);
+    EXPECT_THAT(brokers.sessions_at(1), ElementsAre("rover"));
+    EXPECT_THAT(brokers.sessions_at(2), IsEmpty());
+    tell("1");
+    EXPECT_THAT(rover->received(), ElementsAre("1"));
 }
 
 TEST_F(MemberInCells, TheSessionOutlivesItsHomeAndIsFoundInTheNextCell) {

@@ -31,6 +31,11 @@ void Robot::publish(const std::string& topic, const std::string& text, Qos qos, 
     ask({.type = MsgType::publish, .topic = topic, .text = text, .qos = qos, .flag = retain});
 }
 
+void Robot::publish_without_connection(mqttsn::TopicId predefined, const std::string& text) {
+    send(mqttsn::Publish{false, Qos::without_connection, false, TopicIdType::predefined, predefined,
+                         mqttsn::no_msg_id, as_octets(text)});
+}
+
 void Robot::ask(Request request) {
     request.msg_id = mqttsn::MsgId{++last_msg_id_};
     requests_.push_back(std::move(request));

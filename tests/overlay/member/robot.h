@@ -30,6 +30,9 @@ public:
     void subscribe(const std::string& topic, mqttsn::Qos qos);
     void publish(const std::string& topic, const std::string& text, mqttsn::Qos qos,
                  bool retain = false);
+    void search() { send(mqttsn::Searchgw{}); }
+    /// QoS -1.
+    void publish_without_connection(mqttsn::TopicId predefined, const std::string& text);
     /// Talks to another broker from now on.
     void move_to(Endpoint broker) { broker_ = broker; }
 
