@@ -293,8 +293,9 @@ TEST_P(ApplicationWithBrokers, DoesWhatItShouldAndDrawsIt) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Of, ApplicationWithBrokers,
-                         testing::Values(std::vector<std::string>{"bridge"}),
-                         [](const auto&) { return "Bridge"; });
+                         testing::Values(std::vector<std::string>{"bridge"},
+                                         std::vector<std::string>{"roaming", "--brief"}),
+                         [](const auto& run) { return run.param[0]; });
 
 class Example : public Robots, public testing::WithParamInterface<const char*> {};
 
