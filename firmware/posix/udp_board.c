@@ -70,7 +70,7 @@ static void send_datagram(void* self, const struct romano_address* to, const uin
 static const uint8_t* receive_datagram(void* self, struct romano_address* from, uint32_t* size) {
     struct romano_udp_board* udp = self;
     for (int errors = 0; errors < 8; ++errors) {
-        union any_address address;
+        union any_address address = {0};
         socklen_t length = sizeof address;
         const ssize_t received =
             recvfrom(udp->socket, udp->datagram, sizeof udp->datagram, 0, &address.any, &length);
@@ -88,8 +88,9 @@ bool romano_udp_address(const char* ip, uint16_t port, struct romano_address* ad
     union any_address parsed;
     memset(&parsed, 0, sizeof parsed);
     char text[INET6_ADDRSTRLEN + IF_NAMESIZE + 1];
-    if (strlen(ip) >= sizeof text) return false;
-    strcpy(text, ip);
+    const size_t length = strlen(ip);
+    if (length >= sizeof text) return false;
+    memcpy(text, ip, length + 1);
     char* percent = strchr(text, '%');
     if (percent != NULL) *percent = '\0';
     if (inet_pton(AF_INET, text, &parsed.v4.sin_addr) == 1) {
