@@ -16,11 +16,19 @@ bool has(const View& view, const LogId& log) {
     return std::ranges::binary_search(view.members, log);
 }
 
+/// A later life of that broker is in the view: we may not have heard of it yet.
+bool has_successor(const View& view, const LogId& log) {
+    return std::ranges::any_of(view.members, [&](const LogId& member) {
+        return member.broker == log.broker && member.incarnation > log.incarnation;
+    });
+}
+
 /// Freezes what is left of brokers that are gone. One that is alive and not in the view, because it
 /// has just started or follows another leader, serves its clients itself.
 void freeze_the_dead(const View& view, Surroundings around) {
     for (auto& [id, log] : around.logs) {
-        if (!has(view, id) && !around.membership.is_alive(id)) log.freeze();
+        if (has(view, id)) continue;
+        if (!around.membership.is_alive(id) || has_successor(view, id)) log.freeze();
     }
 }
 
@@ -61,6 +69,10 @@ void ViewChange::on_tick(Instant now, Surroundings around, Outbox& out) {
         }
         return;
     }
+    if (waits_for_company(now, around.membership)) {
+        proposal_.reset();
+        return;
+    }
     if (proposal_) {
         give_up_on_silent(now, around.membership);
         auto desired = desired_members(around.membership);
@@ -71,7 +83,6 @@ void ViewChange::on_tick(Instant now, Surroundings around, Outbox& out) {
         }
         return;
     }
-    if (waits_for_company(now, around.membership)) return;
     auto desired = desired_members(around.membership);
     if (needs_change(now, desired, around)) {
         propose(now, std::move(desired), around, out);
@@ -79,8 +90,8 @@ void ViewChange::on_tick(Instant now, Surroundings around, Outbox& out) {
 }
 
 /// The first view of a newcomer opens it to clients, whose sessions may be with a peer that does
-/// not follow us yet: it is given a moment. Longer, whoever is there but was not met yet: a view
-/// without them would take their clients over.
+/// not follow us yet, or of whom we know nothing: it is given a moment. Longer, whoever is there
+/// but was not met yet: a view without them would take their clients over.
 bool ViewChange::waits_for_company(Instant now, const Membership& membership) {
     if (has_view()) return false;
     if (led_since_ == never) led_since_ = now;
@@ -88,9 +99,13 @@ bool ViewChange::waits_for_company(Instant now, const Membership& membership) {
         return true;
     }
     if (now >= led_since_ + 2 * patience_) return false;
-    return std::ranges::any_of(membership.peers(), [](const auto& entry) {
-        return entry.second.alive && !entry.second.beacon.claim.leader;
-    });
+    bool is_alone = true;
+    for (const auto& [id, peer] : membership.peers()) {
+        if (!peer.alive) continue;
+        is_alone = false;
+        if (!peer.beacon.claim.leader) return true;
+    }
+    return is_alone;
 }
 
 /// A peer's beacons come here while ours do not reach it yet; or a peer that we met hears another;

@@ -2,6 +2,8 @@
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
+
 #include "tests/overlay/cluster/events.h"
 
 namespace romano::cluster {
@@ -40,6 +42,10 @@ struct Leader {
                         .leader = node_of(follows.broker)};
         membership.on_beacon(now, beacon);
         logs.try_emplace(from, from, 1'000);
+    }
+    /// Its beacons reach us, and ours do not reach it.
+    void hear_of_no_us(const LogId& from) {
+        membership.on_beacon(now, Beacon{.log = from, .tick = ++ticks});
     }
     void wait(Duration time) {
         for (const Instant end = now + time; now < end;) {
@@ -89,6 +95,37 @@ TEST(ViewChange, AProposalThatCameToNothingLeavesNoLogFrozen) {
     ASSERT_TRUE(leader.membership.leads());
     EXPECT_EQ(leader.change.view().members.size(), 2U);
     EXPECT_FALSE(leader.logs.at(peer).is_frozen());
+}
+
+// P2: its sessions would have no heir. The leader may hear the new life long before we do.
+TEST(ViewChange, AProposalWithALaterLifeOfABrokerEndsTheFormerOne) {
+    Leader leader;
+    leader.begin();
+    leader.hear(high, high, leader.term() + 1, 9);
+    leader.wait(10ms);
+    ASSERT_FALSE(leader.membership.leads());
+    ASSERT_TRUE(leader.membership.is_alive(peer));
+    View view{.number = {leader.term(), high.broker, 1}, .members = {self, high}};
+    view.members.push_back({peer.broker, peer.incarnation + 1});
+    std::ranges::sort(view.members);
+    leader.change.on_proposal(leader.now, {.view = view, .removed = {}}, leader.around(),
+                              leader.out);
+    EXPECT_TRUE(leader.logs.at(peer).is_frozen());
+}
+
+// Its last beacons may have told of our former life.
+TEST(ViewChange, ANewcomerOpensNoViewWithoutAPeerThatItHearsStill) {
+    Leader leader;
+    leader.wait(100ms);
+    leader.hear(peer, self, leader.term(), 1);
+    leader.wait(20ms);
+    ASSERT_TRUE(leader.membership.leads());
+    for (int i = 0; i < 20; ++i) {
+        leader.hear_of_no_us(peer);
+        leader.wait(10ms);
+    }
+    ASSERT_FALSE(leader.membership.is_alive(peer));
+    EXPECT_FALSE(leader.change.has_view());
 }
 
 TEST(ViewChange, AProposalOutnumbersTheViewsOfAllWhomItAsks) {
