@@ -317,6 +317,10 @@ Seq BrokerCore::cursor(const LogId& log) const {
     return state_->tables.cursors.at(log);
 }
 
+std::vector<LogPosition> BrokerCore::cursors() const {
+    return state_->tables.cursors.all();
+}
+
 void BrokerCore::append_cursors(Actions& out) {
     Tables& tables = state_->tables;
     for (const LogPosition& position : tables.cursors.unlogged()) {

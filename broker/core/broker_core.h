@@ -48,6 +48,8 @@ public:
 
     /// How far the publishes of a peer's log have been worked through.
     [[nodiscard]] Seq cursor(const LogId& log) const;
+    /// Of all logs, also of those that nobody holds here any more.
+    [[nodiscard]] std::vector<LogPosition> cursors() const;
     /// Appends a Cursor event for each log whose cursor moved since its last one.
     void append_cursors(Actions& out);
     /// Takes note that the log has been worked through up to `through` although it held no

@@ -37,6 +37,7 @@ ClusterCore::ClusterCore(const ClusterOptions& options, const Identity& identity
       watermark_(options.acks),
       view_change_(identity.log, membership_.detection_time(), options.beacon_every),
       take_over_(identity.log.broker, membership_.detection_time()),
+      last_words_(membership_.detection_time()),
       hand_back_(identity.log.broker, membership_.detection_time()),
       settlement_(identity.log.broker, membership_.detection_time()),
       roaming_(membership_.detection_time()) {}
@@ -108,24 +109,20 @@ void ClusterCore::on_link(Effects& effects, const LogId& process, election::Link
     after_input(effects);
 }
 
-void ClusterCore::on_transport_octets(std::uint64_t sent, std::uint64_t received) {
-    octets_sent_ = sent;
-    octets_received_ = received;
-}
-
 void ClusterCore::after_input(Effects& effects) {
     for (const BrokerId lost : membership_.take_lost()) {
         effects.local.push_back(Notice{"lost " + membership_.name_of(lost)});
     }
     if (const auto installed = view_change_.take_installed()) on_view(effects, *installed);
-    if (!listens_only_) membership_.send_ballots(effects.peers);
+    if (!listening_.is_on()) membership_.send_ballots(effects.peers);
     take_over_.carry_on(effects, logs(), membership_, view(), addresses_);
+    last_words_.carry_on(effects, logs_, membership_, view());
     handoffs_.carry_on(effects, safe());
     roaming_.carry_on(effects, homes_, membership_, view());
     break_silence(effects);
     // Others wait for these news.
     const bool news = leadership() != last_leadership_ || view().number != last_view_;
-    if (news && !listens_only_) send_beacon(effects);
+    if (news && !listening_.is_on()) send_beacon(effects);
 }
 
 void ClusterCore::break_silence(Effects& effects) {
@@ -143,27 +140,19 @@ void ClusterCore::break_silence(Effects& effects) {
 
 void ClusterCore::on(Effects& effects, BrokerId, const Beacon& beacon) {
     if (!membership_.on_beacon(effects.now, beacon)) return;
-    has_heard_a_peer_ = true;
-    const auto late = late_ticks_.find(beacon.log);
-    if (late != late_ticks_.end() && beacon.tick >= late->second) is_up_to_date_ = true;
+    listening_.on_beacon(beacon);
     if (membership_.is_alive(beacon.log)) heed(beacon);
     heed_news_of_peers(effects);
 }
 
 void ClusterCore::listen_only(Duration away) {
-    listens_only_ = true;
-    has_heard_a_peer_ = false;
-    is_up_to_date_ = false;
-    late_ticks_.clear();
-    const auto ticks = static_cast<std::uint64_t>(away / options_.beacon_every);
-    for (const auto& [id, peer] : membership_.peers()) {
-        late_ticks_[peer.beacon.log] = peer.beacon.tick + ticks * 3 / 4;
-    }
+    listening_.begin(membership_, static_cast<std::uint64_t>(away / options_.beacon_every));
 }
 
 void ClusterCore::heed_news_of_peers(Effects& effects) {
     hand_back_.compare(effects.now, membership_, addresses_);
-    if (!listens_only_) view_change_.on_tick(effects.now, surroundings(effects), effects.peers);
+    if (!listening_.is_on())
+        view_change_.on_tick(effects.now, surroundings(effects), effects.peers);
 }
 
 void ClusterCore::heed(const Beacon& beacon) {
@@ -187,7 +176,7 @@ void ClusterCore::heed_leader(Instant now, const ViewNumber& number) {
 }
 
 void ClusterCore::on(Effects& effects, BrokerId, const ViewProposal& message) {
-    if (listens_only_) return;  // it is asked for again
+    if (listening_.is_on()) return;  // it is asked for again
     heed_leader(effects.now, message.view.number);
     view_change_.on_proposal(effects.now, message, surroundings(effects), effects.peers);
 }
@@ -233,6 +222,7 @@ void ClusterCore::on_view(Effects& effects, const ViewAnnouncement& announcement
         }
     }
     take_over_.on_view(effects.now, announcement);
+    last_words_.on_view(announcement);
     ask_for_gaps(effects);
     settlement_.compare(effects, logs_, view());
 }
@@ -307,6 +297,7 @@ void ClusterCore::restart(Effects& effects, LogId log) {
     watermark_.restart();
     view_change_.restart(log);
     take_over_.restart();
+    last_words_.restart();
     hand_back_.restart();
     handoffs_.restart();
     settlement_.restart();
@@ -344,10 +335,6 @@ void ClusterCore::on(Effects& effects, BrokerId, const ForwardBatch& batch) {
     }
 }
 
-PeerLog& ClusterCore::log_of(const LogId& id) {
-    return logs_.try_emplace(id, id, options_.log_events_kept).first->second;
-}
-
 void ClusterCore::on(Effects& effects, BrokerId from, const LogBatch& batch) {
     // Only of peers whose beacons are known: anything else is of an earlier life.
     const auto log = logs_.find(batch.log);
@@ -376,15 +363,24 @@ void ClusterCore::on(Effects& effects, BrokerId, const TailRequest& request) {
 }
 
 void ClusterCore::on(Effects& effects, BrokerId from, const SnapshotRequest& request) {
-    if (request.log != own_.id()) return;
+    if (request.log != own_.id()) {
+        const auto log = logs_.find(request.log);
+        if (log == logs_.end() || !log->second.is_frozen()) return;
+        return send_last_words(*log, request.after, from, effects.peers);
+    }
     if (request.after != 0 && own_.send_again(from, request.after, effects.peers)) return;
     send_snapshot(effects.broker, logs(), from, effects.peers);
 }
 
 void ClusterCore::on(Effects& effects, BrokerId from, const SnapshotPart& part) {
     const LogId id = part.as_of.log;
+    if (id.broker != from) {
+        last_words_.on_part(effects, part);
+        for (const auto& message : part.publishes) learn(message);
+        return;
+    }
     const auto found = logs_.find(id);
-    if (id.broker != from || found == logs_.end() || found->second.is_frozen()) return;
+    if (found == logs_.end() || found->second.is_frozen()) return;
     PeerLog& log = found->second;
     const auto snapshot = log.offer(part);
     if (!snapshot) return;

@@ -19,6 +19,8 @@
 #include "overlay/cluster/hand_back.h"
 #include "overlay/cluster/homes.h"
 #include "overlay/cluster/interest.h"
+#include "overlay/cluster/last_words.h"
+#include "overlay/cluster/listening.h"
 #include "overlay/cluster/membership.h"
 #include "overlay/cluster/own_log.h"
 #include "overlay/cluster/peer_log.h"
@@ -49,7 +51,10 @@ public:
     void on_tick(Effects& effects, const std::set<Endpoint>& pending_output);
     void on_address(Effects& effects, const Endpoint& address, bool served);
     void on_link(Effects& effects, const LogId& process, election::Link link);
-    void on_transport_octets(std::uint64_t sent, std::uint64_t received);
+    void on_transport_octets(std::uint64_t sent, std::uint64_t received) {
+        octets_sent_ = sent;
+        octets_received_ = received;
+    }
     [[nodiscard]] Instant next_wakeup() const {
         return std::min(next_tick_, membership_.next_wakeup());
     }
@@ -113,13 +118,9 @@ public:
     void leave(Effects& effects);
     /// We were away for so long: listen to the peers, and say nothing before resume().
     void listen_only(Duration away);
-    /// A beacon came since the last call.
-    bool take_heard_a_peer() { return std::exchange(has_heard_a_peer_, false); }
-    /// A beacon came that was sent late in the time that we were away, by its tick. One that was
-    /// sent early cannot know yet what the others did about it.
-    [[nodiscard]] bool is_up_to_date() const { return is_up_to_date_; }
+    [[nodiscard]] Listening& listening() { return listening_; }
     void resume(Instant now) {
-        listens_only_ = false;
+        listening_.end();
         next_tick_ = now;
     }
 
@@ -150,7 +151,9 @@ private:
     void heed_news_of_peers(Effects& effects);
     /// The leader's claim counts from its messages too: they may come before its beacon.
     void heed_leader(Instant now, const ViewNumber& number);
-    PeerLog& log_of(const LogId& id);
+    PeerLog& log_of(const LogId& id) {
+        return logs_.try_emplace(id, id, options_.log_events_kept).first->second;
+    }
     void apply(Effects& effects, const LogId& id, PeerLog& log);
     void apply_event(Effects& effects, const LogId& id, PeerLog& log);
     void learn(const MessagePtr& message);
@@ -189,16 +192,14 @@ private:
     Watermark watermark_;
     ViewChange view_change_;
     TakeOver take_over_;
+    LastWords last_words_;
     HandBack hand_back_;
     HandoffReceiver handoffs_;
     Settlement settlement_;
     Roaming roaming_;
     std::set<Endpoint> silent_;  // of those that are served
 
-    bool listens_only_ = false;
-    bool has_heard_a_peer_ = false;
-    bool is_up_to_date_ = true;
-    std::map<LogId, std::uint64_t> late_ticks_;  // of the peers, in the time that we were away
+    Listening listening_;
     Instant next_tick_ = Instant::min();
     Instant next_cursors_ = Instant::min();
     Instant next_trim_ = Instant::min();

@@ -55,6 +55,7 @@ void LogHistory::forget_events(Seq through) {
 }
 
 void LogHistory::forget_publishes(Instant now, Seq through) {
+    through = std::min(through, last_);  // nobody has passed what was not there yet
     passed_.push_back({now, through});
     while (passed_.size() > 1 && passed_[1].at + kept_on <= now) passed_.pop_front();
     if (passed_.front().at + kept_on > now) return;

@@ -50,10 +50,7 @@ void send_snapshot(const broker::BrokerCore& broker, const Logs& logs, BrokerId 
     for (auto& image : broker.images()) parts.add(std::move(image));
     for (const auto& message : broker.retained()) parts.add_retained(message);
     for (const auto& message : logs.own.history().publishes_after(0)) parts.add_publish(message);
-
-    std::vector<LogPosition> cursors;
-    for (const auto& [id, log] : logs.peers) cursors.push_back({id, broker.cursor(id)});
-    parts.finish(std::move(cursors));
+    parts.finish(broker.cursors());
 }
 
 }  // namespace romano::cluster

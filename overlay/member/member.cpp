@@ -236,8 +236,9 @@ void Member::State::notice_stall(Instant now) {
 /// stood still, that beacons come steadily.
 void Member::State::end_stall(Instant now, MemberActions& out) {
     if (cluster_.was_replaced()) return restart(now, out);
-    stall_->heard_in_a_row = cluster_.take_heard_a_peer() ? stall_->heard_in_a_row + 1 : 0;
-    const bool knows = cluster_.is_up_to_date() || stall_->heard_in_a_row >= beacon_times_heard;
+    stall_->heard_in_a_row = cluster_.listening().take_heard() ? stall_->heard_in_a_row + 1 : 0;
+    const bool knows =
+        cluster_.listening().is_up_to_date() || stall_->heard_in_a_row >= beacon_times_heard;
     if (!knows && !cluster_.live_peers().empty() && now < stall_->give_up_at) {
         stall_->listen_until = now + options_.cluster.beacon_every;
         return;

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
+
 #include "tests/overlay/cluster/events.h"
 
 namespace romano::cluster {
@@ -53,6 +55,15 @@ TEST(LogHistory, P2_PublishesStayForAWhileAfterAllCursorsPassedThem) {
     EXPECT_EQ(history.publishes_kept(), 10U);
     history.forget_publishes(Instant{LogHistory::kept_on}, 10);
     EXPECT_EQ(history.publishes_kept(), 7U);
+}
+
+// A broker that knows nobody yet says that all have passed everything.
+TEST(LogHistory, P2_WhatWasPassedBeforeItWasPublishedStaysAsLong) {
+    LogHistory history(100);
+    history.forget_publishes(Instant{}, std::numeric_limits<Seq>::max());
+    for (Seq seq = 1; seq <= 10; ++seq) history.append(published(log, seq));
+    history.forget_publishes(Instant{LogHistory::kept_on}, 10);
+    EXPECT_EQ(history.publishes_kept(), 10U);
 }
 
 TEST(LogHistory, OnlyPublishesAreKeptAsPublishes) {

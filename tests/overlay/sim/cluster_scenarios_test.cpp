@@ -159,6 +159,59 @@ TEST(ClusterScenarios, HomesOfAPublisherAndOfASubscriberDieTogetherBehindAPublis
     }
 }
 
+// A stranger's answer would make a robot connect anew, and its session is with a peer.
+TEST(ClusterScenarios, BrokerThatIsBackSpeaksToNobodyBeforeItHasMetItsPeers) {
+    for (std::uint64_t seed = 1; seed <= 8; ++seed) {
+        SCOPED_TRACE("seed " + std::to_string(seed));
+        ClusterWorldOptions options;
+        options.seed = seed;
+        Scenario scenario(options);
+        scenario.add_one_each({Qos::at_least_once, Qos::exactly_once});
+        scenario.begin();
+        scenario.publish(true);
+        for (const std::size_t victim : {0U, 1U, 2U}) {
+            scenario.world.run_for(1s);
+            scenario.world.broker(victim).crash();
+            scenario.world.run_for(20ms);
+            scenario.world.broker(victim).start();
+        }
+        scenario.world.run_for(1s);
+        scenario.expect_all_promises_kept();
+        scenario.expect_nobody_noticed();
+    }
+}
+
+// The listener's home has just started, and hears the talker's not yet when that one dies.
+TEST(ClusterScenarios, WhatABrokerPublishedLastReachesANewcomerThatNeverMetIt) {
+    int scenarios = 0;
+    for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+        SCOPED_TRACE("seed " + std::to_string(seed));
+        ClusterWorldOptions options;
+        options.seed = seed;
+        Scenario scenario(options);
+        ClusterWorld& world = scenario.world;
+        scenario.add("listener", 0, "", "pose");
+        Robot& talker = scenario.add("talker", 1, "", "");
+        scenario.begin();
+        if (world.leader() != 2U) continue;  // who hears both
+        ++scenarios;
+        world.run_for(1s);
+        world.broker(0).crash();
+        world.run_for(500ms);
+        world.broker(0).start();
+        world.cut(0, 1);
+        world.cut(1, 0);
+        ASSERT_TRUE(world.run_until([&] { return world.home_of("listener") == 0U; }, 2s));
+        talker.publish("pose", Qos::exactly_once);
+        world.run_for(100ms);
+        world.broker(1).crash();
+        world.heal();
+        world.run_for(1s);
+        scenario.expect_all_promises_kept();
+    }
+    EXPECT_GT(scenarios, 5);
+}
+
 // What the heir had caught up with is not caught up with once more by the next one.
 TEST(ClusterScenarios, AnHeirDiesInTheMomentInWhichItHasAdopted) {
     for (std::uint64_t seed = 1; seed <= 20; ++seed) {

@@ -1,0 +1,69 @@
+#include "overlay/cluster/last_words.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace romano::cluster {
+namespace {
+
+constexpr std::size_t messages_per_part = 64;
+
+bool holds(const Peer& peer, const LogId& log, Seq end) {
+    return std::ranges::any_of(peer.beacon.applied, [&](const LogPosition& applied) {
+        return applied.log == log && applied.seq >= end;
+    });
+}
+
+}  // namespace
+
+void LastWords::on_view(const ViewAnnouncement& announcement) {
+    awaited_.clear();
+    for (const LogPosition& end : announcement.ends) awaited_.emplace(end.log, Awaited{end.seq});
+}
+
+void LastWords::carry_on(Effects& effects, const PeerLogs& logs, const Membership& membership,
+                         const View& view) {
+    std::erase_if(awaited_, [&](const auto& entry) {
+        const auto& [log, awaited] = entry;
+        const auto held = logs.find(log);
+        const bool is_held = held != logs.end() && held->second.applied() > 0;
+        return is_held || effects.broker.cursor(log) >= awaited.end;
+    });
+    for (auto& [log, awaited] : awaited_) {
+        if (effects.now < awaited.asked_at + patience_ / 4) continue;
+        const auto holder = std::ranges::find_if(view.members, [&](const LogId& member) {
+            const Peer* peer = membership.find(member.broker);
+            return peer != nullptr && peer->alive && holds(*peer, log, awaited.end);
+        });
+        if (holder == view.members.end()) continue;
+        awaited.asked_at = effects.now;
+        awaited.next_part = 0;
+        effects.peers.push_back({holder->broker, SnapshotRequest{log, effects.broker.cursor(log)}});
+    }
+}
+
+void LastWords::on_part(Effects& effects, const SnapshotPart& part) {
+    const auto awaited = awaited_.find(part.as_of.log);
+    if (awaited == awaited_.end() || part.part != awaited->second.next_part) return;
+    ++awaited->second.next_part;
+    for (const auto& message : part.publishes) {
+        effects.broker.on_peer_message(effects.now, message, effects.clients);
+    }
+    if (part.last) effects.broker.advance_cursor(part.as_of);
+}
+
+void send_last_words(const PeerLogs::value_type& removed, Seq after, BrokerId to, Outbox& out) {
+    const auto& [id, log] = removed;
+    SnapshotPart part{.as_of = {id, log.applied()}};
+    for (const auto& message : log.history().publishes_after(after)) {
+        if (part.publishes.size() == messages_per_part) {
+            SnapshotPart following{.as_of = part.as_of, .part = part.part + 1};
+            out.push_back({to, std::exchange(part, std::move(following))});
+        }
+        part.publishes.push_back(message);
+    }
+    part.last = true;
+    out.push_back({to, std::move(part)});
+}
+
+}  // namespace romano::cluster

@@ -1,0 +1,39 @@
+// What removed brokers published last and this member never heard. A newcomer may be home to
+// subscribers already when a broker dies of whose log it holds nothing yet: it asks a member that
+// holds that log for the publishes. For its sessions alone: it never adopts from such a log.
+#pragma once
+
+#include <map>
+
+#include "overlay/cluster/effects.h"
+#include "overlay/cluster/membership.h"
+#include "overlay/cluster/peer_log.h"
+
+namespace romano::cluster {
+
+class LastWords {
+public:
+    explicit LastWords(Duration patience) : patience_(patience) {}
+
+    void on_view(const ViewAnnouncement& announcement);
+    /// Asks for what is still awaited.
+    void carry_on(Effects& effects, const PeerLogs& logs, const Membership& membership,
+                  const View& view);
+    void on_part(Effects& effects, const SnapshotPart& part);
+    void restart() { awaited_.clear(); }
+
+private:
+    struct Awaited {
+        Seq end;
+        Instant asked_at = Instant::min();
+        std::uint32_t next_part = 0;
+    };
+
+    Duration patience_;
+    std::map<LogId, Awaited> awaited_;
+};
+
+/// Answers: the publishes after `after` that are kept of a removed broker's log.
+void send_last_words(const PeerLogs::value_type& removed, Seq after, BrokerId to, Outbox& out);
+
+}  // namespace romano::cluster

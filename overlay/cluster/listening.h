@@ -1,0 +1,49 @@
+// A member that was away, paused or starved, listens to its peers and says nothing meanwhile.
+//
+// It may have been replaced, and a beacon that was sent early in that time cannot know it yet: so
+// one that was sent late tells, by its tick.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <utility>
+
+#include "overlay/cluster/membership.h"
+#include "overlay/cluster/messages.h"
+#include "romano/base/time.h"
+
+namespace romano::cluster {
+
+class Listening {
+public:
+    void begin(const Membership& membership, std::uint64_t beacon_times_away) {
+        is_on_ = true;
+        has_heard_ = false;
+        is_up_to_date_ = false;
+        late_ticks_.clear();
+        for (const auto& [id, peer] : membership.peers()) {
+            late_ticks_[peer.beacon.log] = peer.beacon.tick + beacon_times_away * 3 / 4;
+        }
+    }
+    void end() { is_on_ = false; }
+
+    void on_beacon(const Beacon& beacon) {
+        has_heard_ = true;
+        const auto late = late_ticks_.find(beacon.log);
+        if (late != late_ticks_.end() && beacon.tick >= late->second) is_up_to_date_ = true;
+    }
+
+    [[nodiscard]] bool is_on() const { return is_on_; }
+    /// A beacon came since the last call.
+    bool take_heard() { return std::exchange(has_heard_, false); }
+    /// A late one came.
+    [[nodiscard]] bool is_up_to_date() const { return is_up_to_date_; }
+
+private:
+    bool is_on_ = false;
+    bool has_heard_ = false;
+    bool is_up_to_date_ = true;
+    std::map<LogId, std::uint64_t> late_ticks_;  // of each peer: sent late in that time
+};
+
+}  // namespace romano::cluster
