@@ -202,6 +202,11 @@ bool Mirror::contains(std::string_view client_id) const {
     return sessions_.find(client_id) != sessions_.end();
 }
 
+const SessionHeader* Mirror::header(std::string_view client_id) const {
+    const auto found = sessions_.find(client_id);
+    return found == sessions_.end() ? nullptr : &found->second.header;
+}
+
 SessionImage Mirror::completed(const SessionImage& image) const {
     SessionImage whole = image;
     std::vector<LogPosition> home = cursors_.all();

@@ -52,6 +52,8 @@ public:
 
     [[nodiscard]] std::size_t size() const { return sessions_.size(); }
     [[nodiscard]] bool contains(std::string_view client_id) const;
+    /// Null when it is not here.
+    [[nodiscard]] const SessionHeader* header(std::string_view client_id) const;
     [[nodiscard]] std::optional<SessionImage> image(std::string_view client_id) const;
     [[nodiscard]] std::vector<SessionImage> images() const;  // by client id
     [[nodiscard]] std::vector<SessionImage> images_via(const Endpoint& via) const;

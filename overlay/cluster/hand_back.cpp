@@ -59,8 +59,12 @@ void HandBack::carry_on(Effects& effects, const Membership& membership, const Vi
                         const ServiceAddresses& addresses,
                         const std::set<Endpoint>& pending_output) {
     std::erase_if(expected_, [&](const auto& entry) {
-        const Peer* from = membership.find(entry.second.from);
-        return effects.now > entry.second.since + 20 * patience_ || from == nullptr || !from->alive;
+        const Getting& getting = entry.second;
+        if (effects.now > getting.since + 20 * patience_) return true;
+        // We may not have met yet, though its offer is here.
+        if (effects.now <= getting.since + patience_) return false;
+        const Peer* from = membership.find(getting.from);
+        return from == nullptr || !from->alive;
     });
     // A hand-over that gets no answer, or whose owner began anew meanwhile, is called off: the
     // sessions speak from here again.
@@ -124,6 +128,9 @@ void HandBack::on_ack(Effects& effects, BrokerId from, const HandoffAck& ack,
         return;
     }
     for (const auto& client : found->second.handed) {
+        // One that talks to another address here came from its owner meanwhile: both gave theirs.
+        const broker::SessionHeader* own = effects.broker.header(client);
+        if (own == nullptr || own->via != ack.address) continue;
         (void)effects.broker.release(client, effects.clients);
     }
     giving_.erase(found);

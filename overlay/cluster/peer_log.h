@@ -61,6 +61,11 @@ public:
     void mark_taken(const broker::ClientId& client) { left_.erase(client); }
     /// Of a frozen log: the address has a new broker.
     void mark_served(const Endpoint& address) { serving_.erase(address); }
+    /// What there is to go on from, should this log's broker be gone; null when it is not home to
+    /// the client, or when the session of a frozen log has a new home.
+    [[nodiscard]] const broker::SessionHeader* session(const broker::ClientId& client) const {
+        return frozen_ && !left_.contains(client) ? nullptr : mirror_.header(client);
+    }
     /// Sessions of that address that have no new home yet.
     [[nodiscard]] std::vector<broker::SessionImage> sessions_left(const Endpoint& address) const;
     /// Addresses without a new broker or with sessions left.

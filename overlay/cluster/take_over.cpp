@@ -20,6 +20,14 @@ std::optional<BrokerId> returned_owner(const Endpoint& address, BrokerId self,
     return std::nullopt;
 }
 
+/// The dead broker had handed the session over, and died before its log said so.
+bool was_handed_over(const broker::SessionHeader& left, const PeerLogs& logs) {
+    return std::ranges::any_of(logs, [&](const auto& entry) {
+        const broker::SessionHeader* other = entry.second.session(left.client_id);
+        return other != nullptr && broker::outranks(*other, left);
+    });
+}
+
 }  // namespace
 
 void TakeOver::on_view(Instant now, const ViewAnnouncement& announcement) {
@@ -84,6 +92,11 @@ void TakeOver::carry_out(Effects& effects, const Assignment& assignment, PeerLog
                          const Logs& logs, const Membership& membership,
                          std::optional<BrokerId> owner, ServiceAddresses& addresses) {
     auto sessions = log.sessions_left(assignment.address);
+    std::erase_if(sessions, [&](const broker::SessionImage& image) {
+        if (!was_handed_over(image.header, logs.peers)) return false;
+        log.mark_taken(image.header.client_id);
+        return true;
+    });
     if (owner) {
         for (auto& image : sessions) image = caught_up(effects, logs, std::move(image));
         send_handoff(*owner, assignment.address, std::move(sessions), effects.peers);

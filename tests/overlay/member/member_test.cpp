@@ -429,6 +429,27 @@ TEST(Member, ARoamingClientIsFoundThoughAnHeirThatWasCutOffHadItMeanwhile) {
     expect_unnoticed(robot);
 }
 
+// Each side holds it under another address, and both addresses go back to their owners at the heal.
+TEST(Member, P4_AClientThatRoamedInAPartitionHasOneHomeAfterIt) {
+    Brokers brokers;
+    start(brokers, {1, 2});
+    Robot& robot = subscriber(brokers, "robot", 2, Qos::exactly_once);
+    brokers.cut(1, 2);
+    brokers.run_for(settling);
+    ASSERT_THAT(brokers.sessions_at(1), ElementsAre("robot"));
+    robot.move_to(broker_address(1));
+    robot.publish("pose", "1", Qos::exactly_once);
+    brokers.run_for(200ms);
+    ASSERT_THAT(robot.received(), ElementsAre("1"));
+    brokers.heal();
+    brokers.run_for(settling);
+    EXPECT_EQ(brokers.sessions_at(1).size() + brokers.sessions_at(2).size(), 1U);
+    robot.publish("pose", "2", Qos::exactly_once);
+    brokers.run_for(500ms);
+    EXPECT_THAT(robot.received(), ElementsAre("1", "2"));
+    expect_unnoticed(robot);
+}
+
 TEST(Member, StrictAcknowledgementRefusesWhatALoneBrokerCannotKeep) {
     cluster::ClusterOptions strict;
     strict.acks_strict = true;
