@@ -72,6 +72,7 @@ struct SimulateOptions {
     bool as_json = false;
     bool trace = false;
     sim::RunOptions run;
+    std::int64_t faults_last_ms = 0;  // 0: as run says
 };
 
 /// What the runs came to, together and by the kinds of fault that happened in them.
@@ -175,6 +176,9 @@ bool simulate(const SimulateOptions& options) {
                                          : static_cast<std::uint32_t>(*number_of(options.acks));
     }
     for (const std::string& name : options.faults) run.faults.push_back(*sim::fault_of(name));
+    if (options.faults_last_ms > 0) {
+        run.faults_last = std::chrono::milliseconds{options.faults_last_ms};
+    }
     if (options.trace) {
         run.trace = [](std::string_view line) {
             std::printf("%.*s\n", static_cast<int>(line.size()), line.data());
@@ -232,6 +236,10 @@ void add_simulate(CLI::App& program, int& exit_code) {
                     "A kind of fault; several times for several (default: all)")
         ->check(CLI::IsMember(words(sim::fault_names)))
         ->allow_extra_args(false);
+    command
+        .add_option("--faults-last-ms", options->faults_last_ms,
+                    "Milliseconds of virtual time in which faults happen (default: 10000)")
+        ->check(CLI::Range(1, 3'600'000));
     command.add_option("--elector", options->run.elector, "Elector (default: component)")
         ->check(CLI::IsMember(words(election::elector_names())));
     command.add_option("--detector", options->run.detector, "Failure detector (default: fixed)")

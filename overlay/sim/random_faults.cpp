@@ -128,6 +128,7 @@ void RandomFaults::for_a_while(std::uint32_t& lasting, EventQueue::Event undo) {
     world_.events().after(random_.between(longest / 2, longest),
                           [this, &lasting, undo = std::move(undo)] {
                               --lasting;
+                              calm_since_ = never;  // one that comes back holds nothing yet
                               if (active_) undo();
                           });
 }

@@ -235,6 +235,11 @@ std::string replay_command(std::uint64_t seed, const RunOptions& options) {
         command += " --fault ";
         command += name_of(fault);
     }
+    if (options.faults_last != RunOptions{}.faults_last) {
+        using std::chrono::duration_cast;
+        const auto last = duration_cast<std::chrono::milliseconds>(options.faults_last);
+        command += " --faults-last-ms " + std::to_string(last.count());
+    }
     return command + " --trace";
 }
 

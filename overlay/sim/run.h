@@ -25,7 +25,7 @@ struct RunOptions {
     std::string detector;
     std::optional<std::uint32_t> acks;
     std::vector<Fault> faults;
-    Duration faults_last{std::chrono::seconds{10}};
+    Duration faults_last{std::chrono::seconds{10}};  // whole milliseconds
     Duration settles_within{std::chrono::seconds{30}};
     Trace::Listener trace;  // lines of what happens; slow
 };

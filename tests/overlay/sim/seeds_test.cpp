@@ -81,6 +81,21 @@ TEST(Simulation, IsTheSameByteForByteForTheSameSeed) {
     EXPECT_NE(trace_of(8).first, hash);
 }
 
+TEST(Simulation, TheCommandThatRepeatsARunSaysAllThatTheSeedDoesNotDecide) {
+    EXPECT_EQ(replay_command(7, {}), "romano simulate --seeds 7 --trace");
+    RunOptions options;
+    options.brokers = 3;
+    options.robots = 4;
+    options.elector = "raft";
+    options.detector = "link";
+    options.acks = cluster::all_peers;
+    options.faults = {Fault::crash, Fault::one_way_cut};
+    options.faults_last = 2500ms;
+    EXPECT_EQ(replay_command(7, options),
+              "romano simulate --seeds 7 --brokers 3 --robots 4 --elector raft --detector link "
+              "--acks all --fault crash --fault one-way-cut --faults-last-ms 2500 --trace");
+}
+
 TEST(Simulation, IsTheSameWhetherOrNotSomebodyListens) {
     RunOptions options;
     options.faults_last = 2s;
