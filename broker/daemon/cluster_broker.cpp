@@ -232,6 +232,7 @@ void ClusterBroker::carry_out() {
         carry_out_locally();
         dds::pack(actions_.peers);
         for (const auto& outgoing : actions_.peers) transport_->send(outgoing);
+        member_->before_sending(net::now(), actions_);
         udp_.carry_out(actions_.clients);
         for (const auto& action : actions_.uplink) uplink_->carry_out(action);
         actions_.clear();

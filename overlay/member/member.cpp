@@ -62,6 +62,7 @@ public:
                            MemberActions& out);
     void on_tick(Instant now, MemberActions& out);
     [[nodiscard]] Instant next_wakeup() const;
+    void before_sending(Instant now, MemberActions& out);
     void leave(Instant now, MemberActions& out);
 
     [[nodiscard]] const broker::LogId& log() const { return log_; }
@@ -83,6 +84,7 @@ private:
     }
 
     // --- after a stall (design section 3)
+    [[nodiscard]] bool stood_still(Instant now) const;
     void notice_stall(Instant now);
     void end_stall(Instant now, MemberActions& out);
     void restart(Instant now, MemberActions& out);
@@ -91,6 +93,7 @@ private:
     void carry_out(Instant now, MemberActions& out);
     void absorb(Instant now, MemberActions& out);
     void send(const broker::Send& send, broker::Seq safe, MemberActions& out);
+    void send_again(Instant now);
     void serve_waiting(Instant now, MemberActions& out);
 
     // --- the uplink
@@ -124,6 +127,8 @@ private:
         int heard_in_a_row;    // beacon times in which peers were heard
     };
     std::optional<Stall> stall_;
+    bool owes_output_ = false;  // what was to leave before a stall
+    std::uint64_t late_output_dropped_ = 0;
 
     Instant next_status_ = Instant::min();
     cluster::ViewNumber told_view_;
@@ -219,11 +224,24 @@ void Member::State::leave(Instant now, MemberActions& out) {
 
 // --- after a stall
 
-void Member::State::notice_stall(Instant now) {
+bool Member::State::stood_still(Instant now) const {
     const Duration beacon = options_.cluster.beacon_every;
     const Instant due = cluster_.next_wakeup();
-    if (stall_ || due == Instant::min()) return;
-    if (now < due + std::max(cluster_.detection_time() - 2 * beacon, 2 * beacon)) return;
+    return due != Instant::min() &&
+           now >= due + std::max(cluster_.detection_time() - 2 * beacon, 2 * beacon);
+}
+
+void Member::State::before_sending(Instant now, MemberActions& out) {
+    if (has_left_ || out.clients.list().empty() || !stood_still(now)) return;
+    late_output_dropped_ += out.clients.list().size();
+    out.clients.clear();
+    owes_output_ = true;
+}
+
+void Member::State::notice_stall(Instant now) {
+    if (stall_ || !stood_still(now)) return;
+    const Duration beacon = options_.cluster.beacon_every;
+    const Instant due = cluster_.next_wakeup();
     const Duration longest_wait = most_detection_times_waited * cluster_.detection_time();
     stall_ = {.listen_until = now + 3 * beacon,
               .give_up_at = now + std::min(now - due, longest_wait),
@@ -245,12 +263,14 @@ void Member::State::end_stall(Instant now, MemberActions& out) {
     }
     stall_.reset();
     cluster_.resume(now);
+    if (std::exchange(owes_output_, false)) send_again(now);
 }
 
 /// Others have our sessions and addresses: begin anew, empty, under a new log, and get them back.
 void Member::State::restart(Instant now, MemberActions& out) {
     out.local.push_back(Notice{"was replaced while it stood still: joins again"});
     stall_.reset();
+    owes_output_ = false;
     held_.clear();
     waiting_.clear();  // of sessions that have lived on elsewhere since
     work_.clear();
@@ -286,11 +306,7 @@ void Member::State::absorb(Instant now, MemberActions& out) {
     const bool is_found = cut_off_.on_view(cluster_.view(), [this](const LogId& member) {
         return member.broker == log_.broker || cluster_.membership().has_ended(member);
     });
-    if (is_found) {
-        for (const Endpoint& address : cluster_.addresses().serving()) {
-            broker_.send_again(now, address, work_);
-        }
-    }
+    if (is_found) send_again(now);
     server_.answer(now, broker_, work_);
     for (broker::Action& action : work_.list()) {
         if (auto* append = std::get_if<broker::Append>(&action)) {
@@ -316,6 +332,13 @@ void Member::State::absorb(Instant now, MemberActions& out) {
         }
     }
     work_.clear();
+}
+
+/// What is in flight to clients.
+void Member::State::send_again(Instant now) {
+    for (const Endpoint& address : cluster_.addresses().serving()) {
+        broker_.send_again(now, address, work_);
+    }
 }
 
 void Member::State::send(const broker::Send& send, broker::Seq safe, MemberActions& out) {
@@ -449,6 +472,7 @@ MemberFacts Member::State::facts() const {
     out.replacements = replacements_;
     out.held_output = held_.size();
     out.held_output_dropped = held_.dropped();
+    out.late_output_dropped = late_output_dropped_;
     out.waiting_input = waiting_.size();
     out.waiting_input_dropped = waiting_.dropped();
     return out;
@@ -495,6 +519,9 @@ void Member::on_uplink_message(Instant now, const uplink::FromRemote& message, s
 }
 void Member::on_tick(Instant now, MemberActions& out) {
     state_->on_tick(now, out);
+}
+void Member::before_sending(Instant now, MemberActions& out) {
+    state_->before_sending(now, out);
 }
 Instant Member::next_wakeup() const {
     return state_->next_wakeup();

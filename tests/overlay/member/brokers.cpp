@@ -44,7 +44,8 @@ void Brokers::start(int rank) {
     Running running{.member = std::make_unique<overlay::Member>(options, starts_),
                     .log = {id_of(rank), options.incarnation},
                     .messages = {},
-                    .datagrams = {}};
+                    .datagrams = {},
+                    .unsent = {}};
     running_.insert_or_assign(rank, std::move(running));
     const bool free = cells_ || sockets_[home].empty();
     if (free) bind(rank, home);
@@ -117,6 +118,10 @@ void Brokers::step() {
     std::map<int, std::pair<std::deque<overlay::Envelope>, std::deque<Datagram>>> inputs;
     for (auto& [rank, running] : running_) {
         if (stalled_.contains(rank)) continue;
+        if (auto unsent = std::exchange(running.unsent, std::nullopt)) {
+            running.member->before_sending(now_, *unsent);
+            carry_out(rank, *unsent);
+        }
         if (running.messages.empty()) slow_.erase(rank);
         auto& [messages, datagrams] = inputs[rank];
         datagrams = std::exchange(running.datagrams, {});
@@ -135,6 +140,11 @@ void Brokers::step() {
         }
         for (const auto& envelope : input.first) member.on_peer_message(now_, envelope, actions);
         if (now_ >= member.next_wakeup()) member.on_tick(now_, actions);
+        if (!actions.clients.list().empty() && stalls_before_sending_.erase(rank) > 0) {
+            stalled_.insert(rank);
+            running_.at(rank).unsent = std::move(actions);
+            continue;
+        }
         carry_out(rank, actions);
         member.check_invariants();
     }

@@ -31,6 +31,8 @@ public:
     void kill(int rank);
     void leave(int rank);
     void stall(int rank) { stalled_.insert(rank); }
+    /// As soon as it has something to say to a client, and before that is said.
+    void stall_before_sending(int rank) { stalls_before_sending_.insert(rank); }
     void wake(int rank) { stalled_.erase(rank); }
     /// Of what came meanwhile only the first messages were kept; they are read one every 2 ms.
     void wake_slowly(int rank, std::size_t messages_kept);
@@ -83,6 +85,7 @@ private:
         broker::LogId log;
         std::deque<overlay::Envelope> messages;
         std::deque<Datagram> datagrams;
+        std::optional<overlay::MemberActions> unsent;  // while it stands still
     };
 
     void step();
@@ -101,6 +104,7 @@ private:
     std::uint64_t starts_ = 0;
     std::map<int, Running> running_;
     std::set<int> stalled_;
+    std::set<int> stalls_before_sending_;
     std::set<int> slow_;
     std::set<std::pair<int, int>> cut_;
     std::map<Endpoint, std::vector<int>> sockets_;  // the last one is the newest

@@ -12,6 +12,7 @@ namespace {
 using namespace std::chrono_literals;
 using mqttsn::MsgType;
 using mqttsn::Qos;
+using testing::Contains;
 using testing::ElementsAre;
 using testing::IsEmpty;
 using testing::SizeIs;
@@ -321,6 +322,40 @@ TEST(Member, AStalledBrokerThatWasReplacedDropsWhatItHadAndGetsItBack) {
     EXPECT_THAT(brokers.sessions_at(3), ElementsAre("robot"));
     EXPECT_EQ(brokers.leader_of(1), 3);
     expect_unnoticed(robot);
+}
+
+/// Stopped between its decision and its system call, it would say it when its heir has long gone
+/// on.
+TEST(Member, P3_WhatWasDecidedBeforeAStallIsNotSaidAfterIt) {
+    Brokers brokers;
+    start(brokers, {1, 2, 3});
+    Robot& robot = subscriber(brokers, "robot", 3, Qos::exactly_once);
+    Robot& other = publisher(brokers, "other", 1);
+    for (const auto& text : numbers(1, 5)) {
+        brokers.stall_before_sending(3);
+        other.publish("pose", text, Qos::exactly_once);
+        brokers.run_for(1s);
+        brokers.wake(3);
+        brokers.run_for(3s);
+    }
+    EXPECT_EQ(robot.received(), numbers(1, 5));
+    EXPECT_GT(brokers.member(3).facts().late_output_dropped, 0U);
+    expect_unnoticed(robot);
+}
+
+TEST(Member, WhatWasNotSaidBeforeAStallIsSaidAfterItWhenNobodyTookOver) {
+    Brokers brokers;
+    start(brokers, {1});
+    Robot& robot = subscriber(brokers, "robot", 1, Qos::at_least_once);
+    Robot& other = publisher(brokers, "other", 1);
+    brokers.stall_before_sending(1);
+    other.publish("pose", "1", Qos::at_most_once);
+    other.publish("pose", "2", Qos::at_least_once);
+    brokers.run_for(1s);
+    EXPECT_THAT(robot.received(), IsEmpty());
+    brokers.wake(1);
+    brokers.run_for(1s);  // Tretry is ten seconds
+    EXPECT_THAT(robot.received(), Contains("2"));
 }
 
 TEST(Member, APauseShorterThanTheDetectionTimeChangesNothing) {
