@@ -61,7 +61,7 @@ int connect_socket(const std::string& path) {
     sockaddr_un address{};
     address.sun_family = AF_UNIX;
     if (path.size() >= sizeof address.sun_path) refuse("uart", path, "is too long for a socket");
-    std::strcpy(address.sun_path, path.c_str());
+    path.copy(address.sun_path, path.size());
     const int end = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
     if (::connect(end, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0) {
         refuse("uart", path, std::string{"cannot be connected to: "} + std::strerror(errno));
