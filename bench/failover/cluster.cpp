@@ -9,7 +9,7 @@
 
 namespace romano::bench {
 
-Cluster::Cluster(const Options& options, std::filesystem::path folder) : options_(options) {
+Cluster::Cluster(const Options& options, const std::filesystem::path& folder) : options_(options) {
     std::filesystem::create_directories(folder);
     for (std::uint32_t n = 1; n <= options.brokers; ++n) {
         std::string name = "b" + std::to_string(n);

@@ -17,7 +17,7 @@ namespace romano::bench {
 class Cluster {
 public:
     /// Starts all brokers; what they print goes to files in `folder`.
-    Cluster(const Options& options, std::filesystem::path folder);
+    Cluster(const Options& options, const std::filesystem::path& folder);
     ~Cluster();
 
     [[nodiscard]] std::size_t size() const { return brokers_.size(); }

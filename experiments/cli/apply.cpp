@@ -53,6 +53,7 @@ struct ApplyOptions {
 
 std::vector<std::string> names() {
     std::vector<std::string> all;
+    all.reserve(std::size(applications));
     for (const Application& each : applications) all.emplace_back(each.name);
     return all;
 }
