@@ -372,6 +372,31 @@ TEST(Member, APauseShorterThanTheDetectionTimeChangesNothing) {
     EXPECT_THAT(robot.received(), ElementsAre("1"));
 }
 
+/// Whoever falsely took a peer for dead also took in clients at its address.
+TEST(Member, P2_ASessionBegunAtAFalseHeirOutlivesTheHeal) {
+    for (int delay = 0; delay <= 200; delay += 20) {
+        SCOPED_TRACE(std::to_string(delay) + " ms from CONNECT to the heal");
+        Brokers brokers;
+        start(brokers, {1, 2, 3});
+        brokers.cut(1, 3);
+        brokers.cut(2, 3);
+        brokers.run_for(300ms);
+        ASSERT_EQ(brokers.server_of(2), 3);
+        Robot& robot = brokers.robot("robot", 2, 3);
+        robot.connect();
+        robot.subscribe("pose", Qos::exactly_once);
+        brokers.run_for(std::chrono::milliseconds{delay});
+        brokers.heal();
+        brokers.run_for(2s);
+        EXPECT_EQ(brokers.server_of(2), 2);
+        Robot& other = publisher(brokers, "other", 1);
+        other.publish("pose", "1", Qos::exactly_once);
+        brokers.run_for(2s);
+        EXPECT_THAT(robot.received(), ElementsAre("1"));
+        EXPECT_EQ(robot.rejections(), 0);
+    }
+}
+
 TEST(Member, P6_BothSidesOfAPartitionServeAndMergeWhenItHeals) {
     Brokers brokers;
     start(brokers, {1, 2, 3});
