@@ -45,6 +45,7 @@ std::vector<std::string> different(const std::vector<Row>& rows, std::string Row
 
 std::vector<double> list(const std::map<unsigned, double>& by_repetition) {
     std::vector<double> found;
+    found.reserve(by_repetition.size());
     for (const auto& [repetition, value] : by_repetition) found.push_back(value);
     return found;
 }

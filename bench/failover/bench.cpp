@@ -32,8 +32,9 @@ double ms_between(Instant from, Instant to) {
 
 }  // namespace
 
-Bench::Bench(boost::asio::io_context& io, const Options& options, std::filesystem::path traces)
-    : io_(io), options_(options), cluster_(options, std::move(traces)), random_(options.seed) {}
+Bench::Bench(boost::asio::io_context& io, const Options& options,
+             const std::filesystem::path& traces)
+    : io_(io), options_(options), cluster_(options, traces), random_(options.seed) {}
 
 Bench::~Bench() = default;
 

@@ -27,7 +27,7 @@ struct Watched {
 
 class Bench {
 public:
-    Bench(boost::asio::io_context& io, const Options& options, std::filesystem::path traces);
+    Bench(boost::asio::io_context& io, const Options& options, const std::filesystem::path& traces);
     ~Bench();
 
     /// Starts brokers and clients. Throws std::runtime_error when they do not come together.
