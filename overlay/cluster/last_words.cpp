@@ -8,9 +8,9 @@ namespace {
 
 constexpr std::size_t messages_per_part = 64;
 
-bool holds(const Peer& peer, const LogId& log, Seq end) {
+bool holds(const Peer& peer, const LogPosition& end) {
     return std::ranges::any_of(peer.beacon.applied, [&](const LogPosition& applied) {
-        return applied.log == log && applied.seq >= end;
+        return applied.log == end.log && applied.seq >= end.seq;
     });
 }
 
@@ -31,9 +31,10 @@ void LastWords::carry_on(Effects& effects, const PeerLogs& logs, const Membershi
     });
     for (auto& [log, awaited] : awaited_) {
         if (effects.now < awaited.asked_at + patience_ / 4) continue;
+        const LogPosition end{log, awaited.end};
         const auto holder = std::ranges::find_if(view.members, [&](const LogId& member) {
             const Peer* peer = membership.find(member.broker);
-            return peer != nullptr && peer->alive && holds(*peer, log, awaited.end);
+            return peer != nullptr && peer->alive && holds(*peer, end);
         });
         if (holder == view.members.end()) continue;
         awaited.asked_at = effects.now;
