@@ -26,6 +26,16 @@ SessionImage image_of(ScriptedBroker& home, std::string_view client) {
     return *home.mirror.image(client);
 }
 
+/// What another broker published on `cmd`.
+MessagePtr published_at(const LogPosition& position, std::string_view data,
+                        Qos qos = Qos::exactly_once) {
+    return MessagePtr{Message{.topic = "cmd",
+                              .payload = octets_of(data),
+                              .qos = qos,
+                              .position = position,
+                              .published_at = {}}};
+}
+
 class Adoption : public ::testing::Test {
 protected:
     void takes_over(ScriptedClient& client, const std::vector<MessagePtr>& missed = {}) {
@@ -115,14 +125,8 @@ TEST_F(Adoption, MissedMessagesAreQueuedInOrderBehindWhatWaits) {
     publisher.publishes(publisher.registers("cmd"), "1", Qos::at_least_once);
     robot.ignores_what_came();
     const LogId peer{broker_id_of("peer"), 1};
-    const auto missed = [&](Seq seq, std::string_view data) {
-        return MessagePtr{Message{.topic = "cmd",
-                                  .payload = octets_of(data),
-                                  .qos = Qos::at_least_once,
-                                  .position = {peer, seq},
-                                  .published_at = {}}};
-    };
-    takes_over(robot, {missed(5, "2"), missed(9, "3")});
+    takes_over(robot, {published_at({peer, 5}, "2", Qos::at_least_once),
+                       published_at({peer, 9}, "3", Qos::at_least_once)});
     EXPECT_TRUE(robot.hears_publish("1", Qos::at_least_once).dup);
     robot.hears_publish("2", Qos::at_least_once);
     robot.hears_publish("3", Qos::at_least_once);
@@ -134,11 +138,7 @@ TEST_F(Adoption, ImageForAThirdHomeBringsWhatWasMissed) {
     robot.connects(false);
     robot.subscribes("cmd");
     const LogId dead{broker_id_of("dead"), 1};
-    const MessagePtr missed{Message{.topic = "cmd",
-                                    .payload = octets_of("last words"),
-                                    .qos = Qos::exactly_once,
-                                    .position = {dead, 7},
-                                    .published_at = {}}};
+    const MessagePtr missed = published_at({dead, 7}, "last words");
     heir.core.on_peer_message(heir.now, missed, heir.actions);
     heir.drain();
     const auto image = heir.core.caught_up(image_of(home, "robot"), {&missed, 1});
@@ -188,11 +188,7 @@ TEST_F(Adoption, TheHeirsLogSaysHowFarTheSessionWasWorkedThrough) {
     robot.connects(false);
     robot.subscribes("cmd");
     const LogId peer{broker_id_of("peer"), 1};
-    const MessagePtr missed{Message{.topic = "cmd",
-                                    .payload = octets_of("once"),
-                                    .qos = Qos::exactly_once,
-                                    .position = {peer, 7},
-                                    .published_at = {}}};
+    const MessagePtr missed = published_at({peer, 7}, "once");
     heir.core.on_peer_message(heir.now, missed, heir.actions);  // for none of its own
     heir.drain();
     EXPECT_TRUE(heir.core.adopt(heir.now, image_of(home, "robot"), {&missed, 1}, heir.actions));
