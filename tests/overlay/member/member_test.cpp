@@ -4,57 +4,17 @@
 
 #include <gmock/gmock.h>
 
-#include "tests/overlay/member/brokers.h"
+#include "tests/overlay/member/steps.h"
 
 namespace romano::test {
 namespace {
 
 using namespace std::chrono_literals;
-using mqttsn::MsgType;
 using mqttsn::Qos;
-using testing::Contains;
 using testing::ElementsAre;
 using testing::IsEmpty;
 using testing::SizeIs;
 using testing::UnorderedElementsAre;
-
-constexpr auto settling = 1s;
-
-void start(Brokers& brokers, std::initializer_list<int> ranks) {
-    for (const int rank : ranks) brokers.start(rank);
-    brokers.run_for(settling);
-}
-
-std::vector<std::string> numbers(int first, int last) {
-    std::vector<std::string> texts;
-    for (int i = first; i <= last; ++i) texts.push_back(std::to_string(i));
-    return texts;
-}
-
-/// A robot that is connected and subscribed.
-Robot& subscriber(Brokers& brokers, const std::string& name, int broker, Qos qos,
-                  const std::string& topic = "pose") {
-    Robot& robot = brokers.robot(name, broker);
-    robot.connect();
-    robot.subscribe(topic, qos);
-    brokers.run_for(200ms);
-    return robot;
-}
-
-Robot& publisher(Brokers& brokers, const std::string& name, int broker) {
-    Robot& robot = brokers.robot(name, broker);
-    robot.connect();
-    brokers.run_for(100ms);
-    return robot;
-}
-
-/// The robot did nothing to get its session back: it never noticed anything.
-void expect_unnoticed(const Robot& robot) {
-    EXPECT_EQ(robot.count_sent(MsgType::connect), 1);
-    EXPECT_LE(robot.count_sent(MsgType::subscribe), 1);
-    EXPECT_LE(robot.count_sent(MsgType::register_), 1);
-    EXPECT_EQ(robot.rejections(), 0);
-}
 
 TEST(Member, AloneItLeadsItselfAndServes) {
     Brokers brokers;
@@ -300,131 +260,6 @@ TEST(Member, FormerLivesOfABrokerAreForgotten) {  // P8
     EXPECT_LE(logs_known(), 2U);
 }
 
-TEST(Member, AStalledBrokerThatWasReplacedDropsWhatItHadAndGetsItBack) {
-    Brokers brokers;
-    start(brokers, {1, 2, 3});
-    Robot& robot = subscriber(brokers, "robot", 3, Qos::exactly_once);
-    Robot& other = publisher(brokers, "other", 1);
-    brokers.stall(3);
-    for (const auto& text : numbers(1, 20)) {
-        other.publish("pose", text, Qos::exactly_once);
-        brokers.run_for(100ms);
-    }
-    EXPECT_NE(brokers.server_of(3), 3);
-    brokers.wake(3);
-    for (const auto& text : numbers(21, 40)) {
-        other.publish("pose", text, Qos::exactly_once);
-        brokers.run_for(100ms);
-    }
-    brokers.run_for(2s);
-    EXPECT_EQ(robot.received(), numbers(1, 40));
-    EXPECT_EQ(brokers.server_of(3), 3);
-    EXPECT_THAT(brokers.sessions_at(3), ElementsAre("robot"));
-    EXPECT_EQ(brokers.leader_of(1), 3);
-    expect_unnoticed(robot);
-}
-
-/// Stopped between its decision and its system call, it would say it when its heir has long gone
-/// on.
-TEST(Member, P3_WhatWasDecidedBeforeAStallIsNotSaidAfterIt) {
-    Brokers brokers;
-    start(brokers, {1, 2, 3});
-    Robot& robot = subscriber(brokers, "robot", 3, Qos::exactly_once);
-    Robot& other = publisher(brokers, "other", 1);
-    for (const auto& text : numbers(1, 5)) {
-        brokers.stall_before_sending(3);
-        other.publish("pose", text, Qos::exactly_once);
-        brokers.run_for(1s);
-        brokers.wake(3);
-        brokers.run_for(3s);
-    }
-    EXPECT_EQ(robot.received(), numbers(1, 5));
-    EXPECT_GT(brokers.member(3).facts().late_output_dropped, 0U);
-    expect_unnoticed(robot);
-}
-
-TEST(Member, WhatWasNotSaidBeforeAStallIsSaidAfterItWhenNobodyTookOver) {
-    Brokers brokers;
-    start(brokers, {1});
-    Robot& robot = subscriber(brokers, "robot", 1, Qos::at_least_once);
-    Robot& other = publisher(brokers, "other", 1);
-    brokers.stall_before_sending(1);
-    other.publish("pose", "1", Qos::at_most_once);
-    other.publish("pose", "2", Qos::at_least_once);
-    brokers.run_for(1s);
-    EXPECT_THAT(robot.received(), IsEmpty());
-    brokers.wake(1);
-    brokers.run_for(1s);  // Tretry is ten seconds
-    EXPECT_THAT(robot.received(), Contains("2"));
-}
-
-TEST(Member, APauseShorterThanTheDetectionTimeChangesNothing) {
-    Brokers brokers;
-    start(brokers, {1, 2, 3});
-    Robot& robot = subscriber(brokers, "robot", 3, Qos::at_least_once);
-    const auto before = brokers.member(1).view();
-    brokers.stall(3);
-    brokers.run_for(50ms);
-    brokers.wake(3);
-    robot.publish("pose", "1", Qos::at_least_once);
-    brokers.run_for(settling);
-    EXPECT_EQ(brokers.member(1).view(), before);
-    EXPECT_THAT(robot.received(), ElementsAre("1"));
-}
-
-/// Whoever falsely took a peer for dead also took in clients at its address.
-TEST(Member, P2_ASessionBegunAtAFalseHeirOutlivesTheHeal) {
-    for (int delay = 0; delay <= 200; delay += 20) {
-        SCOPED_TRACE(std::to_string(delay) + " ms from CONNECT to the heal");
-        Brokers brokers;
-        start(brokers, {1, 2, 3});
-        brokers.cut(1, 3);
-        brokers.cut(2, 3);
-        brokers.run_for(300ms);
-        ASSERT_EQ(brokers.server_of(2), 3);
-        Robot& robot = brokers.robot("robot", 2, 3);
-        robot.connect();
-        robot.subscribe("pose", Qos::exactly_once);
-        brokers.run_for(std::chrono::milliseconds{delay});
-        brokers.heal();
-        brokers.run_for(2s);
-        EXPECT_EQ(brokers.server_of(2), 2);
-        Robot& other = publisher(brokers, "other", 1);
-        other.publish("pose", "1", Qos::exactly_once);
-        brokers.run_for(2s);
-        EXPECT_THAT(robot.received(), ElementsAre("1"));
-        EXPECT_EQ(robot.rejections(), 0);
-    }
-}
-
-TEST(Member, P6_BothSidesOfAPartitionServeAndMergeWhenItHeals) {
-    Brokers brokers;
-    start(brokers, {1, 2, 3});
-    Robot& left = subscriber(brokers, "left", 1, Qos::exactly_once);
-    Robot& right = subscriber(brokers, "right", 3, Qos::exactly_once);
-    brokers.cut(1, 2);
-    brokers.cut(1, 3);
-    brokers.run_for(settling);
-    EXPECT_EQ(brokers.view_size(1), 1U);
-    EXPECT_EQ(brokers.view_size(3), 2U);
-    brokers.heal();
-    brokers.run_for(2s);
-    for (const int rank : {1, 2, 3}) {
-        EXPECT_EQ(brokers.view_size(rank), 3U);
-        EXPECT_EQ(brokers.leader_of(rank), 3);
-        EXPECT_EQ(brokers.server_of(rank), rank) << "every broker has its own address again";
-    }
-    EXPECT_THAT(brokers.sessions_at(1), ElementsAre("left"));
-    EXPECT_THAT(brokers.sessions_at(2), IsEmpty());
-    EXPECT_THAT(brokers.sessions_at(3), ElementsAre("right"));
-    left.publish("pose", "1", Qos::exactly_once);
-    brokers.run_for(1s);
-    EXPECT_THAT(left.received(), ElementsAre("1"));
-    EXPECT_THAT(right.received(), ElementsAre("1"));
-    expect_unnoticed(left);
-    expect_unnoticed(right);
-}
-
 TEST(Member, AReturningBrokerOfTheHighestRankTakesOnlyWhatIsItsOwn) {
     Brokers brokers;
     start(brokers, {1, 2, 3});
@@ -461,53 +296,7 @@ TEST(Member, ARoamingClientIsServedWithoutAnyConnect) {
     Brokers brokers;
     start(brokers, {1, 2, 3});
     Robot& robot = subscriber(brokers, "robot", 1, Qos::exactly_once);
-    robot.move_to(broker_address(2));
-    robot.publish("pose", "1", Qos::exactly_once);
-    brokers.run_for(500ms);
-    EXPECT_THAT(robot.received(), ElementsAre("1"));
-    EXPECT_THAT(brokers.sessions_at(2), ElementsAre("robot"));
-    expect_unnoticed(robot);
-}
-
-// The robot's broker and broker 2 hear each other all the time; broker 3 alone took the robot over.
-TEST(Member, ARoamingClientIsFoundThoughAnHeirThatWasCutOffHadItMeanwhile) {
-    Brokers brokers;
-    start(brokers, {1, 2, 3});
-    Robot& robot = subscriber(brokers, "robot", 1, Qos::exactly_once);
-    brokers.cut(1, 3);
-    brokers.cut(2, 3);
-    brokers.run_for(settling);
-    ASSERT_THAT(brokers.sessions_at(3), ElementsAre("robot"));
-    brokers.heal();
-    brokers.run_for(settling);
-    ASSERT_THAT(brokers.sessions_at(3), IsEmpty());
-    robot.move_to(broker_address(2));
-    robot.publish("pose", "1", Qos::exactly_once);
-    brokers.run_for(500ms);
-    EXPECT_THAT(robot.received(), ElementsAre("1"));
-    EXPECT_THAT(brokers.sessions_at(2), ElementsAre("robot"));
-    expect_unnoticed(robot);
-}
-
-// Each side holds it under another address, and both addresses go back to their owners at the heal.
-TEST(Member, P4_AClientThatRoamedInAPartitionHasOneHomeAfterIt) {
-    Brokers brokers;
-    start(brokers, {1, 2});
-    Robot& robot = subscriber(brokers, "robot", 2, Qos::exactly_once);
-    brokers.cut(1, 2);
-    brokers.run_for(settling);
-    ASSERT_THAT(brokers.sessions_at(1), ElementsAre("robot"));
-    robot.move_to(broker_address(1));
-    robot.publish("pose", "1", Qos::exactly_once);
-    brokers.run_for(200ms);
-    ASSERT_THAT(robot.received(), ElementsAre("1"));
-    brokers.heal();
-    brokers.run_for(settling);
-    EXPECT_EQ(brokers.sessions_at(1).size() + brokers.sessions_at(2).size(), 1U);
-    robot.publish("pose", "2", Qos::exactly_once);
-    brokers.run_for(500ms);
-    EXPECT_THAT(robot.received(), ElementsAre("1", "2"));
-    expect_unnoticed(robot);
+    goes_on_at(brokers, robot, 2);
 }
 
 TEST(Member, StrictAcknowledgementRefusesWhatALoneBrokerCannotKeep) {
@@ -524,87 +313,6 @@ TEST(Member, StrictAcknowledgementRefusesWhatALoneBrokerCannotKeep) {
     robot.connect();
     brokers.run_for(300ms);
     EXPECT_THAT(brokers.sessions_at(1), ElementsAre("robot"));
-}
-
-TEST(Member, P3_WhatWasPublishedOnEitherSideOfAPartitionComesOnceToAll) {
-    Brokers brokers;
-    start(brokers, {1, 2, 3});
-    std::vector<Robot*> robots;
-    for (const int home : {1, 2, 3}) {
-        const std::string name = "s" + std::to_string(home);
-        robots.push_back(&subscriber(brokers, name, home, Qos::exactly_once));
-    }
-    brokers.cut(1, 2);
-    brokers.cut(1, 3);
-    std::vector<std::string> all;
-    for (int i = 0; i < 20; ++i) {
-        for (const std::size_t talker : {0U, 2U}) {
-            all.push_back(std::to_string(talker) + ":" + std::to_string(i));
-            robots[talker]->publish("pose", all.back(), Qos::exactly_once);
-        }
-        brokers.run_for(100ms);
-    }
-    brokers.heal();
-    brokers.run_for(3s);
-    for (const Robot* robot : robots) {
-        EXPECT_THAT(robot->received(), testing::UnorderedElementsAreArray(all));
-        expect_unnoticed(*robot);
-    }
-}
-
-TEST(Member, P2_ClientsThatGoWithTheirAddressGetWhatBothSidesPublished) {
-    // The robot of broker 1 stands beside broker 2: in the partition it talks to 1's heir.
-    Brokers brokers;
-    start(brokers, {1, 2, 3});
-    Robot& far = brokers.robot("far", 2);
-    far.move_to(broker_address(1));
-    far.connect();
-    far.subscribe("pose", Qos::exactly_once);
-    Robot& left = publisher(brokers, "left", 1);
-    Robot& right = publisher(brokers, "right", 3);
-    brokers.run_for(200ms);
-    brokers.cut(1, 2);
-    brokers.cut(1, 3);
-    std::vector<std::string> all;
-    for (int i = 0; i < 20; ++i) {
-        all.push_back("l" + std::to_string(i));
-        left.publish("pose", all.back(), Qos::exactly_once);
-        all.push_back("r" + std::to_string(i));
-        right.publish("pose", all.back(), Qos::exactly_once);
-        if (i % 5 == 0) far.publish("lamp", "on", Qos::at_least_once);
-        brokers.run_for(100ms);
-    }
-    brokers.heal();
-    brokers.run_for(3s);
-    EXPECT_THAT(far.received(), testing::UnorderedElementsAreArray(all));
-    EXPECT_EQ(far.count_sent(MsgType::connect), 1);
-    EXPECT_EQ(far.rejections(), 0);
-    EXPECT_THAT(brokers.sessions_at(1), UnorderedElementsAre("far", "left"));
-}
-
-TEST(Member, P4_AClientThatBothSidesHeardKeepsOneSessionAfterTheHeal) {
-    // It stands beside 2 and goes there in the partition: 2's copy is newer, and its address 1's.
-    Brokers brokers;
-    start(brokers, {1, 2});
-    Robot& robot = brokers.robot("robot", 2);
-    robot.move_to(broker_address(1));
-    robot.connect();
-    robot.subscribe("pose", Qos::exactly_once);
-    brokers.run_for(200ms);
-    brokers.cut(1, 2);
-    brokers.run_for(settling);
-    robot.publish("pose", "1", Qos::exactly_once);
-    brokers.run_for(300ms);
-    brokers.heal();
-    for (const auto& text : numbers(2, 20)) {
-        robot.publish("pose", text, Qos::exactly_once);
-        brokers.run_for(30ms);
-    }
-    brokers.run_for(2s);
-    EXPECT_EQ(robot.received(), numbers(1, 20));
-    EXPECT_THAT(brokers.sessions_at(1), ElementsAre("robot"));
-    EXPECT_THAT(brokers.sessions_at(2), IsEmpty());
-    expect_unnoticed(robot);
 }
 
 TEST(Member, ADeadPeerBlocksNobodyLongerThanOneDetectionTime) {
@@ -635,28 +343,6 @@ TEST(Member, AllButOneDieAndTheLastServesEverybody) {
         expect_unnoticed(*robot);
     }
     EXPECT_EQ(brokers.member(1).broker().session_count(), 5U);
-}
-
-// After SIGSTOP, SIGCONT: the oldest of what came meanwhile is read first, the rest found no room,
-// and the transport takes a moment until it hears the peers again.
-TEST(Member, AReplacedLeaderIsNotMisledByBeaconsFromBeforeItWasReplaced) {
-    Brokers brokers;
-    start(brokers, {1, 2, 3});
-    Robot& robot = subscriber(brokers, "robot", 3, Qos::exactly_once);
-    Robot& other = publisher(brokers, "other", 2);
-    brokers.stall(3);
-    for (const auto& text : numbers(1, 10)) other.publish("pose", text, Qos::exactly_once);
-    brokers.run_for(2s);
-    brokers.cut(1, 3);
-    brokers.cut(2, 3);
-    brokers.wake_slowly(3, 20);
-    brokers.run_for(150ms);
-    brokers.heal();
-    for (const auto& text : numbers(11, 20)) other.publish("pose", text, Qos::exactly_once);
-    brokers.run_for(2s);
-    EXPECT_EQ(robot.received(), numbers(1, 20));
-    expect_unnoticed(robot);
-    EXPECT_EQ(brokers.view_size(3), 3U);
 }
 
 }  // namespace
