@@ -13,6 +13,7 @@ using testing::HasSubstr;
 
 TopicRules rules(const std::vector<std::string>& texts) {
     std::vector<TopicRule> parsed;
+    parsed.reserve(texts.size());
     for (const std::string& text : texts) parsed.push_back(parse_rule(text).value());
     return TopicRules{parsed};
 }
