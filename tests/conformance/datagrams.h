@@ -24,7 +24,7 @@ enum class Msg : std::uint8_t {
     willtopic = 0x07,
     willmsgreq = 0x08,
     willmsg = 0x09,
-    register_ = 0x0A,
+    register_ = 0x0A,  // NOLINT(readability-identifier-naming): "register" is a keyword
     regack = 0x0B,
     publish = 0x0C,
     puback = 0x0D,

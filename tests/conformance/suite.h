@@ -95,7 +95,7 @@ inline std::string family_name(const testing::TestParamInfo<Endpoint::Family>& i
 
 /// A chapter of the specification: its cases are TEST_P(suite, rule_What), over both families.
 #define CONFORMANCE_SUITE(suite, base)                                                        \
-    class suite : public base {};                                                             \
+    class suite : public base {}; /* NOLINT(bugprone-macro-parentheses): names */             \
     INSTANTIATE_TEST_SUITE_P(Conformance, suite,                                              \
                              testing::Values(Endpoint::Family::ipv4, Endpoint::Family::ipv6), \
                              family_name)
