@@ -12,18 +12,10 @@
 #include "bench/failover/cluster.h"
 #include "bench/failover/robots.h"
 #include "bench/failover/trial.h"
+#include "bench/failover/watched.h"
 #include "romano/base/random.h"
 
 namespace romano::bench {
-
-/// What the brokers thought of each other while all of them lived.
-struct Watched {
-    double seconds = 0;
-    std::uint64_t messages = 0;  // acknowledged, and arrived at another broker's client
-    std::uint64_t lost = 0;
-    std::uint64_t suspicions = 0;  // "lost b2", by each broker that thought so
-    std::uint64_t take_overs = 0;  // of a living broker's address
-};
 
 class Bench {
 public:

@@ -69,15 +69,6 @@ void read(CLI::App& app, Options& options) {
     app.footer(examples);
 }
 
-void tell(const Watched& watched) {
-    std::printf(
-        "%.0f s of full load, %.0f messages/s, %llu lost: %llu suspicions, %llu false failovers\n",
-        watched.seconds, static_cast<double>(watched.messages) / watched.seconds,
-        static_cast<unsigned long long>(watched.lost),
-        static_cast<unsigned long long>(watched.suspicions),
-        static_cast<unsigned long long>(watched.take_overs));
-}
-
 int run(Options options) {
     if (options.broker_program.empty()) {
         options.broker_program =
@@ -105,7 +96,7 @@ int run(Options options) {
             results.add(bench.run(static_cast<std::uint32_t>(results.trials().size()) + 1));
         }
         if (options.watch_s > 0 && !is_over())
-            tell(bench.watch(std::chrono::seconds{options.watch_s}, is_over));
+            results.add(bench.watch(std::chrono::seconds{options.watch_s}, is_over));
     }
     results.conclude();
     for (const Trial& trial : results.trials()) {

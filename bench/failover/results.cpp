@@ -110,6 +110,15 @@ void print(const char* name, const Percentiles& p) {
                 *p.at(0.9), *p.at(0.99), *p.max());
 }
 
+void print(const Watched& watched) {
+    std::printf(
+        "%.0f s of full load, %.0f messages/s, %llu lost: %llu suspicions, %llu false failovers\n",
+        watched.seconds, static_cast<double>(watched.messages) / watched.seconds,
+        static_cast<unsigned long long>(watched.lost),
+        static_cast<unsigned long long>(watched.suspicions),
+        static_cast<unsigned long long>(watched.take_overs));
+}
+
 /// The share of trials in which it had happened by then.
 experiments::PlotSeries distribution(const std::string& label, std::vector<double> samples) {
     std::sort(samples.begin(), samples.end());
@@ -212,6 +221,14 @@ void Results::conclude() const {
         {"failover_ms", to_json(total)},
         {"parts_ms", parts},
         {"return_ms", to_json(returned)}};
+    if (watched_) {
+        print(*watched_);
+        summary["watch"] = {{"seconds", watched_->seconds},
+                            {"messages", watched_->messages},
+                            {"lost", watched_->lost},
+                            {"suspicions", watched_->suspicions},
+                            {"false_failovers", watched_->take_overs}};
+    }
     std::ofstream(options_.output / "summary.json") << summary.dump(2) << '\n';
     if (const auto svg = experiments::draw(figure(options_, trials_), options_.output)) {
         std::ofstream(options_.output / "failover.svg") << *svg << '\n';

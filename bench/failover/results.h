@@ -3,10 +3,12 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <vector>
 
 #include "bench/failover/options.h"
 #include "bench/failover/trial.h"
+#include "bench/failover/watched.h"
 
 namespace romano::bench {
 
@@ -19,6 +21,7 @@ public:
     [[nodiscard]] const std::vector<Trial>& trials() const { return trials_; }
     [[nodiscard]] std::filesystem::path traces() const { return options_.output / "traces"; }
     void add(const Trial& trial);
+    void add(const Watched& watched) { watched_ = watched; }
     /// Writes summary.json and failover.svg, and a table to stdout.
     void conclude() const;
 
@@ -26,6 +29,7 @@ private:
     Options options_;
     std::filesystem::path file_;
     std::vector<Trial> trials_;
+    std::optional<Watched> watched_;
 };
 
 }  // namespace romano::bench

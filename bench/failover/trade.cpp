@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <fstream>
 #include <iterator>
+#include <utility>
 #include <vector>
 
 #include "bench/failover/bench.h"
@@ -138,8 +139,9 @@ bool run_trade(const Options& options, const std::function<bool()>& is_over) {
     for (const std::uint32_t timeout_ms : options.timeouts_ms) {
         if (is_over()) return false;
         if (std::ranges::count(points, timeout_ms, &Point::timeout_ms) > 0) continue;
-        points.push_back(measure(with_timeout(options, timeout_ms), timeout_ms, is_over));
-        const Point& point = points.back();
+        Point measured = measure(with_timeout(options, timeout_ms), timeout_ms, is_over);
+        if (is_over()) return false;  // its watch may have been cut short: not a point
+        const Point& point = points.emplace_back(std::move(measured));
         const experiments::Percentiles p{point.failovers_ms};
         std::printf(
             "timeout %u ms: failover p50 %.1f ms, p99 %.1f ms; %llu false failovers in "
