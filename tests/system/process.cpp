@@ -52,13 +52,14 @@ Process::Output Process::start(const std::string& program,
     posix_spawn_file_actions_init(&actions);
     posix_spawn_file_actions_adddup2(&actions, output.write_end, STDOUT_FILENO);
     posix_spawn_file_actions_adddup2(&actions, errors.write_end, STDERR_FILENO);
-    std::vector<std::string> words = arguments;
-    words.insert(words.begin(), program);
+    // The kernel kills it when the test dies, also by a time-out of ctest.
+    std::vector<std::string> words{"/usr/bin/setpriv", "--pdeathsig", "KILL", program};
+    words.insert(words.end(), arguments.begin(), arguments.end());
     std::vector<char*> argv;
     argv.reserve(words.size() + 1);
     for (std::string& word : words) argv.push_back(word.data());
     argv.push_back(nullptr);
-    EXPECT_EQ(posix_spawn(&pid, program.c_str(), &actions, nullptr, argv.data(), environ), 0);
+    EXPECT_EQ(posix_spawn(&pid, argv[0], &actions, nullptr, argv.data(), environ), 0);
     posix_spawn_file_actions_destroy(&actions);
     close(output.write_end);
     close(errors.write_end);

@@ -1,5 +1,5 @@
 // A real process: started with arguments, watched through its output, killed and reaped in the end
-// whatever happens.
+// whatever happens to the test or to the test's own process.
 #pragma once
 
 #include <sys/types.h>
