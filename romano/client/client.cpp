@@ -3,12 +3,11 @@
 
 #include <algorithm>
 
-#include "romano/mqttsn/decode.h"
+#include "romano/mqttsn/frame.h"
 
 namespace romano::client {
 
 using mqttsn::MsgType;
-using mqttsn::TopicIdType;
 
 ClientCore::ClientCore(const Storage& storage, const Timing& timing, std::uint64_t seed)
     // A kept session may remember message ids of this client's earlier life; a random start makes
@@ -24,73 +23,45 @@ void ClientCore::on_datagram(Instant now, Bytes datagram, Output& out) {
     out.clear();
     const auto frame = mqttsn::decode_frame(datagram);
     if (!frame) return drop();
+    auto message = mqttsn::read_body(frame->type, frame->body);
+    if (!message) return drop();
     // Whatever comes while awake shows that the broker is not done yet (6.14d).
     if (state_ == State::awake) exchange_.put_off(now, timing_.t_retry);
-    dispatch(*frame, {now, out});
+    dispatch(frame->type, *message, {now, out});
     carry_on({now, out});
 }
 
-void ClientCore::dispatch(const mqttsn::Frame& frame, const Call& call) {
-    const Bytes body = frame.body;
-    switch (frame.type) {
+void ClientCore::dispatch(MsgType type, mqttsn::Body& message, const Call& call) {
+    switch (type) {
         case MsgType::connack:
-            if (const auto m = mqttsn::decode_connack(body)) return on_connack(*m, call);
-            break;
+            return on_connack(message.code, call);
         case MsgType::willtopicreq:
-            if (body.empty()) return on_will_prompt(ConnectStep::will_topic, call);
-            break;
         case MsgType::willmsgreq:
-            if (body.empty()) return on_will_prompt(ConnectStep::will_message, call);
-            break;
+            return on_will_prompt(type, call);
         case MsgType::register_:
-            if (const auto m = mqttsn::decode_register(body)) return on_register(*m, call.out);
-            break;
-        case MsgType::regack:
-            if (const auto m = mqttsn::decode_regack(body)) return on_regack(*m, call);
-            break;
+            return on_register(message, call.out);
         case MsgType::publish:
-            if (const auto m = mqttsn::decode_publish(body)) return on_publish(body, *m, call.out);
-            break;
-        case MsgType::puback:
-            if (const auto m = mqttsn::decode_puback(body)) return on_puback(*m, call);
-            break;
-        case MsgType::pubrec:
-            if (const auto m = mqttsn::decode_pubrec(body)) return on_pubrec(*m, call);
-            break;
+            return on_publish(message, call.out);
         case MsgType::pubrel:
-            if (const auto m = mqttsn::decode_pubrel(body)) return on_pubrel(*m, call.out);
-            break;
-        case MsgType::pubcomp:
-            if (const auto m = mqttsn::decode_pubcomp(body)) return on_pubcomp(*m, call);
-            break;
-        case MsgType::suback:
-            if (const auto m = mqttsn::decode_suback(body)) return on_suback(*m, call);
-            break;
-        case MsgType::unsuback:
-            if (const auto m = mqttsn::decode_unsuback(body)) return on_unsuback(*m, call);
-            break;
+            return on_pubrel(message, call.out);
         case MsgType::pingreq:
             return on_pingreq(call.out);
         case MsgType::pingresp:
-            if (body.empty()) return on_pingresp(call);
-            break;
+            return on_pingresp(call);
         case MsgType::disconnect:
-            if (mqttsn::decode_disconnect(body)) return on_disconnect(call);
-            break;
+            return on_disconnect(call);
+        case MsgType::regack:
+        case MsgType::puback:
+        case MsgType::pubrec:
+        case MsgType::pubcomp:
+        case MsgType::suback:
+        case MsgType::unsuback:
         case MsgType::willtopicresp:
-            if (const auto m = mqttsn::decode_willtopicresp(body)) {
-                return on_will_response(Operation::Kind::will_topic, m->return_code, call);
-            }
-            break;
         case MsgType::willmsgresp:
-            if (const auto m = mqttsn::decode_willmsgresp(body)) {
-                return on_will_response(Operation::Kind::will_message, m->return_code, call);
-            }
-            break;
+            return on_answer(type, message, call);
         default:  // what only brokers receive, discovery, reserved types
-            break;
+            return drop();
     }
-    drop();
 }
 
 void ClientCore::on_tick(Instant now, Output& out) {
@@ -128,7 +99,7 @@ void ClientCore::repeat_request(Output& out) {
         case State::connected:
             return send_front(true, out);
         case State::awake:
-            return send(mqttsn::Pingreq{options_.client_id}, out);
+            return out.send(MsgType::pingreq, {.rest = as_octets(options_.client_id)});
         case State::disconnecting:
         case State::falling_asleep:
             return send_disconnect(out);

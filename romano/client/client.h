@@ -19,7 +19,8 @@
 //
 // The exchanges have a file each: connection.cpp (6.2, 6.12), registering.cpp (6.5),
 // publishing.cpp (6.6, 6.8), subscribing.cpp (6.9), receiving.cpp (6.10), keep_alive.cpp (6.11),
-// sleeping.cpp (6.14), will_update.cpp (6.4).
+// sleeping.cpp (6.14), will_update.cpp (6.4). The answers to what the application asked for are so
+// much alike that answers.cpp handles them all.
 #pragma once
 
 #include <chrono>
@@ -38,8 +39,7 @@
 #include "romano/client/operations.h"
 #include "romano/client/retry_timer.h"
 #include "romano/client/topic_table.h"
-#include "romano/mqttsn/encode.h"
-#include "romano/mqttsn/frame.h"
+#include "romano/mqttsn/body.h"
 #include "romano/mqttsn/messages.h"
 #include "romano/mqttsn/types.h"
 
@@ -177,8 +177,6 @@ protected:
     ~ClientCore() = default;
 
 private:
-    enum class ConnectStep : std::uint8_t { connect, will_topic, will_message };
-
     /// One call of this client: its time, and where its output goes.
     struct Call {
         Instant now;
@@ -186,10 +184,10 @@ private:
     };
 
     // connection.cpp
-    void begin_connect_step(ConnectStep step, const Call& call);
+    void begin_connect_step(mqttsn::MsgType step, const Call& call);
     void send_connect_step(Output& out);
-    void on_will_prompt(ConnectStep step, const Call& call);
-    void on_connack(const mqttsn::Connack& message, const Call& call);
+    void on_will_prompt(mqttsn::MsgType prompt, const Call& call);
+    void on_connack(mqttsn::ReturnCode code, const Call& call);
     void send_disconnect(Output& out);
     void on_disconnect(const Call& call);
     void become_disconnected(const Event& why, Output& out);
@@ -197,38 +195,27 @@ private:
 
     // registering.cpp
     void begin_register(const Call& call);
-    void on_regack(const mqttsn::Regack& message, const Call& call);
-    void on_register(const mqttsn::Register& message, Output& out);
+    void on_register(mqttsn::Body& message, Output& out);
 
     // publishing.cpp
     [[nodiscard]] bool leaves_at_once(Instant now, mqttsn::Qos qos) const;
-    [[nodiscard]] std::optional<mqttsn::TopicId> publish_topic_id(
-        const mqttsn::TopicRef& topic) const;
+    [[nodiscard]] mqttsn::TopicId publish_topic_id(mqttsn::TopicIdType type,
+                                                   std::string_view topic) const;
     void begin_publish(const Call& call);
-    void send_publish(const Operation& operation, Bytes data, bool dup, Output& out);
-    void on_puback(const mqttsn::Puback& message, const Call& call);
-    void on_puback_of_qos0(const mqttsn::Puback& message, const Call& call);
-    void on_pubrec(const mqttsn::Pubrec& message, const Call& call);
-    void on_pubcomp(const mqttsn::Pubcomp& message, const Call& call);
+    void on_puback_of_qos0(const mqttsn::Body& message, const Call& call);
 
     // subscribing.cpp
     void begin_subscribe(const Call& call);
-    void on_suback(const mqttsn::Suback& message, const Call& call);
-    void on_unsuback(const mqttsn::Unsuback& message, const Call& call);
-
-    // will_update.cpp
-    void on_will_response(Operation::Kind kind, mqttsn::ReturnCode code, const Call& call);
 
     // receiving.cpp
-    void on_publish(Bytes body, const mqttsn::Publish& message, Output& out);
-    void answer_publish(const mqttsn::Publish& message, mqttsn::ReturnCode code, Output& out);
+    void on_publish(mqttsn::Body& message, Output& out);
     [[nodiscard]] bool remember_unreleased(mqttsn::MsgId msg_id);
     void forget_unreleased(mqttsn::MsgId msg_id);
-    void on_pubrel(const mqttsn::Pubrel& message, Output& out);
+    void on_pubrel(const mqttsn::Body& message, Output& out);
     [[nodiscard]] bool is_receiving() const;
 
     // keep_alive.cpp
-    void on_answer(Instant now);
+    void on_sign_of_life(Instant now);
     [[nodiscard]] static Duration before_end_of(KeepAlive period);
     void tick_keep_alive(const Call& call);
     void on_pingreq(Output& out);
@@ -239,36 +226,32 @@ private:
     void fall_asleep(const Call& call);
 
     // client.cpp
-    void dispatch(const mqttsn::Frame& frame, const Call& call);
+    void dispatch(mqttsn::MsgType type, mqttsn::Body& message, const Call& call);
     void drop() { ++dropped_; }
     void start_exchange(Instant now);
     void repeat_request(Output& out);
     void give_up(const Call& call);
-    template <typename M>
-    void send(const M& message, Output& out) {
-        std::uint8_t* body = out.begin(M::type, body_size(message));
-        if (body != nullptr) put(message, mqttsn::Fields{body});
-    }
 
     // turns.cpp: the operations one after the other
-    Result<OperationId, Refusal> request(Operation operation, const mqttsn::TopicRef& topic,
-                                         Bytes data, const Call& call);
+    Result<OperationId, Refusal> request(mqttsn::MsgType request, const mqttsn::TopicRef& topic,
+                                         Bytes data, const PublishOptions& options,
+                                         const Call& call);
     Result<OperationId, Refusal> enqueue(Operation operation, std::string_view name, Bytes data,
                                          const Call& call);
     void carry_on(const Call& call);
     void begin_front(const Call& call);
-    void send_first(Operation::Stage stage, mqttsn::MsgId msg_id, const Call& call);
+    void send_first(mqttsn::MsgType type, mqttsn::MsgId msg_id, const Call& call);
     void send_front(bool dup, Output& out);
     void resume_front(const Call& call);
-    [[nodiscard]] bool is_awaited(Operation::Stage stage, mqttsn::MsgId msg_id) const;
-    [[nodiscard]] bool is_awaited(Operation::Kind kind, Operation::Stage stage,
-                                  mqttsn::MsgId msg_id) const;
-    [[nodiscard]] bool is_accepted(bool awaited, mqttsn::ReturnCode code, const Call& call);
-    [[nodiscard]] mqttsn::TopicRef front_topic() const;
     void postpone_front();
     void finish_front(const Event& event, Output& out);
     void fail_front(mqttsn::ReturnCode code, Output& out);
     void pause(const Call& call);
+
+    // answers.cpp: to the front operation
+    [[nodiscard]] bool is_awaited(mqttsn::MsgType answer, mqttsn::MsgId msg_id) const;
+    void on_answer(mqttsn::MsgType type, const mqttsn::Body& message, const Call& call);
+    void on_acceptance(mqttsn::MsgType type, const mqttsn::Body& message, const Call& call);
     [[nodiscard]] bool is_paused(Instant now) const { return now < paused_until_; }
     [[nodiscard]] mqttsn::MsgId next_msg_id();
     [[nodiscard]] OperationId next_operation() { return OperationId{++last_operation_}; }
@@ -278,10 +261,10 @@ private:
     // The small and busy ones first: a Cortex-M3 reaches the first octets of a class with its short
     // instructions.
     State state_ = State::disconnected;
-    ConnectStep connect_step_ = ConnectStep::connect;
-    bool unfinished_ = false;        // the last Output was too small for all that could be sent
-    std::uint16_t queued_qos0_ = 0;  // while one waits, later ones wait behind it
-    std::uint16_t sleep_duration_s_ = 0;
+    mqttsn::MsgType connect_step_{};  // CONNECT, WILLTOPIC or WILLMSG
+    bool unfinished_ = false;         // the last Output was too small for all that could be sent
+    std::uint16_t queued_qos0_ = 0;   // while one waits, later ones wait behind it
+    std::uint16_t sleep_duration_s_ = 0;  // of DISCONNECT; 0 when it is not for a sleep
     std::uint16_t last_msg_id_;
     std::uint16_t last_operation_ = 0;
     std::uint32_t dropped_ = 0;

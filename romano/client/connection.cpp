@@ -3,52 +3,52 @@
 
 namespace romano::client {
 
+using mqttsn::MsgType;
+
 void ClientCore::connect(Instant now, const ConnectOptions& options, Output& out) {
     out.clear();
     options_ = options;
     state_ = State::connecting;
     stop_timers();
-    begin_connect_step(ConnectStep::connect, {now, out});
+    begin_connect_step(MsgType::connect, {now, out});
 }
 
-void ClientCore::begin_connect_step(ConnectStep step, const Call& call) {
+void ClientCore::begin_connect_step(MsgType step, const Call& call) {
     connect_step_ = step;
     start_exchange(call.now);
     send_connect_step(call.out);
 }
 
 void ClientCore::send_connect_step(Output& out) {
-    switch (connect_step_) {
-        case ConnectStep::connect:
-            return send(mqttsn::Connect{.will = options_.will.has_value(),
-                                        .clean_session = options_.clean_session,
-                                        .protocol_id = mqttsn::protocol_id,
-                                        .duration_s = options_.keep_alive.count(),
-                                        .client_id = options_.client_id},
-                        out);
-        case ConnectStep::will_topic:
-            return send(
-                mqttsn::Willtopic{options_.will->qos, options_.will->retain, options_.will->topic},
-                out);
-        case ConnectStep::will_message:
-            return send(mqttsn::Willmsg{options_.will->message}, out);
+    const std::optional<Will>& will = options_.will;
+    mqttsn::Body body;
+    if (connect_step_ == MsgType::connect) {
+        body.flags =
+            mqttsn::to_wire({.will = will.has_value(), .clean_session = options_.clean_session});
+        body.msg_id = mqttsn::MsgId{options_.keep_alive.count()};
+        body.rest = as_octets(options_.client_id);
+    } else if (connect_step_ == MsgType::willtopic) {
+        body.flags = mqttsn::to_wire({.qos = will->qos, .retain = will->retain});
+        body.rest = as_octets(will->topic);
+    } else {
+        body.rest = will->message;
     }
+    out.send(connect_step_, body);
 }
 
-/// A prompt may come twice, as every message; the answer is given again (6.2d).
-void ClientCore::on_will_prompt(ConnectStep step, const Call& call) {
+/// A prompt may come twice, as every message; the answer is given again (6.2d). Its number is that
+/// of the prompt plus one (5.2.2).
+void ClientCore::on_will_prompt(MsgType prompt, const Call& call) {
     if (state_ != State::connecting || !options_.will) return drop();
-    begin_connect_step(step, call);
+    begin_connect_step(MsgType(static_cast<std::uint8_t>(prompt) + 1), call);
 }
 
-void ClientCore::on_connack(const mqttsn::Connack& message, const Call& call) {
+void ClientCore::on_connack(mqttsn::ReturnCode code, const Call& call) {
     if (state_ != State::connecting) return drop();
-    if (message.return_code != mqttsn::ReturnCode::accepted) {
-        return become_disconnected(Refused{message.return_code}, call.out);
-    }
+    if (code != mqttsn::ReturnCode::accepted) return become_disconnected(Refused{code}, call.out);
     exchange_.stop();
     state_ = State::connected;
-    on_answer(call.now);
+    on_sign_of_life(call.now);
     call.out.tell(Connected{});
     if (options_.clean_session) {
         topics_.clear();
@@ -61,15 +61,14 @@ void ClientCore::disconnect(Instant now, Output& out) {
     out.clear();
     if (state_ == State::disconnected) return;
     state_ = State::disconnecting;
+    sleep_duration_s_ = 0;
     stop_timers();
     start_exchange(now);
     send_disconnect(out);
 }
 
-/// With a duration when it is the beginning of a sleep.
 void ClientCore::send_disconnect(Output& out) {
-    const bool sleeps = state_ == State::falling_asleep;
-    send(mqttsn::Disconnect{sleeps, sleep_duration_s_}, out);
+    out.send(MsgType::disconnect, {.msg_id = mqttsn::MsgId{sleep_duration_s_}});
 }
 
 void ClientCore::on_disconnect(const Call& call) {

@@ -2,8 +2,6 @@
 
 #include <cassert>
 
-#include "romano/mqttsn/frame.h"
-
 namespace romano::client {
 
 void Output::clear() {
@@ -17,16 +15,14 @@ bool Output::has_room() const {
            used_ <= small_datagrams_octets;
 }
 
-std::uint8_t* Output::begin(mqttsn::MsgType type, std::size_t body_size) {
-    const MutableBytes room = octets_.subspan(used_);
-    std::uint8_t* body = mqttsn::begin_frame(type, body_size, room);
-    assert(body != nullptr);  // an Output for smaller limits than the client's
+void Output::send(mqttsn::MsgType type, const mqttsn::Body& body) {
     assert(datagram_count_ < most);
-    if (body == nullptr) return nullptr;
-    const std::size_t size = mqttsn::framed_size(body_size);
+    const MutableBytes room = octets_.subspan(used_);
+    const std::size_t size = mqttsn::write_message(type, body, room);
+    assert(size != 0);  // an Output for smaller limits than the client's
+    if (size == 0) return;
     datagrams_[datagram_count_++] = room.first(size);
     used_ += size;
-    return body;
 }
 
 void Output::tell(const Event& event) {

@@ -12,6 +12,7 @@
 
 #include "romano/base/bytes.h"
 #include "romano/client/limits.h"
+#include "romano/mqttsn/body.h"
 #include "romano/mqttsn/messages.h"
 #include "romano/mqttsn/types.h"
 
@@ -90,8 +91,7 @@ public:
     void clear();
     /// Room for two more of each, and for one more datagram of any size.
     [[nodiscard]] bool has_room() const;
-    /// One more datagram: returns where its body belongs, or nullptr when there is no room for it.
-    [[nodiscard]] std::uint8_t* begin(mqttsn::MsgType type, std::size_t body_size);
+    void send(mqttsn::MsgType type, const mqttsn::Body& body);
     void tell(const Event& event);
 
 protected:

@@ -8,7 +8,7 @@
 namespace romano::client {
 
 /// The broker has answered a request, so it has heard of us.
-void ClientCore::on_answer(Instant now) {
+void ClientCore::on_sign_of_life(Instant now) {
     if (ping_.is_running()) return;  // that PINGREQ wants its own answer
     ping_due_ = options_.keep_alive.count() == 0 ? never : now + before_end_of(options_.keep_alive);
 }
@@ -27,7 +27,7 @@ void ClientCore::tick_keep_alive(const Call& call) {
     } else {
         return;
     }
-    send(mqttsn::Pingreq{}, call.out);
+    call.out.send(mqttsn::MsgType::pingreq, {});
 }
 
 /// Also when no ping would be due for long, or ever: the former broker would go on talking to us.
@@ -41,13 +41,13 @@ void ClientCore::on_pingresp(const Call& call) {
     if (state_ == State::awake) return fall_asleep(call);
     if (state_ != State::connected) return drop();
     ping_.stop();
-    on_answer(call.now);
+    on_sign_of_life(call.now);
 }
 
 /// The broker asks whether we live.
 void ClientCore::on_pingreq(Output& out) {
     if (!is_receiving()) return drop();
-    send(mqttsn::Pingresp{}, out);
+    out.send(mqttsn::MsgType::pingresp, {});
 }
 
 }  // namespace romano::client

@@ -17,33 +17,26 @@
 namespace romano::client {
 
 struct Operation {
-    enum class Kind : std::uint8_t {
-        publish,
-        subscribe,
-        unsubscribe,
-        register_name,
-        will_topic,
-        will_message
-    };
-    /// How far the front has come. The others are `waiting`.
-    enum class Stage : std::uint8_t {
-        waiting,
-        registering,  // REGISTER sent: on the way to a topic id for a publish, or for its own sake
-        requested,    // PUBLISH, SUBSCRIBE, UNSUBSCRIBE or WILL...UPD sent
-        releasing,    // PUBREL sent, section 6.6 at QoS 2
-    };
-
     OperationId id{};
-    Kind kind{};
-    Stage stage = Stage::waiting;
-    mqttsn::Qos qos{};
-    bool retain = false;
+    /// What is asked for: PUBLISH, SUBSCRIBE, UNSUBSCRIBE, REGISTER, WILLTOPICUPD or WILLMSGUPD.
+    mqttsn::MsgType request{};
+    /// What was sent of it and is not answered yet: the request, a REGISTER on the way to it, or
+    /// PUBREL behind it. `nothing` while it waits for its turn.
+    mqttsn::MsgType sent = nothing;
+    std::uint8_t flags = 0;        // of the request, as on the wire
     bool registered_anew = false;  // after PUBACK 2; a second one ends the operation (6.6e)
-    mqttsn::TopicIdType topic_type{};
-    mqttsn::TopicId topic_id{};  // predefined
-    mqttsn::MsgId msg_id{};      // of the request that is out
-    std::uint16_t name_size = 0;
+    mqttsn::TopicId topic_id{};    // of a PUBLISH that is out
+    mqttsn::MsgId msg_id{};        // of what is out
+    std::uint16_t name_size =
+        0;  // of the topic as SUBSCRIBE has it: a name, or the octets of an id
     std::uint16_t data_size = 0;
+
+    static constexpr mqttsn::MsgType nothing{0xFF};
+
+    [[nodiscard]] mqttsn::Qos qos() const { return mqttsn::flags_from_wire(flags).qos; }
+    [[nodiscard]] mqttsn::TopicIdType topic_type() const {
+        return mqttsn::flags_from_wire(flags).topic_id_type;
+    }
 };
 
 class OperationQueue {

@@ -4,13 +4,13 @@
 
 namespace romano::client {
 
-std::optional<mqttsn::TopicId> TopicTable::id_of(std::string_view name) const {
+mqttsn::TopicId TopicTable::id_of(std::string_view name) const {
     const char* at = names_.data();
     for (const Entry& entry : entries_.first(size_)) {
         if (std::string_view{at, entry.name_size} == name) return entry.id;
         at += entry.name_size;
     }
-    return std::nullopt;
+    return mqttsn::no_topic_id;
 }
 
 std::string_view TopicTable::name_of(mqttsn::TopicId id) const {
@@ -34,9 +34,9 @@ bool TopicTable::put(mqttsn::TopicId id, std::string_view name) {
         forget(id);
     } else if (!has_room_for(name)) {
         // A broker that gives one name several ids must not fill the table with it.
-        const auto older = id_of(name);
-        if (!older) return false;
-        forget(*older);
+        const mqttsn::TopicId older = id_of(name);
+        if (older == mqttsn::no_topic_id) return false;
+        forget(older);
     }
     std::copy(name.begin(), name.end(), names_.begin() + static_cast<std::ptrdiff_t>(names_size_));
     names_size_ += name.size();

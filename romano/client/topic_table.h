@@ -8,7 +8,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <optional>
 #include <span>
 #include <string_view>
 
@@ -26,7 +25,8 @@ public:
     TopicTable(std::span<Entry> entries, std::span<char> names)
         : entries_(entries), names_(names) {}
 
-    [[nodiscard]] std::optional<mqttsn::TopicId> id_of(std::string_view name) const;
+    /// no_topic_id when the name has none.
+    [[nodiscard]] mqttsn::TopicId id_of(std::string_view name) const;
 
     /// Empty when the id is unknown; no name is empty.
     [[nodiscard]] std::string_view name_of(mqttsn::TopicId id) const;

@@ -5,13 +5,14 @@
 
 namespace romano::client {
 
+using mqttsn::MsgType;
 using mqttsn::ReturnCode;
 using mqttsn::TopicIdType;
 
 namespace {
 
 bool is_qos0(const Operation& operation) {
-    return operation.kind == Operation::Kind::publish && operation.qos == mqttsn::Qos::at_most_once;
+    return operation.request == MsgType::publish && operation.qos() == mqttsn::Qos::at_most_once;
 }
 
 bool names_something(const mqttsn::TopicRef& topic) {
@@ -21,15 +22,19 @@ bool names_something(const mqttsn::TopicRef& topic) {
 
 }  // namespace
 
-Result<OperationId, Refusal> ClientCore::request(Operation operation, const mqttsn::TopicRef& topic,
-                                                 Bytes data, const Call& call) {
+Result<OperationId, Refusal> ClientCore::request(MsgType request, const mqttsn::TopicRef& topic,
+                                                 Bytes data, const PublishOptions& options,
+                                                 const Call& call) {
     if (!names_something(topic)) {
         call.out.clear();
         return Refusal::invalid_topic;
     }
-    operation.topic_type = topic.type;
-    operation.topic_id = topic.id;
-    return enqueue(operation, topic.name, data, call);
+    const auto flags = mqttsn::to_wire(
+        {.qos = options.qos, .retain = options.retain, .topic_id_type = topic.type});
+    std::uint8_t id[2];
+    put_be16(id, 0, static_cast<std::uint16_t>(topic.id));
+    const std::string_view name = topic.type == TopicIdType::predefined ? as_text(id) : topic.name;
+    return enqueue({.request = request, .flags = flags}, name, data, call);
 }
 
 Result<OperationId, Refusal> ClientCore::enqueue(Operation operation, std::string_view name,
@@ -57,24 +62,24 @@ void ClientCore::carry_on(const Call& call) {
 }
 
 void ClientCore::begin_front(const Call& call) {
-    switch (operations_.front().kind) {
-        case Operation::Kind::publish:
+    const MsgType request = operations_.front().request;
+    switch (request) {
+        case MsgType::publish:
             return begin_publish(call);
-        case Operation::Kind::subscribe:
+        case MsgType::subscribe:
             return begin_subscribe(call);
-        case Operation::Kind::unsubscribe:
-            return send_first(Operation::Stage::requested, next_msg_id(), call);
-        case Operation::Kind::register_name:
+        case MsgType::register_:
             return begin_register(call);
-        case Operation::Kind::will_topic:
-        case Operation::Kind::will_message:
-            return send_first(Operation::Stage::requested, mqttsn::no_msg_id, call);
+        case MsgType::unsubscribe:
+            return send_first(request, next_msg_id(), call);
+        default:
+            return send_first(request, mqttsn::no_msg_id, call);
     }
 }
 
-/// Sends the request that belongs to `stage`, and awaits its answer.
-void ClientCore::send_first(Operation::Stage stage, mqttsn::MsgId msg_id, const Call& call) {
-    operations_.front().stage = stage;
+/// Sends what the front comes to next, and awaits its answer.
+void ClientCore::send_first(MsgType type, mqttsn::MsgId msg_id, const Call& call) {
+    operations_.front().sent = type;
     operations_.front().msg_id = msg_id;
     start_exchange(call.now);
     send_front(false, call.out);
@@ -82,78 +87,34 @@ void ClientCore::send_first(Operation::Stage stage, mqttsn::MsgId msg_id, const 
 
 void ClientCore::send_front(bool dup, Output& out) {
     const Operation& operation = operations_.front();
-    const std::string_view name = operations_.front_name();
-    if (operation.stage == Operation::Stage::registering) {
-        return send(mqttsn::Register{mqttsn::no_topic_id, operation.msg_id, name}, out);
+    const MsgType type = operation.sent;
+    mqttsn::Body body{.flags = operation.flags,
+                      .topic_id = operation.topic_id,
+                      .msg_id = operation.msg_id,
+                      .rest = as_octets(operations_.front_name())};
+    if (type == MsgType::publish || type == MsgType::willmsgupd) {
+        body.rest = operations_.front_data();
     }
-    if (operation.stage == Operation::Stage::releasing) {
-        return send(mqttsn::Pubrel{operation.msg_id}, out);
-    }
-    switch (operation.kind) {
-        case Operation::Kind::publish:
-            return send_publish(operation, operations_.front_data(), dup, out);
-        case Operation::Kind::subscribe:
-            return send(mqttsn::Subscribe{dup, operation.qos, operation.msg_id, front_topic()},
-                        out);
-        case Operation::Kind::unsubscribe:
-            return send(mqttsn::Unsubscribe{operation.msg_id, front_topic()}, out);
-        case Operation::Kind::will_topic:
-            return send(mqttsn::Willtopicupd{operation.qos, operation.retain, name}, out);
-        case Operation::Kind::will_message:
-            return send(mqttsn::Willmsgupd{operations_.front_data()}, out);
-        case Operation::Kind::register_name:  // has no other stage than registering
-            return;
-    }
+    const bool can_be_dup = type == MsgType::publish || type == MsgType::subscribe;
+    if (dup && can_be_dup) body.flags |= mqttsn::to_wire({.dup = true});
+    out.send(type, body);
 }
 
 /// The front was on its way when the connection ended. A kept session knows its message id; in a
 /// clean one it begins anew, except that PUBREL is answered by any broker (6.6d).
 void ClientCore::resume_front(const Call& call) {
-    if (operations_.empty() || operations_.front().stage == Operation::Stage::waiting) return;
-    if (options_.clean_session && operations_.front().stage != Operation::Stage::releasing) {
+    if (operations_.empty() || operations_.front().sent == Operation::nothing) return;
+    if (options_.clean_session && operations_.front().sent != MsgType::pubrel) {
         return postpone_front();
     }
     start_exchange(call.now);
     send_front(true, call.out);
 }
 
-bool ClientCore::is_awaited(Operation::Stage stage, mqttsn::MsgId msg_id) const {
-    return state_ == State::connected && exchange_.is_running() && !operations_.empty() &&
-           operations_.front().stage == stage && operations_.front().msg_id == msg_id;
-}
-
-bool ClientCore::is_awaited(Operation::Kind kind, Operation::Stage stage,
-                            mqttsn::MsgId msg_id) const {
-    return operations_.front().kind == kind && is_awaited(stage, msg_id);
-}
-
-/// False when there is nothing left to do about an answer: nobody awaited it, or it is a refusal.
-/// "Congestion" is no end: the same is asked again after T_WAIT.
-bool ClientCore::is_accepted(bool awaited, ReturnCode code, const Call& call) {
-    if (!awaited) {
-        drop();
-        return false;
-    }
-    on_answer(call.now);
-    if (code == ReturnCode::accepted) return true;
-    if (code == ReturnCode::congestion) {
-        postpone_front();
-        pause(call);
-    } else {
-        fail_front(code, call.out);
-    }
-    return false;
-}
-
-mqttsn::TopicRef ClientCore::front_topic() const {
-    const Operation& operation = operations_.front();
-    return {operation.topic_type, operations_.front_name(), operation.topic_id};
-}
-
 /// It begins anew when its turn comes.
 void ClientCore::postpone_front() {
     exchange_.stop();
-    operations_.front().stage = Operation::Stage::waiting;
+    operations_.front().sent = Operation::nothing;
 }
 
 void ClientCore::finish_front(const Event& event, Output& out) {

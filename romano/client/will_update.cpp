@@ -3,23 +3,18 @@
 
 namespace romano::client {
 
+using mqttsn::MsgType;
+
 Result<OperationId, Refusal> ClientCore::update_will_topic(Instant now, std::string_view topic,
                                                            const PublishOptions& options,
                                                            Output& out) {
-    return enqueue(
-        {.kind = Operation::Kind::will_topic, .qos = options.qos, .retain = options.retain}, topic,
-        {}, {now, out});
+    const auto flags = mqttsn::to_wire({.qos = options.qos, .retain = options.retain});
+    return enqueue({.request = MsgType::willtopicupd, .flags = flags}, topic, {}, {now, out});
 }
 
 Result<OperationId, Refusal> ClientCore::update_will_message(Instant now, Bytes message,
                                                              Output& out) {
-    return enqueue({.kind = Operation::Kind::will_message}, {}, message, {now, out});
-}
-
-void ClientCore::on_will_response(Operation::Kind kind, mqttsn::ReturnCode code, const Call& call) {
-    const bool awaited = is_awaited(kind, Operation::Stage::requested, mqttsn::no_msg_id);
-    if (!is_accepted(awaited, code, call)) return;
-    finish_front(WillUpdated{operations_.front().id}, call.out);
+    return enqueue({.request = MsgType::willmsgupd}, {}, message, {now, out});
 }
 
 }  // namespace romano::client

@@ -27,21 +27,18 @@ constexpr bool is_uncounted_long_form(std::size_t length, std::size_t datagram) 
 
 Decoded<Frame> decode_frame(Bytes datagram) {
     if (datagram.empty()) return Malformed::empty;
-    if (datagram[0] != long_form) {
-        if (datagram.size() < short_header) return Malformed::length;
-        const auto type = static_cast<MsgType>(datagram[1]);
-        if (type == MsgType::encapsulated) return decode_wrapping(datagram);
-        if (datagram[0] != datagram.size()) return Malformed::length;
-        return Frame{type, datagram.subspan(short_header), {}};
+    const bool is_long = datagram[0] == long_form;
+    const std::size_t header = is_long ? long_header : short_header;
+    if (datagram.size() < header) return Malformed::length;
+    const auto type = static_cast<MsgType>(datagram[header - 1]);
+    if (type == MsgType::encapsulated) {  // never in the long form (5.5)
+        return is_long ? Malformed::length : decode_wrapping(datagram);
     }
-    if (datagram.size() < long_header) return Malformed::length;
-    const std::size_t length = be16(datagram, 1);
-    if (length != datagram.size() && !is_uncounted_long_form(length, datagram.size())) {
-        return Malformed::length;
-    }
-    const auto type = static_cast<MsgType>(datagram[3]);
-    if (type == MsgType::encapsulated) return Malformed::length;  // never in the long form (5.5)
-    return Frame{type, datagram.subspan(long_header), {}};
+    const std::size_t length = is_long ? be16(datagram, 1) : datagram[0];
+    const bool is_true =
+        length == datagram.size() || (is_long && is_uncounted_long_form(length, datagram.size()));
+    if (!is_true) return Malformed::length;
+    return Frame{type, datagram.subspan(header), {}};
 }
 
 std::uint8_t* begin_frame(MsgType type, std::size_t body_size, MutableBytes out) {

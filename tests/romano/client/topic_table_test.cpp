@@ -19,7 +19,7 @@ TEST_F(TopicTableTest, FindsByNameAndById) {
     EXPECT_TRUE(table.put(TopicId{2}, "c"));
     EXPECT_EQ(table.id_of("a/b"), TopicId{1});
     EXPECT_EQ(table.id_of("c"), TopicId{2});
-    EXPECT_EQ(table.id_of("a"), std::nullopt);
+    EXPECT_EQ(table.id_of("a"), mqttsn::no_topic_id);
     EXPECT_EQ(table.name_of(TopicId{2}), "c");
     EXPECT_EQ(table.name_of(TopicId{3}), "");
 }
@@ -30,7 +30,7 @@ TEST_F(TopicTableTest, GivesAKnownIdANewName) {
     EXPECT_TRUE(table.put(TopicId{1}, "012345678"));
     EXPECT_EQ(table.name_of(TopicId{1}), "012345678");
     EXPECT_EQ(table.name_of(TopicId{2}), "d");
-    EXPECT_EQ(table.id_of("abc"), std::nullopt);
+    EXPECT_EQ(table.id_of("abc"), mqttsn::no_topic_id);
 }
 
 TEST_F(TopicTableTest, RefusesAndChangesNothingWhenFull) {  // P8

@@ -1,0 +1,112 @@
+#include "romano/mqttsn/body.h"
+
+#include <cstring>
+#include <iterator>
+
+#include "romano/mqttsn/frame.h"
+
+namespace romano::mqttsn {
+namespace {
+
+// The fields of a body, in their order.
+constexpr unsigned flags = 0x01;
+constexpr unsigned protocol = 0x02;  // protocol_id
+constexpr unsigned topic = 0x04;
+constexpr unsigned msg = 0x08;
+constexpr unsigned code = 0x10;
+constexpr unsigned rest = 0x20;
+constexpr unsigned or_nothing = 0x40;  // the body may be empty instead
+
+constexpr std::uint8_t fields[] = {
+    flags | msg,                    // ADVERTISE
+    flags,                          // SEARCHGW
+    flags | rest,                   // GWINFO
+    0,                              //
+    flags | protocol | msg | rest,  // CONNECT
+    code,                           // CONNACK
+    0,                              // WILLTOPICREQ
+    flags | rest | or_nothing,      // WILLTOPIC
+    0,                              // WILLMSGREQ
+    rest,                           // WILLMSG
+    topic | msg | rest,             // REGISTER
+    topic | msg | code,             // REGACK
+    flags | topic | msg | rest,     // PUBLISH
+    topic | msg | code,             // PUBACK
+    msg,                            // PUBCOMP
+    msg,                            // PUBREC
+    msg,                            // PUBREL
+    0,                              //
+    flags | msg | rest,             // SUBSCRIBE
+    flags | topic | msg | code,     // SUBACK
+    flags | msg | rest,             // UNSUBSCRIBE
+    msg,                            // UNSUBACK
+    rest,                           // PINGREQ
+    0,                              // PINGRESP
+    msg | or_nothing,               // DISCONNECT
+    0,                              //
+    flags | rest | or_nothing,      // WILLTOPICUPD
+    code,                           // WILLTOPICRESP
+    rest,                           // WILLMSGUPD
+    code,                           // WILLMSGRESP
+};
+
+unsigned fields_of(MsgType type) {
+    const auto number = static_cast<std::size_t>(type);
+    return number < std::size(fields) ? fields[number] : 0;
+}
+
+/// Of all but `rest`.
+std::size_t size_of(unsigned present) {
+    std::size_t size = 0;
+    for (const unsigned octet : {flags, protocol, code}) size += (present & octet) != 0 ? 1U : 0U;
+    for (const unsigned number : {topic, msg}) size += (present & number) != 0 ? 2U : 0U;
+    return size;
+}
+
+}  // namespace
+
+std::optional<Body> read_body(MsgType type, Bytes octets) {
+    const unsigned present = fields_of(type);
+    Body body;
+    if (octets.empty() && (present & or_nothing) != 0) return body;
+    const std::size_t size = size_of(present);
+    if (octets.size() < size || (octets.size() > size && (present & rest) == 0)) {
+        return std::nullopt;
+    }
+    std::size_t at = 0;
+    const auto number = [&octets, &at] {
+        at += 2;
+        return be16(octets, at - 2);
+    };
+    if ((present & flags) != 0) body.flags = octets[at++];
+    if ((present & protocol) != 0) ++at;
+    if ((present & topic) != 0) body.topic_id = TopicId{number()};
+    if ((present & msg) != 0) body.msg_id = MsgId{number()};
+    if ((present & code) != 0) body.code = ReturnCode{octets[at++]};
+    body.rest = octets.subspan(at);
+    return body;
+}
+
+std::size_t write_message(MsgType type, const Body& body, MutableBytes out) {
+    unsigned present = fields_of(type);
+    const bool says_nothing = body.rest.empty() && body.msg_id == no_msg_id;
+    if ((present & or_nothing) != 0 && says_nothing) present = 0;
+    const std::size_t rest_size = (present & rest) != 0 ? body.rest.size() : 0;
+    const std::size_t size = size_of(present) + rest_size;
+    std::uint8_t* at = begin_frame(type, size, out);
+    if (at == nullptr) return 0;
+    const auto octet = [&at](auto value) { *at++ = static_cast<std::uint8_t>(value); };
+    const auto number = [&octet](auto value) {
+        octet(static_cast<unsigned>(value) >> 8U);
+        octet(static_cast<unsigned>(value) & 0xFFU);
+    };
+    if ((present & flags) != 0) octet(body.flags);
+    if ((present & protocol) != 0) octet(protocol_id);
+    if ((present & topic) != 0) number(body.topic_id);
+    if ((present & msg) != 0) number(body.msg_id);
+    if ((present & code) != 0) octet(body.code);
+    if (rest_size != 0) std::memcpy(at, body.rest.data(), rest_size);
+    return framed_size(size);
+}
+
+}  // namespace romano::mqttsn
