@@ -19,11 +19,11 @@ using Clock = std::chrono::steady_clock;
 // emcute's own numbers, MQTT-SN 1.2 section 5.2.2.
 constexpr std::uint8_t connect = 0x04;
 constexpr std::uint8_t connack = 0x05;
-constexpr std::uint8_t register_ = 0x0A;
+constexpr std::uint8_t register_type = 0x0A;
 constexpr std::uint8_t regack = 0x0B;
-constexpr std::uint8_t publish_ = 0x0C;
+constexpr std::uint8_t publish_type = 0x0C;
 constexpr std::uint8_t puback = 0x0D;
-constexpr std::uint8_t subscribe_ = 0x12;
+constexpr std::uint8_t subscribe_type = 0x12;
 constexpr std::uint8_t suback = 0x13;
 constexpr std::uint8_t pingreq = 0x16;
 constexpr std::uint8_t pingresp = 0x17;
@@ -102,7 +102,7 @@ bool LegacyRobot::run_until(const std::function<bool()>& done, std::chrono::mill
 }
 
 /// emcute's: one at a time, again unchanged.
-bool LegacyRobot::request(Octets datagram, std::uint8_t answer) {
+bool LegacyRobot::request(const Octets& datagram, std::uint8_t answer) {
     awaited_ = answer;
     answer_.clear();
     for (int sending = 0; sending < sendings && answer_.empty(); ++sending) {
@@ -116,7 +116,7 @@ bool LegacyRobot::request(Octets datagram, std::uint8_t answer) {
 }
 
 bool LegacyRobot::subscribe(const std::string& topic) {
-    Octets body{subscribe_, 0x00};
+    Octets body{subscribe_type, 0x00};
     put16(body, next_id());
     body.insert(body.end(), topic.begin(), topic.end());
     if (!request(framed(body), suback) || answer_[7] != 0) return false;
@@ -127,7 +127,7 @@ bool LegacyRobot::subscribe(const std::string& topic) {
 std::uint16_t LegacyRobot::topic_id(const std::string& topic) {
     const auto known = topics_.find(topic);
     if (known != topics_.end()) return known->second;
-    Octets body{register_, 0, 0};
+    Octets body{register_type, 0, 0};
     put16(body, next_id());
     body.insert(body.end(), topic.begin(), topic.end());
     if (!request(framed(body), regack) || answer_[6] != 0) return 0;
@@ -137,7 +137,7 @@ std::uint16_t LegacyRobot::topic_id(const std::string& topic) {
 void LegacyRobot::publish(const std::string& topic, const std::string& data) {
     const std::uint16_t id = topic_id(topic);
     if (id == 0) return;
-    Octets body{publish_, 0x00};
+    Octets body{publish_type, 0x00};
     put16(body, id);
     put16(body, next_id());  // not zero, though of QoS 0
     body.insert(body.end(), data.begin(), data.end());
@@ -156,7 +156,7 @@ bool LegacyRobot::receive(std::chrono::milliseconds limit) {
     if (size < 2) return false;  // nobody listens there for a moment
     packet.resize(static_cast<std::size_t>(size));
     switch (packet[1]) {
-        case publish_:
+        case publish_type:
             on_publish(packet);
             break;
         case pingreq:

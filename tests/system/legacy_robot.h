@@ -42,7 +42,7 @@ public:
 private:
     using Octets = std::vector<std::uint8_t>;
 
-    bool request(Octets datagram, std::uint8_t answer);
+    bool request(const Octets& datagram, std::uint8_t answer);
     bool subscribe(const std::string& topic);
     std::uint16_t topic_id(const std::string& topic);
     void publish(const std::string& topic, const std::string& data);

@@ -30,7 +30,7 @@ protected:
         said.sessions = sessions;
         (void)membership.on_beacon(Instant{1s}, said);
     }
-    void holds(const LogId& member, Seq seq, std::vector<Endpoint> addresses = {}) {
+    void holds(const LogId& member, Seq seq, const std::vector<Endpoint>& addresses = {}) {
         ViewHoldings& answer = holdings[member];
         answer.holds.push_back({dead, seq});
         for (const Endpoint& left : addresses) answer.addresses.push_back({dead, left});

@@ -22,9 +22,9 @@ broker::LogId member(std::uint64_t id) {
     return {broker::BrokerId{id}, 1};
 }
 
-cluster::View view(std::uint64_t count, std::vector<broker::LogId> members) {
+cluster::View view(std::uint64_t count, const std::vector<broker::LogId>& members) {
     return {.number = {.term = 1, .leader = members.front().broker, .count = count},
-            .members = std::move(members)};
+            .members = members};
 }
 
 /// PUBLISH of MQTT-SN 1.2 section 5.4.12, without data.
