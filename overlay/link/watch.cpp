@@ -1,5 +1,6 @@
 #include "overlay/link/watch.h"
 
+#include <algorithm>
 #include <boost/asio/buffer.hpp>
 #include <boost/asio/read.hpp>
 #include <boost/asio/write.hpp>
@@ -16,7 +17,11 @@ constexpr int attempts_in_a_row = 20;
 constexpr int attempts_an_interval = 4;
 
 constexpr auto answer_within = 1s;
-constexpr auto rest_for = 100ms;
+
+// A peer that was just started does not know us before it hears our beacon, and closes: it is asked
+// again soon. One that never answers is asked less and less often.
+constexpr auto first_rest = 10ms;
+constexpr auto longest_rest = 160ms;
 
 }  // namespace
 
@@ -26,7 +31,8 @@ LinkService::Watch::Watch(LinkService& service, const broker::LogId& process,
       process_(process),
       address_(address),
       socket_(service.io_),
-      timer_(service.io_) {}
+      timer_(service.io_),
+      next_rest_(first_rest) {}
 
 void LinkService::Watch::keep_up() {
     if (state_ == State::idle) dial();
@@ -43,7 +49,9 @@ void LinkService::Watch::dial() {
         address_, [self = shared_from_this(), attempt = ++attempt_](const error_code& error) {
             if (!self->is_current(attempt)) return;
             if (!error) return self->greet(attempt);
-            error == boost::asio::error::connection_refused ? self->on_refused() : self->rest();
+            if (error == boost::asio::error::connection_refused) return self->on_refused();
+            // Taken and closed before we could greet: a process may be dying.
+            error == boost::asio::error::connection_reset ? self->on_closed() : self->rest();
         });
 }
 
@@ -65,6 +73,7 @@ void LinkService::Watch::on_greeted() {
     state_ = State::up;
     was_up_ = true;
     dialled_in_a_row_ = 0;
+    next_rest_ = first_rest;
     timer_.cancel();
     ++service_.counters_.up;
     // Nothing more is said on a link: whatever comes is its end.
@@ -97,7 +106,8 @@ void LinkService::Watch::rest() {
     ++attempt_;
     error_code ignored;
     socket_.close(ignored);
-    after(rest_for, &Watch::stop);
+    after(next_rest_, &Watch::stop);
+    next_rest_ = std::min(2 * next_rest_, std::chrono::milliseconds{longest_rest});
 }
 
 void LinkService::Watch::stop() {

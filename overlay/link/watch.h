@@ -44,6 +44,7 @@ private:
     boost::asio::ip::tcp::endpoint address_;
     boost::asio::ip::tcp::socket socket_;
     boost::asio::steady_timer timer_;
+    std::chrono::milliseconds next_rest_;  // after an attempt that failed
     State state_ = State::idle;
     bool was_up_ = false;        // and its loss was not told
     int dialled_in_a_row_ = 0;   // since it was up, or had a rest
