@@ -2,6 +2,7 @@
 
 #include <array>
 #include <charconv>
+#include <cmath>
 
 namespace romano::experiments {
 
@@ -58,7 +59,10 @@ std::vector<CsvRow> parse_csv(std::string_view text) {
 
 std::string csv_number(double number) {
     std::array<char, 32> text{};
-    const auto end = std::to_chars(text.data(), text.data() + text.size(), number);
+    // Counts without an exponent: readers of other languages take 9e+05 for no integer.
+    const bool is_count = std::trunc(number) == number && std::abs(number) < 1e15;
+    const auto format = is_count ? std::chars_format::fixed : std::chars_format::general;
+    const auto end = std::to_chars(text.data(), text.data() + text.size(), number, format);
     return {text.data(), end.ptr};
 }
 

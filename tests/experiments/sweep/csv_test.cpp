@@ -28,6 +28,7 @@ TEST(Csv, NumbersReadBackExactly) {
         EXPECT_EQ(parse_csv_number(csv_number(number)), number);
     }
     EXPECT_EQ(csv_number(20), "20");
+    EXPECT_EQ(csv_number(900000), "900000") << "no exponent in a count";
     EXPECT_EQ(parse_csv_number("12x"), std::nullopt);
     EXPECT_EQ(parse_csv_number(""), std::nullopt);
 }
