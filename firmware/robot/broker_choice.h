@@ -26,9 +26,7 @@ public:
     static constexpr std::size_t largest_datagram = client::Discovery::largest_datagram;
 
     explicit BrokerChoice(std::uint64_t seed)
-        : discovery_(
-              {.t_searchgw = to_duration(std::chrono::milliseconds{200}), .answers_others = false},
-              seed) {}
+        : discovery_({.t_searchgw = to_duration(std::chrono::milliseconds{200})}, seed) {}
 
     /// Asks who is there; also again and again by itself.
     void search(Instant now);

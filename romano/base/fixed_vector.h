@@ -38,6 +38,18 @@ public:
         --size_;
     }
 
+    /// Removes the items for which `is_unwanted` holds; those behind them move up.
+    template <typename Predicate>
+    constexpr void erase_if(Predicate is_unwanted) {
+        std::size_t kept = 0;
+        for (std::size_t i = 0; i < size_; ++i) {
+            if (is_unwanted(items_[i])) continue;
+            if (kept != i) items_[kept] = items_[i];
+            ++kept;
+        }
+        size_ = kept;
+    }
+
     constexpr void clear() { size_ = 0; }
     [[nodiscard]] constexpr std::size_t size() const { return size_; }
     [[nodiscard]] constexpr bool empty() const { return size_ == 0; }

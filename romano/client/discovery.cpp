@@ -3,8 +3,7 @@
 #include <algorithm>
 
 #include "romano/client/gateway_address.h"
-#include "romano/mqttsn/codec.h"
-#include "romano/mqttsn/decode.h"
+#include "romano/mqttsn/frame.h"
 
 namespace romano::client {
 
@@ -19,48 +18,39 @@ void Discovery::on_datagram(Instant now, const Endpoint& from, Bytes datagram) {
     forget_expired(now);
     const auto frame = mqttsn::decode_frame(datagram);
     if (!frame) return;
+    const auto message = mqttsn::read_body(frame->type, frame->body);
+    if (!message) return;
     if (frame->type == MsgType::advertise) {
-        if (const auto m = mqttsn::decode_advertise(frame->body)) on_advertise(now, from, *m);
+        const std::chrono::seconds t_adv{static_cast<std::uint16_t>(message->msg_id)};
+        note(now, message->flags, from, t_adv);
     } else if (frame->type == MsgType::gwinfo) {
-        if (const auto m = mqttsn::decode_gwinfo(frame->body)) on_gwinfo(now, from, *m);
-    } else if (frame->type == MsgType::searchgw) {
-        if (const auto m = mqttsn::decode_searchgw(frame->body)) on_searchgw(now, *m);
+        on_gwinfo(now, from, *message);
+    } else if (frame->type == MsgType::searchgw && is_searching() &&
+               message->flags == options_.radius) {
+        search_more_rarely(now);  // somebody else's search in our radius counts as our own (6.1d)
     }
 }
 
-void Discovery::on_advertise(Instant now, const Endpoint& from, const mqttsn::Advertise& message) {
-    note(now, message.gateway_id, from, std::chrono::seconds{message.duration_s});
-}
-
-/// A gateway's own GWINFO comes from its address; another client's says the address (6.1c). Either
-/// ends the wish to answer (6.1e).
-void Discovery::on_gwinfo(Instant now, const Endpoint& from, const mqttsn::Gwinfo& message) {
-    answer_at_ = never;
-    const Gateway* known = find(message.gateway_id);
-    const Duration t_adv = known != nullptr ? known->t_adv : options_.t_adv;
-    if (message.gateway_address.empty()) return note(now, message.gateway_id, from, t_adv);
+/// A gateway's own GWINFO comes from its address; another client's says the address (6.1c).
+void Discovery::on_gwinfo(Instant now, const Endpoint& from, const mqttsn::Body& message) {
+    const std::uint8_t id = message.flags;
+    const Gateway* known = find(id);
+    if (message.rest.empty()) {
+        return note(now, id, from, known != nullptr ? known->t_adv : options_.t_adv);
+    }
     // Hearsay tells of a gateway, but is no sign of its life.
     if (known != nullptr) return;
-    const auto address = read_gateway_address(message.gateway_address, options_.gateway_port);
-    if (address) note(now, message.gateway_id, *address, t_adv);
-}
-
-/// Somebody else's search in our radius counts as our own (6.1d). One who knows a gateway answers
-/// when no gateway does (6.1e).
-void Discovery::on_searchgw(Instant now, const mqttsn::Searchgw& message) {
-    if (is_searching() && message.radius == options_.radius) search_more_rarely(now);
-    if (options_.answers_others && !gateways_.empty() && answer_at_ == never) {
-        answer_at_ = now + random_.between(Duration::zero(), options_.t_gwinfo);
-    }
+    const auto address = read_gateway_address(message.rest, options_.gateway_port);
+    if (address) note(now, id, *address, options_.t_adv);
 }
 
 void Discovery::note(Instant now, std::uint8_t id, const Endpoint& address, Duration t_adv) {
-    const Gateway gateway{id, address, t_adv, now + t_adv * options_.n_adv};
-    if (Gateway* known = find(id)) {
-        *known = gateway;
-    } else if (!gateways_.push_back(gateway)) {
-        return;
+    Gateway* gateway = find(id);
+    if (gateway == nullptr) {
+        if (!gateways_.push_back({})) return;
+        gateway = gateways_.end() - 1;
     }
+    *gateway = {id, address, t_adv, now + t_adv * options_.n_adv};
     search_at_ = never;
 }
 
@@ -72,10 +62,7 @@ Gateway* Discovery::find(std::uint8_t id) {
 }
 
 void Discovery::forget_expired(Instant now) {
-    for (std::size_t i = gateways_.size(); i > 0; --i) {
-        if (gateways_[i - 1].expires <= now) gateways_.erase_at(i - 1);
-    }
-    if (gateways_.empty()) answer_at_ = never;
+    gateways_.erase_if([now](const Gateway& gateway) { return gateway.expires <= now; });
 }
 
 void Discovery::search_more_rarely(Instant now) {
@@ -85,21 +72,13 @@ void Discovery::search_more_rarely(Instant now) {
 
 std::size_t Discovery::on_tick(Instant now, MutableBytes out) {
     forget_expired(now);
-    if (search_at_ <= now) {
-        search_more_rarely(now);
-        return mqttsn::encode(mqttsn::Searchgw{options_.radius}, out);
-    }
-    if (answer_at_ <= now) {
-        answer_at_ = never;
-        const Gateway& gateway = gateways_[0];
-        const auto address = write_gateway_address(gateway.address);
-        return mqttsn::encode(mqttsn::Gwinfo{gateway.id, address}, out);
-    }
-    return 0;
+    if (now < search_at_) return 0;
+    search_more_rarely(now);
+    return mqttsn::write_message(MsgType::searchgw, {.flags = options_.radius}, out);
 }
 
 Instant Discovery::next_wakeup() const {
-    Instant next = std::min(search_at_, answer_at_);
+    Instant next = search_at_;
     for (const Gateway& gateway : gateways_) next = std::min(next, gateway.expires);
     return next;
 }

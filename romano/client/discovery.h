@@ -1,8 +1,9 @@
 // Which gateways there are: MQTT-SN 1.2 section 6.1, the client's side.
 //
-// Listens to ADVERTISE and GWINFO, searches with SEARCHGW, and answers other clients' searches when
-// no gateway does. It chooses none: the owner looks at gateways() after each call. What on_tick()
-// writes goes to the discovery group (multicast or broadcast) on which the owner also listens.
+// Listens to ADVERTISE and GWINFO and searches with SEARCHGW. It chooses none: the owner looks at
+// gateways() after each call. What on_tick() writes goes to the discovery group (multicast or
+// broadcast) on which the owner also listens. For clients that answer other clients' searches:
+// search_answer.h.
 #pragma once
 
 #include <cstddef>
@@ -14,7 +15,7 @@
 #include "romano/base/fixed_vector.h"
 #include "romano/base/random.h"
 #include "romano/base/time.h"
-#include "romano/mqttsn/messages.h"
+#include "romano/mqttsn/body.h"
 #include "romano/mqttsn/types.h"
 
 namespace romano::client {
@@ -22,12 +23,10 @@ namespace romano::client {
 /// Section 7.2.
 struct DiscoveryOptions {
     Duration t_searchgw{mqttsn::default_t_searchgw};
-    Duration t_gwinfo{mqttsn::default_t_gwinfo};
     Duration t_adv{mqttsn::default_t_adv};  // of a gateway that has not told its own
     std::uint8_t n_adv = mqttsn::default_n_adv;
     std::uint8_t radius = 0;            // everywhere
     std::uint16_t gateway_port = 1883;  // of a gwAdd without port
-    bool answers_others = true;         // 6.1e; not for devices that want to be silent
 };
 
 struct Gateway {
@@ -40,7 +39,7 @@ struct Gateway {
 class Discovery {
 public:
     static constexpr std::size_t most_gateways = 4;  // further ones are not noted
-    static constexpr std::size_t largest_datagram = 21;
+    static constexpr std::size_t largest_datagram = 3;
 
     Discovery(const DiscoveryOptions& options, std::uint64_t seed)
         : options_(options), random_(seed) {}
@@ -62,9 +61,7 @@ public:
     [[nodiscard]] bool is_searching() const { return search_at_ != never; }
 
 private:
-    void on_advertise(Instant now, const Endpoint& from, const mqttsn::Advertise& message);
-    void on_gwinfo(Instant now, const Endpoint& from, const mqttsn::Gwinfo& message);
-    void on_searchgw(Instant now, const mqttsn::Searchgw& message);
+    void on_gwinfo(Instant now, const Endpoint& from, const mqttsn::Body& message);
     void note(Instant now, std::uint8_t id, const Endpoint& address, Duration t_adv);
     [[nodiscard]] Gateway* find(std::uint8_t id);
     void forget_expired(Instant now);
@@ -74,7 +71,6 @@ private:
     Random random_;
     FixedVector<Gateway, most_gateways> gateways_;
     Instant search_at_ = never;
-    Instant answer_at_ = never;
     Duration search_interval_{};
 };
 

@@ -7,20 +7,14 @@ namespace romano::client {
 
 std::optional<Endpoint> read_gateway_address(Bytes octets, std::uint16_t port) {
     if (octets.size() % 2 == 1) octets = octets.subspan(1);  // a length octet in front
+    const bool is_ipv4 = octets.size() < 16;
+    const std::size_t address_size = is_ipv4 ? 4 : 16;
+    const bool has_port = octets.size() == address_size + 2;
+    if (!has_port && octets.size() != address_size) return std::nullopt;
     Endpoint gateway;
-    gateway.port = port;
-    std::size_t address_size = 0;
-    if (octets.size() == 4 || octets.size() == 6) {
-        gateway.family = Endpoint::Family::ipv4;
-        address_size = 4;
-    } else if (octets.size() == 16 || octets.size() == 18) {
-        gateway.family = Endpoint::Family::ipv6;
-        address_size = 16;
-    } else {
-        return std::nullopt;
-    }
+    gateway.family = is_ipv4 ? Endpoint::Family::ipv4 : Endpoint::Family::ipv6;
+    gateway.port = has_port ? be16(octets, address_size) : port;
     std::copy_n(octets.begin(), address_size, gateway.address.begin());
-    if (octets.size() > address_size) gateway.port = be16(octets, address_size);
     return gateway;
 }
 

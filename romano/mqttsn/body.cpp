@@ -58,8 +58,11 @@ unsigned fields_of(MsgType type) {
 /// Of all but `rest`.
 std::size_t size_of(unsigned present) {
     std::size_t size = 0;
-    for (const unsigned octet : {flags, protocol, code}) size += (present & octet) != 0 ? 1U : 0U;
-    for (const unsigned number : {topic, msg}) size += (present & number) != 0 ? 2U : 0U;
+    if ((present & flags) != 0) size += 1;
+    if ((present & protocol) != 0) size += 1;
+    if ((present & topic) != 0) size += 2;
+    if ((present & msg) != 0) size += 2;
+    if ((present & code) != 0) size += 1;
     return size;
 }
 
@@ -67,23 +70,24 @@ std::size_t size_of(unsigned present) {
 
 std::optional<Body> read_body(MsgType type, Bytes octets) {
     const unsigned present = fields_of(type);
-    Body body;
-    if (octets.empty() && (present & or_nothing) != 0) return body;
     const std::size_t size = size_of(present);
-    if (octets.size() < size || (octets.size() > size && (present & rest) == 0)) {
-        return std::nullopt;
-    }
-    std::size_t at = 0;
-    const auto number = [&octets, &at] {
-        at += 2;
-        return be16(octets, at - 2);
-    };
-    if ((present & flags) != 0) body.flags = octets[at++];
+    std::optional<Body> body;
+    if (octets.empty() && (present & or_nothing) != 0) return Body{};
+    if (octets.size() < size || (octets.size() > size && (present & rest) == 0)) return body;
+    body.emplace();
+    const std::uint8_t* at = octets.data();
+    if ((present & flags) != 0) body->flags = *at++;
     if ((present & protocol) != 0) ++at;
-    if ((present & topic) != 0) body.topic_id = TopicId{number()};
-    if ((present & msg) != 0) body.msg_id = MsgId{number()};
-    if ((present & code) != 0) body.code = ReturnCode{octets[at++]};
-    body.rest = octets.subspan(at);
+    if ((present & topic) != 0) {
+        body->topic_id = TopicId{be16({at, 2}, 0)};
+        at += 2;
+    }
+    if ((present & msg) != 0) {
+        body->msg_id = MsgId{be16({at, 2}, 0)};
+        at += 2;
+    }
+    if ((present & code) != 0) body->code = ReturnCode{*at++};
+    body->rest = octets.subspan(size);
     return body;
 }
 
@@ -95,16 +99,17 @@ std::size_t write_message(MsgType type, const Body& body, MutableBytes out) {
     const std::size_t size = size_of(present) + rest_size;
     std::uint8_t* at = begin_frame(type, size, out);
     if (at == nullptr) return 0;
-    const auto octet = [&at](auto value) { *at++ = static_cast<std::uint8_t>(value); };
-    const auto number = [&octet](auto value) {
-        octet(static_cast<unsigned>(value) >> 8U);
-        octet(static_cast<unsigned>(value) & 0xFFU);
-    };
-    if ((present & flags) != 0) octet(body.flags);
-    if ((present & protocol) != 0) octet(protocol_id);
-    if ((present & topic) != 0) number(body.topic_id);
-    if ((present & msg) != 0) number(body.msg_id);
-    if ((present & code) != 0) octet(body.code);
+    if ((present & flags) != 0) *at++ = body.flags;
+    if ((present & protocol) != 0) *at++ = protocol_id;
+    if ((present & topic) != 0) {
+        put_be16({at, 2}, 0, static_cast<std::uint16_t>(body.topic_id));
+        at += 2;
+    }
+    if ((present & msg) != 0) {
+        put_be16({at, 2}, 0, static_cast<std::uint16_t>(body.msg_id));
+        at += 2;
+    }
+    if ((present & code) != 0) *at++ = static_cast<std::uint8_t>(body.code);
     if (rest_size != 0) std::memcpy(at, body.rest.data(), rest_size);
     return framed_size(size);
 }

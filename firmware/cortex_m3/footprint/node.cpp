@@ -33,7 +33,7 @@ int main() {
     static client::Client<Limits> core;
     static client::OutputFor<Limits> out;
     static romano_mailbox mailbox;
-    static client::Discovery discovery{{.answers_others = false}, 1};
+    static client::Discovery discovery{{}, 1};
     static node::Node robot{core, out, mailbox, {}};
     Instant now{};
     discovery.search(now);
