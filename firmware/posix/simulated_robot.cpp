@@ -149,7 +149,10 @@ void SimulatedRobot::copy_path(const Pose& ahead) {
     followed_ = ahead;
 }
 
-void SimulatedRobot::on_message(std::string_view topic, const message::Message& message) {
+void SimulatedRobot::on_message(std::string_view topic, Bytes octets) {
+    const auto decoded = message::decode(octets);
+    if (!decoded) return;
+    const message::Message& message = *decoded;
     ++counters_.messages;
     const auto* sensor = std::get_if<message::SensorData>(&message);
     if (sensor != nullptr && topic == options_.follow) {

@@ -67,7 +67,7 @@ private:
 
     void on_established() override;
     void on_publish_request(std::string_view topic, Bytes kind_of_data) override;
-    void on_message(std::string_view topic, const message::Message& message) override;
+    void on_message(std::string_view topic, Bytes octets) override;
 
     SimulatedRobotOptions options_;
     Say say_;

@@ -28,9 +28,8 @@ public:
     virtual void on_publish_request(std::string_view topic, Bytes kind_of_data) {
         (void)topic, (void)kind_of_data;
     }
-    virtual void on_message(std::string_view topic, const message::Message& message) {
-        (void)topic, (void)message;
-    }
+    /// message::decode() reads it.
+    virtual void on_message(std::string_view topic, Bytes message) { (void)topic, (void)message; }
 
 protected:
     ~Controller() = default;
@@ -76,7 +75,7 @@ private:
     void on_publish_request(std::string_view topic, Bytes kind_of_data) override {
         controller_.on_publish_request(topic, kind_of_data);
     }
-    void on_message(std::string_view topic, const message::Message& message) override {
+    void on_message(std::string_view topic, Bytes message) override {
         controller_.on_message(topic, message);
     }
 

@@ -27,12 +27,10 @@ public:
         functions_.on_publish_request(functions_.self, topic.data(), size(topic), kind.data(),
                                       size(kind));
     }
-    void on_message(std::string_view topic, const message::Message& message) override {
+    void on_message(std::string_view topic, Bytes message) override {
         if (functions_.on_message == nullptr) return;
-        std::array<std::uint8_t, message::max_message> octets{};
-        const std::size_t encoded = message::encode(message, octets);
-        functions_.on_message(functions_.self, topic.data(), size(topic), octets.data(),
-                              static_cast<std::uint32_t>(encoded));
+        functions_.on_message(functions_.self, topic.data(), size(topic), message.data(),
+                              size(message));
     }
 
 private:

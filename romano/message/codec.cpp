@@ -1,266 +1,265 @@
 #include "romano/message/codec.h"
 
 #include <algorithm>
+#include <array>
+#include <cstring>
+#include <iterator>
 
 namespace romano::message {
 
 namespace {
 
 constexpr std::size_t header_size = 2;
-constexpr std::size_t any_size = SIZE_MAX;
 
-std::optional<RomanoId> id_at(Bytes octets, std::size_t at) {
-    return RomanoId::parse(as_text(octets.subspan(at, RomanoId::size)));
+/// What stands behind the header.
+enum class Form : std::uint8_t {
+    reserved,
+    octets,           // of any number
+    nothing,          //
+    topic,            // at least one octet
+    publish_request,  // see topic_size_of()
+    id,               //
+    id_and_octet,     //
+    ids,              // of any number
+    movement,         // a MovementType and its argument
+    sensor,           // a SensorType and its value
+};
+
+constexpr Form forms[] = {
+    Form::octets,  // NORMAL_DATA
+    Form::topic,   // MQTT_SUBSCRIBE
+    Form::publish_request,
+    Form::ids,           // CONNECTED_NODES
+    Form::id,            // REQUEST_CONNECTED_NODES
+    Form::id_and_octet,  // RSSI_REPORT
+    Form::sensor,        // SENSOR_DATA
+    Form::movement,      // MOVEMENT_CONTROL
+    Form::octets,        // REMOTE_CONTROL
+    Form::topic,         // MQTT_UNSUBSCRIBE
+    Form::id,            // HEARTBEAT
+    Form::id,            // CONNECTION_REQUEST
+    Form::nothing,       // CONNECTION_ACK
+    Form::reserved,
+    Form::reserved,
+    Form::reserved,
+    Form::reserved,
+    Form::nothing,  // UDP_SEND_REQ
+    Form::nothing,  // UDP_SEND_GO
+};
+
+Form form_of(std::uint8_t type) {
+    return type < std::size(forms) ? forms[type] : Form::octets;  // the application's own
 }
 
-/// Size of a sensor's value; any_size for the application's own types, empty for reserved ones.
-std::optional<std::size_t> sensor_value_size(SensorType type) {
-    switch (type) {
-        case SensorType::gyroscope:
-        case SensorType::location:
-            return 12;
-        case SensorType::proximity:
-            return 4;
-        case SensorType::speed:
-            return 8;
-        case SensorType::battery:
-            return 2;
-        case SensorType::line_reflectance:
-            return 10;
-        default:
-            if (type >= SensorType::first_of_application) return any_size;
-            return std::nullopt;
+/// Of the six standard sensor types, octets.
+constexpr std::uint8_t sensor_value_sizes[] = {12, 4, 12, 8, 2, 10};
+constexpr std::size_t argument_size = 4;  // of each of the six standard movements
+constexpr std::size_t standard_types = 6;
+
+std::optional<Malformed> flaw_of_ids(Bytes body, std::size_t size) {
+    if (body.size() != size) return Malformed::size;
+    for (std::size_t at = 0; at + RomanoId::size <= size; at += RomanoId::size) {
+        if (!RomanoId::is_id(as_text(body.subspan(at, RomanoId::size)))) return Malformed::value;
     }
-}
-
-/// As sensor_value_size, for a movement's arguments.
-std::optional<std::size_t> movement_arguments_size(MovementType type) {
-    if (type <= MovementType::rotate_right) return 4;
-    if (type >= MovementType::first_of_application) return any_size;
     return std::nullopt;
 }
 
-using Decoded = Result<Message, Malformed>;
-
-template <typename WithId>
-Decoded decode_id(Bytes body) {
-    if (body.size() != RomanoId::size) return Malformed::size;
-    const auto id = id_at(body, 0);
-    if (!id) return Malformed::value;
-    return Message{WithId{*id}};
-}
-
-template <typename WithTopic>
-Decoded decode_topic(Bytes body) {
-    if (body.empty()) return Malformed::size;
-    return Message{WithTopic{as_text(body)}};
-}
-
-template <typename Empty>
-Decoded decode_empty(Bytes body) {
-    if (!body.empty()) return Malformed::size;
-    return Message{Empty{}};
-}
-
-/// Octet 2 of the message holds the index of the topic's last octet, counted from the message's
-/// begin.
-Decoded decode_publish_request(Bytes body) {
-    constexpr std::size_t topic_at = header_size + 1;
+std::optional<Malformed> flaw_of_typed(Bytes body, bool is_sensor) {
     if (body.size() < 2) return Malformed::size;
-    const std::size_t last = body[0];
-    if (last < topic_at || last >= body.size() + header_size) return Malformed::value;
-    const std::size_t topic_size = last - topic_at + 1;
-    return Message{
-        MqttPublishRequest{as_text(body.subspan(1, topic_size)), body.subspan(1 + topic_size)}};
+    const std::size_t type = be16(body, 0);
+    if (type >= 0x8000U) return std::nullopt;  // the application's own
+    if (type >= standard_types) return Malformed::value;
+    const std::size_t size = is_sensor ? sensor_value_sizes[type] : argument_size;
+    if (body.size() != 2 + size) return Malformed::size;
+    return std::nullopt;
 }
 
-Decoded decode_connected_nodes(Bytes body) {
-    if (body.size() % RomanoId::size != 0) return Malformed::size;
-    for (std::size_t at = 0; at < body.size(); at += RomanoId::size) {
-        if (!id_at(body, at)) return Malformed::value;
-    }
-    return Message{ConnectedNodes{body}};
+/// Octet 2 of the message holds the index of the topic's last octet, counted
+/// from the message's begin.
+std::size_t topic_size_of(Bytes body) {
+    return std::size_t{body[0]} - header_size;
 }
 
-Decoded decode_rssi(Bytes body) {
-    if (body.size() != RomanoId::size + 1) return Malformed::size;
-    const auto id = id_at(body, 0);
-    if (!id) return Malformed::value;
-    return Message{RssiReport{*id, static_cast<std::int8_t>(body[RomanoId::size])}};
-}
-
-template <typename Typed, typename Type>
-Decoded decode_typed(Bytes body, std::optional<std::size_t> (*size_of)(Type)) {
+std::optional<Malformed> flaw_of_publish_request(Bytes body) {
     if (body.size() < 2) return Malformed::size;
-    const Type type{be16(body, 0)};
-    const auto expected = size_of(type);
-    if (!expected) return Malformed::value;
-    const Bytes rest = body.subspan(2);
-    if (*expected != any_size && rest.size() != *expected) return Malformed::size;
-    return Message{Typed{type, rest}};
+    if (body[0] <= header_size || topic_size_of(body) >= body.size()) return Malformed::value;
+    return std::nullopt;
 }
 
-/// Appends to a message under construction; remembers when something did not fit.
-class Writer {
-public:
-    Writer(DataType type, MutableBytes out) : out_(out.first(std::min(out.size(), max_message))) {
-        octet(static_cast<std::uint8_t>(type));
-        octet(0);
-    }
-    void octet(std::uint8_t value) {
-        if (size_ < out_.size()) {
-            out_[size_] = value;
-        } else {
-            overflow_ = true;
-        }
-        ++size_;
-    }
-    void number16(std::uint16_t value) {
-        octet(static_cast<std::uint8_t>(value >> 8U));
-        octet(static_cast<std::uint8_t>(value & 0xFFU));
-    }
-    void octets(Bytes values) {
-        for (const std::uint8_t value : values) octet(value);
-    }
-
-    [[nodiscard]] Bytes finish() {
-        if (overflow_) return {};
-        out_[1] = static_cast<std::uint8_t>(size_);
-        return out_.first(size_);
-    }
-
-private:
-    MutableBytes out_;
-    std::size_t size_ = 0;
-    bool overflow_ = false;
-};
-
-/// The size of a written message; 0 when it would not decode again.
-std::size_t checked(Bytes written) {
-    return !written.empty() && decode(written).has_value() ? written.size() : 0;
+RomanoId id_in(Bytes body) {
+    return RomanoId::parse(as_text(body.first(RomanoId::size))).value_or(RomanoId{});
 }
 
-std::size_t encode_data(DataType type, Bytes data, MutableBytes out) {
-    Writer writer(type, out);
-    writer.octets(data);
-    return checked(writer.finish());
+/// Writes `part` at `size` and returns where the next belongs, also when it is beyond `out`.
+std::size_t append(MutableBytes out, std::size_t size, Bytes part) {
+    const std::size_t end = size + part.size();
+    if (end <= out.size() && !part.empty()) std::memcpy(&out[size], part.data(), part.size());
+    return end;
 }
-std::size_t encode_id(DataType type, const RomanoId& id, MutableBytes out) {
-    return encode_data(type, as_octets(id.text()), out);
+
+/// A message of that type with `head` and `data` behind one another. 0 when it is too long or would
+/// not decode again.
+std::size_t write(MutableBytes out, DataType type, Bytes head, Bytes data = {}) {
+    const std::size_t size = append(out, append(out, header_size, head), data);
+    if (size > std::min(out.size(), max_message)) return 0;
+    out[0] = static_cast<std::uint8_t>(type);
+    out[1] = static_cast<std::uint8_t>(size);
+    return flaw_of(out.first(size)) ? 0 : size;
 }
-std::size_t encode_typed(DataType type, std::uint16_t inner, Bytes data, MutableBytes out) {
-    Writer writer(type, out);
-    writer.number16(inner);
-    writer.octets(data);
-    return checked(writer.finish());
+
+std::size_t write_id(MutableBytes out, DataType type, const RomanoId& id) {
+    return write(out, type, as_octets(id.text()));
+}
+
+std::size_t write_typed(MutableBytes out, DataType type, std::uint16_t inner, Bytes data) {
+    std::array<std::uint8_t, 2> number;
+    put_be16(number, 0, inner);
+    return write(out, type, number, data);
 }
 
 }  // namespace
 
 RomanoId ConnectedNodes::at(std::size_t index) const {
-    return id_at(ids, index * RomanoId::size).value_or(RomanoId{});
+    return id_in(ids.subspan(index * RomanoId::size));
 }
 
-Decoded decode(Bytes data) {
+std::optional<Malformed> flaw_of(Bytes data) {
     if (data.size() < header_size) return Malformed::header;
     if (data[1] != data.size()) return Malformed::length;
+    const Bytes body = data.subspan(header_size);
+    const Form form = form_of(data[0]);
+    switch (form) {
+        case Form::reserved:
+            return Malformed::reserved_type;
+        case Form::octets:
+            return std::nullopt;
+        case Form::nothing:
+            return flaw_of_ids(body, 0);
+        case Form::topic:
+            if (body.empty()) return Malformed::size;
+            return std::nullopt;
+        case Form::publish_request:
+            return flaw_of_publish_request(body);
+        case Form::id:
+            return flaw_of_ids(body, RomanoId::size);
+        case Form::id_and_octet:
+            return flaw_of_ids(body, RomanoId::size + 1);
+        case Form::ids:
+            return flaw_of_ids(body, body.size() / RomanoId::size * RomanoId::size);
+        case Form::movement:
+        case Form::sensor:
+            return flaw_of_typed(body, form == Form::sensor);
+    }
+    return std::nullopt;
+}
+
+MovementControl movement_in(Bytes message) {
+    return {MovementType{be16(message, header_size)}, message.subspan(header_size + 2)};
+}
+
+std::string_view topic_in(Bytes message) {
+    return as_text(message.subspan(header_size));
+}
+
+MqttPublishRequest publish_request_in(Bytes message) {
+    const Bytes body = message.subspan(header_size);
+    const std::size_t topic_size = topic_size_of(body);
+    return {as_text(body.subspan(1, topic_size)), body.subspan(1 + topic_size)};
+}
+
+Result<Message, Malformed> decode(Bytes data) {
+    if (const auto flaw = flaw_of(data)) return *flaw;
     const Bytes body = data.subspan(header_size);
     switch (static_cast<DataType>(data[0])) {
         case DataType::normal_data:
             return Message{NormalData{body}};
         case DataType::mqtt_subscribe:
-            return decode_topic<MqttSubscribe>(body);
+            return Message{MqttSubscribe{topic_in(data)}};
         case DataType::mqtt_publish_request:
-            return decode_publish_request(body);
+            return Message{publish_request_in(data)};
         case DataType::connected_nodes:
-            return decode_connected_nodes(body);
+            return Message{ConnectedNodes{body}};
         case DataType::request_connected_nodes:
-            return decode_id<RequestConnectedNodes>(body);
+            return Message{RequestConnectedNodes{id_in(body)}};
         case DataType::rssi_report:
-            return decode_rssi(body);
+            return Message{RssiReport{id_in(body), static_cast<std::int8_t>(body[RomanoId::size])}};
         case DataType::sensor_data:
-            return decode_typed<SensorData, SensorType>(body, sensor_value_size);
+            return Message{SensorData{SensorType{be16(body, 0)}, body.subspan(2)}};
         case DataType::movement_control:
-            return decode_typed<MovementControl, MovementType>(body, movement_arguments_size);
+            return Message{movement_in(data)};
         case DataType::remote_control:
             return Message{RemoteControl{body}};
         case DataType::mqtt_unsubscribe:
-            return decode_topic<MqttUnsubscribe>(body);
+            return Message{MqttUnsubscribe{topic_in(data)}};
         case DataType::heartbeat:
-            return decode_id<Heartbeat>(body);
+            return Message{Heartbeat{id_in(body)}};
         case DataType::connection_request:
-            return decode_id<ConnectionRequest>(body);
+            return Message{ConnectionRequest{id_in(body)}};
         case DataType::connection_ack:
-            return decode_empty<ConnectionAck>(body);
+            return Message{ConnectionAck{}};
         case DataType::udp_send_req:
-            return decode_empty<UdpSendReq>(body);
+            return Message{UdpSendReq{}};
         case DataType::udp_send_go:
-            return decode_empty<UdpSendGo>(body);
+            return Message{UdpSendGo{}};
         default:
-            if (data[0] < static_cast<std::uint8_t>(DataType::first_of_application)) {
-                return Malformed::reserved_type;
-            }
             return Message{ApplicationData{data[0], body}};
     }
 }
 
 std::size_t encode(const NormalData& m, MutableBytes out) {
-    return encode_data(DataType::normal_data, m.data, out);
+    return write(out, DataType::normal_data, m.data);
 }
 std::size_t encode(const MqttSubscribe& m, MutableBytes out) {
-    return encode_data(DataType::mqtt_subscribe, as_octets(m.topic), out);
+    return write(out, DataType::mqtt_subscribe, as_octets(m.topic));
 }
 std::size_t encode(const MqttPublishRequest& m, MutableBytes out) {
-    if (m.topic.size() > max_message) return 0;
-    Writer writer(DataType::mqtt_publish_request, out);
-    writer.octet(static_cast<std::uint8_t>(header_size + m.topic.size()));
-    writer.octets(as_octets(m.topic));
-    writer.octets(m.kind_of_data);
-    return checked(writer.finish());
+    std::array<std::uint8_t, max_message> topic;  // behind the index of its last octet
+    if (m.topic.size() >= topic.size()) return 0;
+    topic[0] = static_cast<std::uint8_t>(header_size + m.topic.size());
+    const std::size_t size = append(topic, 1, as_octets(m.topic));
+    return write(out, DataType::mqtt_publish_request, Bytes{topic}.first(size), m.kind_of_data);
 }
 std::size_t encode(const ConnectedNodes& m, MutableBytes out) {
-    return encode_data(DataType::connected_nodes, m.ids, out);
+    return write(out, DataType::connected_nodes, m.ids);
 }
 std::size_t encode(const RequestConnectedNodes& m, MutableBytes out) {
-    return encode_id(DataType::request_connected_nodes, m.asker, out);
+    return write_id(out, DataType::request_connected_nodes, m.asker);
 }
 std::size_t encode(const RssiReport& m, MutableBytes out) {
-    Writer writer(DataType::rssi_report, out);
-    writer.octets(as_octets(m.heard.text()));
-    writer.octet(static_cast<std::uint8_t>(m.rssi_dbm));
-    return checked(writer.finish());
+    const auto rssi = static_cast<std::uint8_t>(m.rssi_dbm);
+    return write(out, DataType::rssi_report, as_octets(m.heard.text()), {&rssi, 1});
 }
 std::size_t encode(const SensorData& m, MutableBytes out) {
-    return encode_typed(DataType::sensor_data, static_cast<std::uint16_t>(m.type), m.value, out);
+    return write_typed(out, DataType::sensor_data, static_cast<std::uint16_t>(m.type), m.value);
 }
 std::size_t encode(const MovementControl& m, MutableBytes out) {
-    return encode_typed(DataType::movement_control, static_cast<std::uint16_t>(m.type), m.arguments,
-                        out);
+    return write_typed(out, DataType::movement_control, static_cast<std::uint16_t>(m.type),
+                       m.arguments);
 }
 std::size_t encode(const RemoteControl& m, MutableBytes out) {
-    return encode_data(DataType::remote_control, m.data, out);
+    return write(out, DataType::remote_control, m.data);
 }
 std::size_t encode(const MqttUnsubscribe& m, MutableBytes out) {
-    return encode_data(DataType::mqtt_unsubscribe, as_octets(m.topic), out);
+    return write(out, DataType::mqtt_unsubscribe, as_octets(m.topic));
 }
 std::size_t encode(const Heartbeat& m, MutableBytes out) {
-    return encode_id(DataType::heartbeat, m.sender, out);
+    return write_id(out, DataType::heartbeat, m.sender);
 }
 std::size_t encode(const ConnectionRequest& m, MutableBytes out) {
-    return encode_id(DataType::connection_request, m.sender, out);
+    return write_id(out, DataType::connection_request, m.sender);
 }
 std::size_t encode(const ConnectionAck&, MutableBytes out) {
-    return encode_data(DataType::connection_ack, {}, out);
+    return write(out, DataType::connection_ack, {});
 }
 std::size_t encode(const UdpSendReq&, MutableBytes out) {
-    return encode_data(DataType::udp_send_req, {}, out);
+    return write(out, DataType::udp_send_req, {});
 }
 std::size_t encode(const UdpSendGo&, MutableBytes out) {
-    return encode_data(DataType::udp_send_go, {}, out);
+    return write(out, DataType::udp_send_go, {});
 }
 std::size_t encode(const ApplicationData& m, MutableBytes out) {
     if (m.type < static_cast<std::uint8_t>(DataType::first_of_application)) return 0;
-    return encode_data(static_cast<DataType>(m.type), m.data, out);
+    return write(out, static_cast<DataType>(m.type), m.data);
 }
 
 std::size_t encode(const Message& message, MutableBytes out) {

@@ -30,16 +30,19 @@ public:
         return id;
     }
 
-    /// Exactly eight lower-case hexadecimal digits, or nothing.
-    [[nodiscard]] static constexpr std::optional<RomanoId> parse(std::string_view text) {
-        if (text.size() != size) return std::nullopt;
-        RomanoId id;
-        for (std::size_t i = 0; i < size; ++i) {
-            const bool digit = text[i] >= '0' && text[i] <= '9';
-            const bool letter = text[i] >= 'a' && text[i] <= 'f';
-            if (!digit && !letter) return std::nullopt;
-            id.digits_[i] = text[i];
+    /// Exactly eight lower-case hexadecimal digits.
+    [[nodiscard]] static constexpr bool is_id(std::string_view text) {
+        for (const char c : text) {
+            if (!(c >= '0' && c <= '9') && !(c >= 'a' && c <= 'f')) return false;
         }
+        return text.size() == size;
+    }
+
+    /// Nothing when `text` is no id.
+    [[nodiscard]] static constexpr std::optional<RomanoId> parse(std::string_view text) {
+        if (!is_id(text)) return std::nullopt;
+        RomanoId id;
+        for (std::size_t i = 0; i < size; ++i) id.digits_[i] = text[i];
         return id;
     }
 

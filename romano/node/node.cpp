@@ -6,6 +6,7 @@
 namespace romano::node {
 
 using client::Event;
+using message::DataType;
 using mqttsn::Qos;
 
 Node::Node(client::ClientCore& client, client::Output& scratch, romano_mailbox& mailbox,
@@ -41,7 +42,7 @@ void Node::on_tick(Instant now, Port& port) {
 }
 
 Instant Node::next_wakeup() const {
-    return std::min({client_.next_wakeup(), due_, heartbeat_due_});
+    return std::min(client_.next_wakeup(), std::min(due_, heartbeat_due_));
 }
 
 void Node::connect(Instant now, Port& port) {
@@ -57,99 +58,76 @@ void Node::connect(Instant now, Port& port) {
     flush(now, port);
 }
 
-/// Sends what the client wants sent and works through its events. Handling one calls the client
-/// again, which overwrites the scratch output: so events wait here, and the call that is outermost
-/// handles them, in order. Their views are into the datagram at hand.
+/// Sends what the client wants sent and heeds its events: of the answers only those to the node's
+/// own subscription, for the others say that something went as it should. Handling one calls the
+/// client again, which overwrites the scratch output; so a copy of it is handled last. There is one
+/// at most: what a datagram or the passing of time did. Its views are into the datagram at hand.
 void Node::flush(Instant now, Port& port) {
     for (const Bytes datagram : scratch_.datagrams()) port.send(datagram);
+    const Event* leads_on = nullptr;
     for (const Event& event : scratch_.events()) {
-        if (!is_heeded(event)) continue;
-        [[maybe_unused]] const bool has_room = events_.push_back(event);
-        assert(has_room);
+        if (is_end(event)) {
+            begin_again(now);
+        } else if (is_progress(event)) {
+            assert(leads_on == nullptr);
+            leads_on = &event;
+        }
     }
-    if (!handles_events_) handle_events(now, port);
+    if (leads_on != nullptr) on_progress(now, Event{*leads_on}, port);
 }
 
-/// Of the answers only those to the node's own subscription; the others say that something went as
-/// it should. So a call of the client brings one such event: what a datagram or the passing of time
-/// did, and at the very most the failure of that subscription behind it.
-bool Node::is_heeded(const Event& event) const {
-    if (const auto* subscribed = std::get_if<client::Subscribed>(&event))
-        return subscription_ == subscribed->operation;
+/// A broker that refuses the node's own topics is as good as none.
+bool Node::is_end(const Event& event) const {
     if (const auto* failed = std::get_if<client::Failed>(&event))
         return subscription_ == failed->operation;
+    if (const auto* disconnected = std::get_if<client::Disconnected>(&event))
+        return disconnected->by_broker;
+    return std::holds_alternative<client::Lost>(event) ||
+           std::holds_alternative<client::Refused>(event);
+}
+
+void Node::begin_again(Instant now) {
+    ++counters_.connections_lost;
+    phase_ = Phase::connecting;
+    heartbeat_due_ = never;
+    due_ = now + options_.connect_again;
+}
+
+bool Node::is_progress(const Event& event) const {
+    if (const auto* subscribed = std::get_if<client::Subscribed>(&event))
+        return subscription_ == subscribed->operation;
     return std::holds_alternative<client::Received>(event) ||
-           std::holds_alternative<client::Connected>(event) ||
-           std::holds_alternative<client::Lost>(event) ||
-           std::holds_alternative<client::Refused>(event) ||
-           std::holds_alternative<client::Disconnected>(event);
+           std::holds_alternative<client::Connected>(event);
 }
 
-void Node::handle_events(Instant now, Port& port) {
-    handles_events_ = true;
-    while (!events_.empty()) {
-        const Event event = events_[0];
-        events_.erase_at(0);
-        on_event(now, event, port);
-    }
-    handles_events_ = false;
-}
-
-void Node::on_event(Instant now, const Event& event, Port& port) {
-    if (const auto* received = std::get_if<client::Received>(&event))
-        return on_received(now, *received, port);
-    if (std::holds_alternative<client::Connected>(event)) {
-        phase_ = Phase::subscribing;
-        return follow_up(now, port);
-    }
-    if (std::holds_alternative<client::Subscribed>(event)) {
-        subscription_.reset();
-        phase_ = phase_ == Phase::subscribing ? Phase::requesting : Phase::established;
-        return follow_up(now, port);
-    }
-    if (std::holds_alternative<client::Failed>(event)) {
-        // A broker that refuses the node's own topics is as good as none.
-        phase_ = Phase::connecting;
-        due_ = now + options_.connect_again;
-        return;
-    }
-    const auto* disconnected = std::get_if<client::Disconnected>(&event);
-    const bool lost = std::holds_alternative<client::Lost>(event) ||
-                      std::holds_alternative<client::Refused>(event) ||
-                      (disconnected != nullptr && disconnected->by_broker);
-    if (lost) {
-        ++counters_.connections_lost;
-        phase_ = Phase::connecting;
-        heartbeat_due_ = never;
-        due_ = now + options_.connect_again;
+void Node::on_progress(Instant now, const Event& event, Port& port) {
+    if (const auto* received = std::get_if<client::Received>(&event)) {
+        on_received(now, *received, port);
+    } else if (std::holds_alternative<client::Connected>(event)) {
+        enter(Phase::subscribing, now, port);
+    } else {
+        enter(phase_ == Phase::subscribing ? Phase::requesting : Phase::established, now, port);
     }
 }
 
-/// What the phase that has just begun asks for.
-void Node::follow_up(Instant now, Port& port) {
-    switch (phase_) {
-        case Phase::subscribing:
-        case Phase::joining: {
-            const std::string_view topic =
-                phase_ == Phase::subscribing ? options_.id.text() : common_topic;
-            const auto operation =
-                client_.subscribe(now, client::topic_name(topic), options_.qos, scratch_);
-            if (operation) {
-                subscription_ = *operation;
-            } else {  // no room: begin anew rather than wait for an answer that nobody owes
-                phase_ = Phase::connecting;
-                due_ = now + options_.connect_again;
-            }
-            return flush(now, port);
-        }
-        case Phase::requesting:
-            return send_connection_request(now, port);
-        case Phase::established:
-            if (options_.heartbeat_every > Duration{0}) heartbeat_due_ = now;
-            return port.on_established();
-        default:
-            return;
+void Node::enter(Phase phase, Instant now, Port& port) {
+    phase_ = phase;
+    due_ = never;
+    subscription_.reset();
+    if (phase == Phase::requesting) return send_connection_request(now, port);
+    if (phase == Phase::established) {
+        if (options_.heartbeat_every > Duration{0}) heartbeat_due_ = now;
+        return port.on_established();
     }
+    const std::string_view topic = phase == Phase::subscribing ? options_.id.text() : common_topic;
+    const auto operation =
+        client_.subscribe(now, client::topic_name(topic), options_.qos, scratch_);
+    if (operation) {
+        subscription_ = *operation;
+    } else {  // no room: begin anew rather than wait for an answer that nobody owes
+        begin_again(now);
+    }
+    flush(now, port);
 }
 
 void Node::send_connection_request(Instant now, Port& port) {
@@ -160,30 +138,36 @@ void Node::send_connection_request(Instant now, Port& port) {
 }
 
 void Node::on_received(Instant now, const client::Received& received, Port& port) {
-    const auto message = message::decode(received.data);
-    if (!message) {
+    const Bytes message = received.data;
+    if (message::flaw_of(message)) {
         ++counters_.malformed;
         return;
     }
     ++counters_.received;
-    if (const auto* movement = std::get_if<message::MovementControl>(&*message)) {
-        (void)romano_mailbox_put(&mailbox_, static_cast<std::uint16_t>(movement->type),
-                                 movement->arguments.data(),
-                                 static_cast<std::uint32_t>(movement->arguments.size()));
-    } else if (const auto* wanted = std::get_if<message::MqttSubscribe>(&*message)) {
-        subscribe(now, wanted->topic, port);
-    } else if (const auto* unwanted = std::get_if<message::MqttUnsubscribe>(&*message)) {
-        (void)client_.unsubscribe(now, client::topic_name(unwanted->topic), scratch_);
-        flush(now, port);
-    } else if (const auto* request = std::get_if<message::MqttPublishRequest>(&*message)) {
-        port.on_publish_request(request->topic, request->kind_of_data);
-    } else if (std::holds_alternative<message::ConnectionAck>(*message)) {
-        if (phase_ != Phase::requesting) return;
-        phase_ = Phase::joining;
-        due_ = never;
-        follow_up(now, port);
-    } else {
-        port.on_message(received.topic.name, *message);
+    switch (static_cast<DataType>(message[0])) {
+        case DataType::movement_control: {
+            const auto movement = message::movement_in(message);
+            (void)romano_mailbox_put(&mailbox_, static_cast<std::uint16_t>(movement.type),
+                                     movement.arguments.data(),
+                                     static_cast<std::uint32_t>(movement.arguments.size()));
+            return;
+        }
+        case DataType::mqtt_subscribe:
+            (void)subscribe(now, message::topic_in(message), port);
+            return;
+        case DataType::mqtt_unsubscribe:
+            (void)client_.unsubscribe(now, client::topic_name(message::topic_in(message)),
+                                      scratch_);
+            return flush(now, port);
+        case DataType::mqtt_publish_request: {
+            const auto request = message::publish_request_in(message);
+            return port.on_publish_request(request.topic, request.kind_of_data);
+        }
+        case DataType::connection_ack:
+            if (phase_ == Phase::requesting) enter(Phase::joining, now, port);
+            return;
+        default:
+            return port.on_message(received.topic.name, message);
     }
 }
 

@@ -1,10 +1,10 @@
-// A robot's ROMANO node: the establishment phase, subscriptions on command, publish requests,
-// heartbeats, and movement commands into the mailbox. Paper, sections "Requirements" and "The
-// ROMANO Protocol".
+// A robot's ROMANO node: the establishment phase, subscriptions on command,
+// publish requests, heartbeats, and movement commands into the mailbox. Paper,
+// sections "Requirements" and "The ROMANO Protocol".
 //
-// It drives an MQTT-SN client core and adds no storage for datagrams: what is to be sent goes to
-// the owner's Port at once. No socket, no clock, no heap. It does not choose a broker
-// (client/discovery.h).
+// It drives an MQTT-SN client core and adds no storage for datagrams: what is
+// to be sent goes to the owner's Port at once. No socket, no clock, no heap. It
+// does not choose a broker (client/discovery.h).
 #pragma once
 
 #include <array>
@@ -14,7 +14,6 @@
 #include <string_view>
 
 #include "romano/base/bytes.h"
-#include "romano/base/fixed_vector.h"
 #include "romano/base/time.h"
 #include "romano/client/client.h"
 #include "romano/message/codec.h"
@@ -35,7 +34,8 @@ struct NodeOptions {
     Duration heartbeat_every{0};                      // 0: no heartbeats
     client::KeepAlive keep_alive{30};
     bool keep_session = false;  // the broker keeps messages while the node is away
-    mqttsn::Qos qos = mqttsn::Qos::at_least_once;  // of the node's own subscriptions and publishes
+    mqttsn::Qos qos = mqttsn::Qos::at_least_once;  // of the node's own
+                                                   // subscriptions and publishes
 };
 
 /// What the node's owner lends it for the time of a call.
@@ -44,18 +44,20 @@ public:
     /// To the broker. The octets are valid during the call only.
     virtual void send(Bytes datagram) = 0;
 
-    /// The robot is known to a ROMANO server and hears its topics. Told again after each new
-    /// connection.
+    /// The robot is known to a ROMANO server and hears its topics. Told again
+    /// after each new connection.
     virtual void on_established() {}
-    /// "Publish that kind of data to that topic": answer with Node::publish(), now or later.
+    /// "Publish that kind of data to that topic": answer with Node::publish(),
+    /// now or later.
     virtual void on_publish_request(std::string_view topic, Bytes kind_of_data) {
         (void)topic;
         (void)kind_of_data;
     }
-    /// Every message that the node does not answer by itself: data, sensors, heartbeats, lists of
-    /// nodes, the application's own types. Movements go to the mailbox instead. The topic is empty
-    /// when it came under a predefined id.
-    virtual void on_message(std::string_view topic, const message::Message& message) {
+    /// Every message that the node does not answer by itself: data, sensors,
+    /// heartbeats, lists of nodes, the application's own types; message::decode()
+    /// reads it and finds no flaw. Movements go to the mailbox instead. The topic
+    /// is empty when it came under a predefined id.
+    virtual void on_message(std::string_view topic, Bytes message) {
         (void)topic;
         (void)message;
     }
@@ -82,8 +84,8 @@ struct NodeCounters {
 
 class Node {
 public:
-    /// `client`, `scratch` and `mailbox` belong to the owner and outlive the node. `scratch` is
-    /// overwritten by every call.
+    /// `client`, `scratch` and `mailbox` belong to the owner and outlive the
+    /// node. `scratch` is overwritten by every call.
     Node(client::ClientCore& client, client::Output& scratch, romano_mailbox& mailbox,
          const NodeOptions& options);
 
@@ -95,9 +97,10 @@ public:
     /// The owner talks to another broker of the same cluster from now on.
     void on_broker_changed(Instant now) { client_.on_broker_changed(now); }
 
-    /// False when the client's queue is full, the message is too long, or there is no connection
-    /// for a QoS 0 one. `message` is a message::Message, or one of its types when that is known: a
-    /// device then links that type's encoder alone.
+    /// False when the client's queue is full, the message is too long, or there
+    /// is no connection for a QoS 0 one. `message` is a message::Message, or one
+    /// of its types when that is known: a device then links that type's encoder
+    /// alone.
     template <typename M>
     bool publish(Instant now, std::string_view topic, const M& message, mqttsn::Qos qos,
                  Port& port) {
@@ -106,7 +109,8 @@ public:
                               port);
     }
     bool subscribe(Instant now, std::string_view topic, Port& port);
-    /// Asks the ROMANO server for the connected nodes; they arrive as ConnectedNodes on the own id.
+    /// Asks the ROMANO server for the connected nodes; they arrive as
+    /// ConnectedNodes on the own id.
     bool request_connected_nodes(Instant now, Port& port);
 
     [[nodiscard]] Phase phase() const { return phase_; }
@@ -115,11 +119,12 @@ public:
 private:
     void connect(Instant now, Port& port);
     void flush(Instant now, Port& port);
-    [[nodiscard]] bool is_heeded(const client::Event& event) const;
-    [[gnu::noinline]] void handle_events(Instant now, Port& port);  // for flush()'s small stack
-    void on_event(Instant now, const client::Event& event, Port& port);
+    [[nodiscard]] bool is_end(const client::Event& event) const;
+    void begin_again(Instant now);
+    [[nodiscard]] bool is_progress(const client::Event& event) const;
+    void on_progress(Instant now, const client::Event& event, Port& port);
+    void enter(Phase phase, Instant now, Port& port);
     void on_received(Instant now, const client::Received& received, Port& port);
-    void follow_up(Instant now, Port& port);
     void send_connection_request(Instant now, Port& port);
     bool publish_octets(Instant now, std::string_view topic, Bytes message, mqttsn::Qos qos,
                         Port& port);
@@ -139,8 +144,6 @@ private:
     std::optional<client::OperationId> subscription_;  // of the own id, then of `common`
     Instant due_ = never;  // connecting again, or repeating the connection request
     Instant heartbeat_due_ = never;
-    FixedVector<client::Event, 2> events_;  // not handled yet
-    bool handles_events_ = false;
     NodeCounters counters_;
 };
 

@@ -18,7 +18,8 @@ namespace {
 class AnyPort final : public node::Port {
 public:
     void send(Bytes datagram) override { REQUIRE(mqttsn::decode(datagram).has_value()); }
-    void on_message(std::string_view topic, const message::Message&) override {
+    void on_message(std::string_view topic, Bytes message) override {
+        REQUIRE(message::decode(message).has_value());
         REQUIRE(topic.size() <= 255);  // empty: the broker used a predefined id
     }
 };

@@ -44,10 +44,12 @@ public:
     void on_publish_request(std::string_view topic, Bytes kind) override {
         requests.emplace_back(std::string{topic}, std::string{as_text(kind)});
     }
-    void on_message(std::string_view topic, const message::Message& message) override {
-        if (const auto* data = std::get_if<message::NormalData>(&message)) {
+    void on_message(std::string_view topic, Bytes octets) override {
+        const auto message = message::decode(octets);
+        ASSERT_TRUE(message);
+        if (const auto* data = std::get_if<message::NormalData>(&*message)) {
             data_received.emplace_back(std::string{topic}, std::string{as_text(data->data)});
-        } else if (std::holds_alternative<message::Heartbeat>(message)) {
+        } else if (std::holds_alternative<message::Heartbeat>(*message)) {
             ++heartbeats;
         }
     }
