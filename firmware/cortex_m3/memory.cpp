@@ -19,12 +19,7 @@ extern "C" {
     return to;
 }
 
-[[gnu::used]] void* memcpy(void* to, const void* from, std::size_t size) {
-    auto* out = static_cast<std::uint8_t*>(to);
-    const auto* in = static_cast<const std::uint8_t*>(from);
-    while (size-- != 0) *out++ = *in++;
-    return to;
-}
+[[gnu::used, gnu::alias("memmove")]] void* memcpy(void* to, const void* from, std::size_t size);
 
 [[gnu::used]] void* memset(void* to, int value, std::size_t size) {
     auto* out = static_cast<std::uint8_t*>(to);

@@ -21,6 +21,13 @@ public:
         return true;
     }
 
+    /// A new item at the end, or nullptr when full.
+    [[nodiscard]] constexpr T* add() {
+        if (size_ == Capacity) return nullptr;
+        items_[size_] = {};
+        return &items_[size_++];
+    }
+
     /// False, and nothing changed, when `items` do not fit.
     [[nodiscard]] constexpr bool assign(std::span<const T> items) {
         if (items.size() > Capacity) return false;

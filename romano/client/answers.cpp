@@ -66,9 +66,9 @@ void ClientCore::on_acceptance(MsgType type, const Body& message, const Call& ca
         case MsgType::register_:
             return finish_front(Registered{operation.id, message.topic_id}, call.out);
         case MsgType::subscribe:
-            return finish_front(Subscribed{operation.id, message.topic_id,
-                                           mqttsn::flags_from_wire(message.flags).qos},
-                                call.out);
+            return finish_front(
+                Subscribed{operation.id, message.topic_id, mqttsn::qos_in(message.flags)},
+                call.out);
         case MsgType::unsubscribe:
             return finish_front(Unsubscribed{operation.id}, call.out);
         case MsgType::publish:

@@ -81,7 +81,10 @@ void ClientCore::on_tick(Instant now, Output& out) {
 
 Instant ClientCore::next_wakeup() const {
     if (unfinished_) return Instant::min();
-    Instant next = std::min({exchange_.deadline(), ping_.deadline(), ping_due_, collect_due_});
+    Instant next = exchange_.deadline();
+    next = std::min(next, ping_.deadline());
+    next = std::min(next, ping_due_);
+    next = std::min(next, collect_due_);
     const bool waits_for_pause =
         state_ == State::connected && !exchange_.is_running() && !operations_.empty();
     if (waits_for_pause) next = std::min(next, paused_until_);

@@ -46,11 +46,12 @@ void Discovery::on_gwinfo(Instant now, const Endpoint& from, const mqttsn::Body&
 
 void Discovery::note(Instant now, std::uint8_t id, const Endpoint& address, Duration t_adv) {
     Gateway* gateway = find(id);
-    if (gateway == nullptr) {
-        if (!gateways_.push_back({})) return;
-        gateway = gateways_.end() - 1;
-    }
-    *gateway = {id, address, t_adv, now + t_adv * options_.n_adv};
+    if (gateway == nullptr) gateway = gateways_.add();
+    if (gateway == nullptr) return;
+    gateway->id = id;
+    gateway->address = address;
+    gateway->t_adv = t_adv;
+    gateway->expires = now + t_adv * options_.n_adv;
     search_at_ = never;
 }
 

@@ -11,7 +11,7 @@
 
 #include "romano/base/bytes.h"
 #include "romano/client/events.h"
-#include "romano/mqttsn/messages.h"
+#include "romano/mqttsn/body.h"
 #include "romano/mqttsn/types.h"
 
 namespace romano::client {
@@ -33,10 +33,8 @@ struct Operation {
 
     static constexpr mqttsn::MsgType nothing{0xFF};
 
-    [[nodiscard]] mqttsn::Qos qos() const { return mqttsn::flags_from_wire(flags).qos; }
-    [[nodiscard]] mqttsn::TopicIdType topic_type() const {
-        return mqttsn::flags_from_wire(flags).topic_id_type;
-    }
+    [[nodiscard]] mqttsn::Qos qos() const { return mqttsn::qos_in(flags); }
+    [[nodiscard]] mqttsn::TopicIdType topic_type() const { return mqttsn::topic_type_in(flags); }
 };
 
 class OperationQueue {

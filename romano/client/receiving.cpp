@@ -14,22 +14,25 @@ using mqttsn::TopicIdType;
 /// A refusal is told at QoS 0 too (6.6b, 6.10e).
 void ClientCore::on_publish(mqttsn::Body& message, Output& out) {
     if (!is_receiving()) return drop();
-    const mqttsn::Flags flags = mqttsn::flags_from_wire(message.flags);
-    mqttsn::TopicRef topic{flags.topic_id_type, {}, message.topic_id};
-    if (topic.type == TopicIdType::normal) {
-        topic.name = topics_.name_of(topic.id);
-        if (topic.name.empty()) message.code = ReturnCode::invalid_topic_id;
-    } else if (topic.type == TopicIdType::short_name) {
-        topic.name = as_text({message.rest.data() - 4, 2});  // the octets that the id was read from
-    } else if (topic.type == TopicIdType::reserved) {
+    const TopicIdType type = mqttsn::topic_type_in(message.flags);
+    std::string_view name;
+    if (type == TopicIdType::normal) {
+        name = topics_.name_of(message.topic_id);
+        if (name.empty()) message.code = ReturnCode::invalid_topic_id;
+    } else if (type == TopicIdType::short_name) {
+        name = as_text({message.rest.data() - 4, 2});  // the octets that the id was read from
+    } else if (type == TopicIdType::reserved) {
         message.code = ReturnCode::not_supported;
     }
     if (message.code != ReturnCode::accepted) return out.send(MsgType::puback, message);
-    if (flags.qos != Qos::exactly_once || remember_unreleased(message.msg_id)) {
-        out.tell(Received{topic, message.rest, flags.qos, flags.retain, flags.dup});
+    const Qos qos = mqttsn::qos_in(message.flags);
+    if (qos != Qos::exactly_once || remember_unreleased(message.msg_id)) {
+        const mqttsn::Flags flags = mqttsn::flags_from_wire(message.flags);
+        out.tell(
+            Received{{type, name, message.topic_id}, message.rest, qos, flags.retain, flags.dup});
     }
-    if (flags.qos == Qos::exactly_once) out.send(MsgType::pubrec, message);
-    if (flags.qos == Qos::at_least_once) out.send(MsgType::puback, message);
+    if (qos == Qos::exactly_once) out.send(MsgType::pubrec, message);
+    if (qos == Qos::at_least_once) out.send(MsgType::puback, message);
 }
 
 /// True when the id is new. When the table is full the oldest goes: a broker has one exchange open

@@ -27,18 +27,12 @@ bool TopicTable::has_room_for(std::string_view name) const {
 }
 
 bool TopicTable::put(mqttsn::TopicId id, std::string_view name) {
-    const std::string_view known = name_of(id);
-    if (known == name) return true;
-    if (!known.empty()) {
-        if (name.size() > names_.size() - names_size_ + known.size()) return false;
-        forget(id);
-    } else if (!has_room_for(name)) {
-        // A broker that gives one name several ids must not fill the table with it.
-        const mqttsn::TopicId older = id_of(name);
-        if (older == mqttsn::no_topic_id) return false;
-        forget(older);
-    }
-    std::copy(name.begin(), name.end(), names_.begin() + static_cast<std::ptrdiff_t>(names_size_));
+    if (name_of(id) == name) return true;
+    forget(id);
+    // A broker that gives one name several ids must not fill the table with it.
+    if (!has_room_for(name)) forget(id_of(name));
+    if (!has_room_for(name)) return false;
+    std::copy(name.begin(), name.end(), names_.data() + names_size_);
     names_size_ += name.size();
     entries_[size_++] = {id, static_cast<std::uint16_t>(name.size())};
     return true;

@@ -2,7 +2,7 @@
 // sections 5.3.11, 6.5, 6.9.
 //
 // Ids come from REGACK, SUBACK and the broker's REGISTER. The table lives in storage that its owner
-// gives it at birth; a full table refuses and changes nothing. Looks up by walking: a client knows
+// gives it at birth; a full table refuses new names. Looks up by walking: a client knows
 // a few dozen names.
 #pragma once
 
@@ -34,8 +34,9 @@ public:
     /// True when put() of `name` under an id that is not in the table will succeed.
     [[nodiscard]] bool has_room_for(std::string_view name) const;
 
-    /// A new name for a known id replaces the old one. A name may have several ids while there is
-    /// room. False, and nothing changed, when full.
+    /// A new name for a known id replaces the old one, which means nothing any more; so the id is
+    /// unknown when there is no room for the new one. A name may have several ids while there is
+    /// room. False when full; the other names stay.
     [[nodiscard]] bool put(mqttsn::TopicId id, std::string_view name);
 
     void forget(mqttsn::TopicId id);

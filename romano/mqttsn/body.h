@@ -24,6 +24,13 @@ struct Body {
     Bytes rest{};        // text or octets up to the end of the message
 };
 
+constexpr Qos qos_in(std::uint8_t flags) {
+    return static_cast<Qos>((flags >> 5U) & 3U);
+}
+constexpr TopicIdType topic_type_in(std::uint8_t flags) {
+    return static_cast<TopicIdType>(flags & 3U);
+}
+
 /// Nothing when `octets` cannot be the body of that type by their size. `rest` points into them.
 [[nodiscard]] std::optional<Body> read_body(MsgType type, Bytes octets);
 

