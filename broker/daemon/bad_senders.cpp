@@ -25,10 +25,13 @@ std::string beginning_of(Bytes datagram) {
 
 void BadSenders::note(const Endpoint& from, Bytes datagram) {
     if (mqttsn::decode(datagram)) return;  // it was another one, which had waited
-    if (named_.size() >= most) named_.clear();
-    if (!named_.insert(from).second) return;
+    if (named_.size() >= most || !named_.insert(from).second) return;
     spdlog::warn("{} sent {} octets that are no MQTT-SN:{} (said once, then counted)",
                  net::to_text(from), datagram.size(), beginning_of(datagram));
+    if (named_.size() == most) {
+        spdlog::warn("{} senders of such datagrams were named; further ones are only counted",
+                     most);
+    }
 }
 
 }  // namespace romano::daemon

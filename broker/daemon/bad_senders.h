@@ -20,7 +20,7 @@ public:
     }
 
 private:
-    static constexpr std::size_t most = 1000;  // beyond: all are forgotten, and may be named again
+    static constexpr std::size_t most = 1000;  // a flood from ports ever new must not fill the trace
 
     void note(const Endpoint& from, Bytes datagram);
 

@@ -1,0 +1,53 @@
+// Who sends nonsense is named once in the trace, and a flood of them does not fill it.
+
+#include "broker/daemon/bad_senders.h"
+
+#include <gtest/gtest.h>
+#include <spdlog/sinks/ostream_sink.h>
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <array>
+#include <memory>
+#include <sstream>
+
+namespace romano::daemon {
+namespace {
+
+class NamingBadSenders : public testing::Test {
+protected:
+    NamingBadSenders() : before_(spdlog::default_logger()) {
+        spdlog::set_default_logger(std::make_shared<spdlog::logger>(
+            "test", std::make_shared<spdlog::sinks::ostream_sink_st>(trace_)));
+    }
+    ~NamingBadSenders() override { spdlog::set_default_logger(before_); }
+
+    void says_nonsense(std::uint16_t port) {
+        const std::array<std::uint8_t, 2> octets{9, 9};
+        const Endpoint from{
+            .address = {127, 0, 0, 1}, .port = port, .family = Endpoint::Family::ipv4};
+        senders_.look(++malformed_, from, octets);
+    }
+    [[nodiscard]] std::ptrdiff_t lines() const { return std::ranges::count(trace_.str(), '\n'); }
+
+private:
+    std::shared_ptr<spdlog::logger> before_;
+    std::ostringstream trace_;
+    BadSenders senders_;
+    std::uint64_t malformed_ = 0;
+};
+
+TEST_F(NamingBadSenders, EachIsNamedOnce) {
+    for (int i = 0; i < 3; ++i) says_nonsense(5000);
+    EXPECT_EQ(lines(), 1);
+    says_nonsense(5001);
+    EXPECT_EQ(lines(), 2);
+}
+
+TEST_F(NamingBadSenders, AFloodFromEverNewPortsIsCountedOnlyFromSomePointOn) {
+    for (std::uint16_t port = 1; port <= 5000; ++port) says_nonsense(port);
+    EXPECT_EQ(lines(), 1001);  // the last one says so
+}
+
+}  // namespace
+}  // namespace romano::daemon
