@@ -1,6 +1,9 @@
 // What a broker core wants done, in order: the caller owns the buffer, drains it and reuses it.
 //
-// Octets to send lie in one arena, so that an action is small and draining allocates nothing.
+// Octets to send lie in one arena, so that an action is small and draining allocates nothing. It is
+// bounded: a long message to thousands of clients, each under a topic id of its own, would take
+// gigabytes. What goes beyond is dropped and counted, as it would be where a socket's buffer is
+// full.
 #pragma once
 
 #include <cstddef>
@@ -79,11 +82,16 @@ public:
         return Bytes{arena_}.subspan(send.offset, send.size);
     }
 
-    /// Keeps the storage.
+    /// Keeps the storage, but not that of a rare huge fan-out.
     void clear() {
         list_.clear();
         arena_.clear();
+        if (arena_.capacity() > most_octets_kept) arena_ = {};
     }
+
+    [[nodiscard]] std::size_t octets_held() const { return arena_.size(); }
+    /// Nothing more can be sent until it is drained.
+    [[nodiscard]] bool is_full() const { return arena_.size() >= most_octets_held; }
 
     template <typename A>
     A& push(A action) {
@@ -103,6 +111,9 @@ public:
     }
 
 private:
+    static constexpr std::size_t most_octets_held = std::size_t{64} << 20U;
+    static constexpr std::size_t most_octets_kept = std::size_t{4} << 20U;
+
     std::vector<Action> list_;
     std::vector<std::uint8_t> arena_;
     std::size_t reserved_at_ = 0;

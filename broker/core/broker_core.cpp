@@ -55,7 +55,7 @@ private:
     PublishFlow publish_flow_{tables, outbox, router};
     SubscribeFlow subscribe_flow_{tables, outbox, router, subscriptions};
     ConnectFlow connect_flow_{tables, outbox, deliveries, lifecycle};
-    Liveness liveness_{tables, outbox, deliveries, lifecycle};
+    Liveness liveness_{tables, outbox, deliveries, lifecycle, publish_flow_};
     Discovery discovery_{tables, outbox};
     StrangerLimit strangers_;
     Instant forget_deletions_at_{};
@@ -208,7 +208,9 @@ void BrokerCore::State::on_session_message(const Origin& origin, const mqttsn::M
     } else {
         handle(*session, message, turn);
     }
-    if (session != nullptr) deliveries.resume(*session, turn);
+    if (session == nullptr) return;
+    if (!session->retained_to_come.empty()) router.send_more_retained(*session, turn);
+    deliveries.resume(*session, turn);
 }
 
 void BrokerCore::State::handle(Session& session, const mqttsn::Message& message, Turn& turn) {
@@ -446,12 +448,15 @@ void BrokerCore::on_read(Instant now, const LogPosition& position, Actions& out)
     if (session == nullptr) return;
     Turn turn{now, out};
     state_->deliveries.on_read(*session, position, turn);
+    state_->router.send_more_retained(*session, turn);
 }
 
 std::vector<MessagePtr> BrokerCore::retained(std::string_view filter) const {
     std::vector<MessagePtr> found;
-    state_->tables.retained.match(filter,
-                                  [&](const MessagePtr& message) { found.push_back(message); });
+    state_->tables.retained.match(filter, [&](const MessagePtr& message) {
+        found.push_back(message);
+        return true;
+    });
     return found;
 }
 
@@ -465,6 +470,10 @@ void BrokerCore::hold(Instant now, std::string_view client_id, bool held, Action
 
 void BrokerCore::set_congested(bool congested) {
     state_->tables.congested = congested;
+}
+
+void BrokerCore::set_full(bool full) {
+    state_->tables.full = full;
 }
 
 void BrokerCore::on_output_dropped(Seq safe) {

@@ -116,6 +116,10 @@ public:
     /// While set, whatever would have to be promised is answered by "congestion": CONNECT,
     /// SUBSCRIBE, PUBLISH of QoS 1 and 2.
     void set_congested(bool congested);
+    /// While set, nothing is taken that stays: the same answer, also to a new topic id, a retained
+    /// message and a will; and QoS 0 is not kept for whoever cannot be sent it at once. What peers
+    /// bring was promised by them and is taken. For an owner that is short of memory.
+    void set_full(bool full);
     /// The Sends so far that had to wait for events after `safe` were dropped: what follows need
     /// not wait behind them.
     void on_output_dropped(Seq safe);

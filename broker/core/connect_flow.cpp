@@ -38,7 +38,10 @@ ReturnCode ConnectFlow::judge(const Origin& origin, const mqttsn::Connect& messa
         (message.client_id.empty() && !message.clean_session)) {
         return ReturnCode::not_supported;
     }
-    return tables_.congested ? ReturnCode::congestion : ReturnCode::accepted;
+    const bool brings_more =
+        message.will || tables_.sessions.find(client_id_of(origin.from, message)) == nullptr;
+    return tables_.congested || (tables_.full && brings_more) ? ReturnCode::congestion
+                                                              : ReturnCode::accepted;
 }
 
 bool ConnectFlow::is_repetition(const Origin& origin, const mqttsn::Connect& message,
@@ -96,10 +99,12 @@ void ConnectFlow::on_willtopic(const Origin& origin, const mqttsn::Willtopic& me
         return;
     }
     prompt.has_topic = true;
-    prompt.will = {std::string{message.topic}, {}, message.qos, message.retain};
     if (message.qos == Qos::without_connection || !mqttsn::is_valid_topic_name(message.topic) ||
         message.topic.starts_with('$')) {
         prompt.refusal = ReturnCode::not_supported;
+    }
+    if (prompt.refusal == ReturnCode::accepted) {
+        prompt.will = {std::string{message.topic}, {}, message.qos, message.retain};
     }
     outbox_.answer(origin.via, origin.from, mqttsn::Willmsgreq{}, turn);
 }
@@ -187,6 +192,11 @@ void ConnectFlow::on_willtopicupd(Session& session, const mqttsn::Willtopicupd& 
         outbox_.send(session, mqttsn::Willtopicresp{ReturnCode::not_supported}, Gate::open, turn);
         return;
     }
+    if (!deletes && (tables_.congested || tables_.full)) {
+        tables_.count(Drop::no_room);
+        outbox_.send(session, mqttsn::Willtopicresp{ReturnCode::congestion}, Gate::open, turn);
+        return;
+    }
     if (deletes) {
         set_will(session, std::nullopt, turn);
     } else {
@@ -203,6 +213,11 @@ void ConnectFlow::on_willmsgupd(Session& session, const mqttsn::Willmsgupd& mess
     if (message.message.size() > tables_.limits().payload_octets) {
         tables_.count(Drop::too_large);
         outbox_.send(session, mqttsn::Willmsgresp{ReturnCode::not_supported}, Gate::open, turn);
+        return;
+    }
+    if (tables_.congested || tables_.full) {
+        tables_.count(Drop::no_room);
+        outbox_.send(session, mqttsn::Willmsgresp{ReturnCode::congestion}, Gate::open, turn);
         return;
     }
     Will will = session.will.value_or(Will{});

@@ -23,8 +23,9 @@ enum class Drop : std::uint8_t {
     refused_by_client,  // the client answered with a return code other than 0
     encapsulation,      // a forwarder's frame that holds none or a nested one
     no_room,            // a table was full: answered by "congestion" where there is an answer
+    output_full,        // one message to so many clients that the rest of them goes without
 };
-inline constexpr std::size_t drop_kinds = 11;
+inline constexpr std::size_t drop_kinds = 12;
 
 struct Counters {
     std::array<std::uint64_t, 256> received_by_type{};  // by MsgType
@@ -35,6 +36,7 @@ struct Counters {
     std::uint64_t publishes_received = 0;
     std::uint64_t publishes_sent = 0;
     std::uint64_t retransmissions = 0;
+    std::uint64_t late_answers = 0;  // to publishers that were ahead of their receivers
 };
 
 /// What is there now: counted when somebody asks, so that nothing is kept for it.

@@ -15,6 +15,7 @@ namespace {
     assert(!session.reachable || sessions.find(session.header.address) == &session);
     assert(!session.reachable || session.is_connected());
     assert(session.is_connected() == (session.departed_at == never));
+    assert(session.displaced_at == never || (!session.reachable && session.is_connected()));
 
     // An exchange is about the front of the queue, and only with a client that listens.
     assert(!session.exchange.is_open() || !session.queue.empty());

@@ -7,7 +7,11 @@ namespace romano::broker {
 Session* Lifecycle::create(std::string_view client_id, Turn& turn) {
     if (tables_.sessions.size() >= tables_.limits().sessions) {
         Session* left_behind = tables_.sessions.departed_first();
-        if (left_behind == nullptr) return nullptr;
+        if (left_behind == nullptr) {
+            left_behind = tables_.sessions.displaced_first();
+            if (left_behind == nullptr) return nullptr;
+            lose(*left_behind, turn);
+        }
         erase(*left_behind, turn.out);
     }
     Session& session = tables_.sessions.create(client_id);
@@ -22,11 +26,13 @@ void Lifecycle::wipe(Session& session) {
     session.topics = {};
     session.queue.clear();
     session.unreleased.clear();
+    session.retained_to_come.clear();
     session.worked_ahead.clear();
     session.awaited.clear();
     session.will.reset();
     session.exchange = {};
     session.paused_until = {};
+    session.late_answer = {};
     session.ignores_register = false;
     session.held = false;
 }
@@ -39,12 +45,11 @@ void Lifecycle::erase(Session& session, Actions& out) {
 }
 
 void Lifecycle::move(Session& session, const ClientAddress& address, Turn& turn) {
-    Session* previous = tables_.sessions.map(session, address);
+    Session* previous = tables_.sessions.map(session, address, turn.now);
     if (previous == nullptr) return;
     // Its address has a new owner; it runs into its keep-alive and is sent nothing (G7).
     previous->exchange = {};
     schedule(tables_, *previous);
-    (void)turn;
 }
 
 void Lifecycle::sleep(Session& session, std::uint16_t duration_s, Turn& turn) {
@@ -80,6 +85,7 @@ void Lifecycle::publish_will(Session& session, Turn& turn) {
     const Will will = *session.will;
     const Publication publication{will.topic, will.message, will.qos, will.retain};
     if (!Router::is_logged(publication)) log_header(session, turn);
+    router_.find_receivers(publication, turn);
     router_.accept(publication, nullptr, mqttsn::no_msg_id, turn, session.header.client_id);
     router_.deliver(publication, turn);
 }
@@ -87,6 +93,7 @@ void Lifecycle::publish_will(Session& session, Turn& turn) {
 void Lifecycle::depart(Session& session, SessionState state, Turn& turn) {
     tables_.sessions.unmap(session);
     session.exchange = {};
+    session.late_answer = {};
     session.header.state = state;
     session.fresh = session.fresh_will = false;
     tables_.sessions.depart(session, turn.now);

@@ -20,7 +20,9 @@ public:
     Lifecycle(Tables& tables, Router& router, Subscriptions& subscriptions)
         : tables_(tables), router_(router), subscriptions_(subscriptions) {}
 
-    /// A new, empty session; null when there is no room even without those that were left behind.
+    /// A new, empty session; null when there is no room even without those that were left behind,
+    /// or whose address another client has by now: else one client could take all the room for ever
+    /// by connecting under one name after the other.
     Session* create(std::string_view client_id, Turn& turn);
 
     /// Subscriptions, topic ids, messages and will are gone (6.3, CleanSession 1). Not logged.

@@ -5,6 +5,7 @@
 #include "broker/core/delivery_flow.h"
 #include "broker/core/lifecycle.h"
 #include "broker/core/outbox.h"
+#include "broker/core/publish_flow.h"
 #include "broker/core/session.h"
 #include "broker/core/tables.h"
 #include "romano/mqttsn/messages.h"
@@ -13,8 +14,13 @@ namespace romano::broker {
 
 class Liveness {
 public:
-    Liveness(Tables& tables, Outbox& outbox, DeliveryFlow& deliveries, Lifecycle& lifecycle)
-        : tables_(tables), outbox_(outbox), deliveries_(deliveries), lifecycle_(lifecycle) {}
+    Liveness(Tables& tables, Outbox& outbox, DeliveryFlow& deliveries, Lifecycle& lifecycle,
+             PublishFlow& publishes)
+        : tables_(tables),
+          outbox_(outbox),
+          deliveries_(deliveries),
+          lifecycle_(lifecycle),
+          publishes_(publishes) {}
 
     /// A datagram of the session's client came, from where the session is mapped now.
     void on_heard(Session& session, const Endpoint& via, Turn& turn);
@@ -32,6 +38,7 @@ private:
     Outbox& outbox_;
     DeliveryFlow& deliveries_;
     Lifecycle& lifecycle_;
+    PublishFlow& publishes_;
 };
 
 }  // namespace romano::broker

@@ -67,6 +67,10 @@ private:
 
     template <typename M>
     bool put(Send send, const M& message, Turn& turn) {
+        if (turn.out.is_full()) {  // lost on the way, as UDP may
+            tables_.count(Drop::output_full);
+            return true;
+        }
         const std::size_t wrapping = wrapping_of(send.to);
         const MutableBytes room = turn.out.reserve(wrapping + most_octets(message));
         const std::size_t size = mqttsn::encode(message, room.subspan(wrapping));

@@ -1,8 +1,11 @@
 #include "broker/core/publish_flow.h"
 
 #include <algorithm>
+#include <chrono>
 #include <memory>
+#include <utility>
 
+#include "broker/core/session_deadline.h"
 #include "romano/base/bytes.h"
 #include "romano/mqttsn/topic.h"
 
@@ -58,14 +61,22 @@ ReturnCode PublishFlow::judge(const mqttsn::Publish& message, std::string_view t
         return refused(Drop::too_large, ReturnCode::not_supported);
     }
     const bool promises = message.qos == Qos::at_least_once || message.qos == Qos::exactly_once;
-    if ((promises && tables_.congested) ||
-        (message.retain && !message.data.empty() && !tables_.retained.has_room(topic))) {
+    const bool is_kept = message.retain && !message.data.empty();
+    const bool deletes = message.retain && message.data.empty();
+    if ((promises && tables_.congested) || ((promises || is_kept) && tables_.full && !deletes) ||
+        (is_kept && !tables_.retained.has_room(topic))) {
         return refused(Drop::no_room, ReturnCode::congestion);
     }
     return ReturnCode::accepted;
 }
 
 void PublishFlow::on_publish(Session& session, const mqttsn::Publish& message, Turn& turn) {
+    const bool promises = message.qos == Qos::at_least_once || message.qos == Qos::exactly_once;
+    if (promises && session.late_answer.at != never) {
+        const LateAnswer& owed = session.late_answer;
+        if (owed.msg_id == message.msg_id && owed.qos == message.qos) return;  // it will come
+        answer_what_is_owed(session, turn);
+    }
     if (message.qos == Qos::exactly_once &&
         std::ranges::count(session.unreleased, message.msg_id) != 0) {
         outbox_.send(session, mqttsn::Pubrec{message.msg_id}, Gate::logged, turn);
@@ -79,24 +90,45 @@ void PublishFlow::on_publish(Session& session, const mqttsn::Publish& message, T
         return;
     }
     const Publication publication{topic, message.data, message.qos, message.retain};
-    switch (message.qos) {
-        case Qos::at_least_once:
-            router_.accept(publication, nullptr, mqttsn::no_msg_id, turn);
-            outbox_.send(session,
-                         mqttsn::Puback{message.topic, message.msg_id, ReturnCode::accepted},
-                         Gate::logged, turn);
-            break;
-        case Qos::exactly_once:
-            router_.accept(publication, &session, message.msg_id, turn);
-            remember_unreleased(session, message.msg_id, turn);
-            outbox_.send(session, mqttsn::Pubrec{message.msg_id}, Gate::logged, turn);
-            break;
-        default:
-            router_.accept(publication, nullptr, mqttsn::no_msg_id, turn);
-            break;
-    }
+    router_.find_receivers(publication, turn);
+    const Duration delay = promises ? delay_at(router_.fullness(session)) : Duration{0};
+    const bool is_qos2 = message.qos == Qos::exactly_once;
+    router_.accept(publication, is_qos2 ? &session : nullptr,
+                   is_qos2 ? message.msg_id : mqttsn::no_msg_id, turn);
+    if (is_qos2) remember_unreleased(session, message.msg_id, turn);
+    if (promises) answer(session, message, delay, turn);
     router_.deliver(publication, turn);
     observe(session, publication, turn);
+}
+
+/// How much later a publisher hears that its message was taken, by how full the fullest queue of
+/// its receivers is: below half not at all. So publishers go at the pace of their receivers before
+/// anything is lost.
+Duration PublishFlow::delay_at(double fullness) const {
+    const std::chrono::duration<double, std::milli> longest{tables_.limits().pacing_ms};
+    return std::chrono::duration_cast<Duration>(longest * std::clamp(2 * fullness - 1, 0.0, 1.0));
+}
+
+void PublishFlow::answer(Session& session, const mqttsn::Publish& message, Duration delay,
+                         Turn& turn) {
+    session.late_answer = {turn.now + delay, message.qos, message.topic, message.msg_id};
+    if (delay <= Duration{0}) {
+        answer_what_is_owed(session, turn);
+        return;
+    }
+    ++tables_.counters.late_answers;
+    schedule(tables_, session);
+}
+
+void PublishFlow::answer_what_is_owed(Session& session, Turn& turn) {
+    const LateAnswer owed = std::exchange(session.late_answer, {});
+    if (owed.at == never || !session.reachable) return;
+    if (owed.qos == Qos::exactly_once) {
+        outbox_.send(session, mqttsn::Pubrec{owed.msg_id}, Gate::logged, turn);
+    } else {
+        outbox_.send(session, mqttsn::Puback{owed.topic, owed.msg_id, ReturnCode::accepted},
+                     Gate::logged, turn);
+    }
 }
 
 void PublishFlow::observe(const Session& session, const Publication& publication, Turn& turn) {

@@ -18,6 +18,8 @@ public:
         : tables_(tables), outbox_(outbox), router_(router) {}
 
     void on_publish(Session& session, const mqttsn::Publish& message, Turn& turn);
+    /// A late PUBACK or PUBREC is due.
+    void answer_what_is_owed(Session& session, Turn& turn);
     void on_pubrel(Session& session, const mqttsn::Pubrel& message, Turn& turn);
     /// QoS -1, from anybody; never answered (6.8a).
     void on_connectionless(const mqttsn::Publish& message, Turn& turn);
@@ -26,6 +28,8 @@ private:
     [[nodiscard]] mqttsn::ReturnCode judge(const mqttsn::Publish& message, std::string_view topic);
     /// The topic's name, held in `name_`; empty when the id is unknown.
     [[nodiscard]] std::string_view name_of(Session* session, const mqttsn::Publish& message);
+    [[nodiscard]] Duration delay_at(double fullness) const;
+    void answer(Session& session, const mqttsn::Publish& message, Duration delay, Turn& turn);
     void observe(const Session& session, const Publication& publication, Turn& turn);
     void remember_unreleased(Session& session, mqttsn::MsgId msg_id, Turn& turn);
 

@@ -35,20 +35,18 @@ public:
         return found == by_position_.end() ? MessagePtr{} : found->second;
     }
 
-    /// Calls visit(message) for each topic that matches, by topic. Deletions are not visited.
+    /// Calls visit(message) for each topic behind `after` that matches, by topic, as long as it
+    /// returns true; false when it did not. Deletions are not visited.
     template <typename Visitor>
-    void match(std::string_view filter, Visitor&& visit) const {
+    bool match(std::string_view filter, Visitor&& visit, std::string_view after = {}) const {
         const std::string_view prefix = literal_prefix(filter);
-        if (prefix == filter) {
-            const auto found = messages_.find(filter);
-            if (found != messages_.end() && !found->second->payload.empty()) visit(found->second);
-            return;
-        }
-        for (auto at = messages_.lower_bound(prefix);
-             at != messages_.end() && at->first.starts_with(prefix); ++at) {
+        auto at = after < prefix ? messages_.lower_bound(prefix) : messages_.upper_bound(after);
+        for (; at != messages_.end() && at->first.starts_with(prefix); ++at) {
+            if (prefix == filter && at->first != filter) break;
             if (at->second->payload.empty() || !mqttsn::matches(filter, at->first)) continue;
-            visit(at->second);
+            if (!visit(at->second)) return false;
         }
+        return true;
     }
 
     /// By topic; deletions included, $SYS not.

@@ -62,6 +62,18 @@ void Router::find_receivers(const Publication& publication, const LogPosition& p
     });
 }
 
+double Router::fullness(const Session& publisher) const {
+    std::size_t most = 0;
+    for (const Receiver& receiver : receivers_) {
+        const Session& session = *receiver.session;
+        if (receiver.qos == Qos::at_most_once || &session == &publisher) continue;
+        // What waits at QoS 0 makes room.
+        const std::size_t waiting = session.queue.size() - session.queue.unlogged();
+        if (waiting > most && session.is_answering()) most = waiting;
+    }
+    return static_cast<double>(most) / static_cast<double>(tables_.limits().queued_per_session);
+}
+
 void Router::claim_room() {
     for (Receiver& receiver : receivers_) {
         if (receiver.qos == Qos::at_most_once) continue;
@@ -82,7 +94,6 @@ std::vector<Route> Router::routes() const {
 
 void Router::accept(const Publication& publication, const Session* publisher, MsgId msg_id,
                     Turn& turn, const ClientId& will_of) {
-    find_receivers(publication, {}, turn);
     claim_room();
     message_ = {};
     if (!publication.retain && !tables_.log.writes()) return;
@@ -134,7 +145,12 @@ void Router::deliver(const Publication& publication, Turn& turn) {
                 send_at_once(receiver, topic, publication, turn);
                 continue;
             }
-            if (!waits_with_qos0(session) || !deliveries_.make_room(session)) continue;
+            if (!waits_with_qos0(session)) continue;
+            if (tables_.full) {
+                tables_.count(Drop::no_room);
+                continue;
+            }
+            if (!deliveries_.make_room(session)) continue;
         } else if (!receiver.takes) {
             continue;
         }
@@ -150,6 +166,10 @@ void Router::deliver(const Publication& publication, Turn& turn) {
 
 void Router::send_at_once(const Receiver& receiver, const WireTopic& topic,
                           const Publication& publication, Turn& turn) {
+    if (turn.out.is_full()) {
+        tables_.count(Drop::output_full);
+        return;
+    }
     Session& session = *receiver.session;
     const bool wrapped = !session.header.address.wireless_node_id.empty();
     const std::uint64_t looks = 1U << 31U | static_cast<std::uint64_t>(topic.type) << 16U |
@@ -204,16 +224,35 @@ void Router::set_system_topic(std::string_view topic, Bytes payload, Turn& turn)
 }
 
 void Router::send_retained(Session& session, const Subscription& subscription, Turn& turn) {
-    tables_.retained.match(subscription.filter, [&](const MessagePtr& message) {
+    std::erase_if(session.retained_to_come, [&](const RetainedToCome& earlier) {
+        return earlier.subscription.filter == subscription.filter;
+    });
+    RetainedToCome all{subscription, {}};
+    if (!send_retained_behind(session, all, turn)) session.retained_to_come.push_back(all);
+}
+
+void Router::send_more_retained(Session& session, Turn& turn) {
+    while (!session.retained_to_come.empty() &&
+           send_retained_behind(session, session.retained_to_come.front(), turn)) {
+        session.retained_to_come.erase(session.retained_to_come.begin());
+    }
+}
+
+/// False when there is no more room for now.
+bool Router::send_retained_behind(Session& session, RetainedToCome& rest, Turn& turn) {
+    const Subscription& subscription = rest.subscription;
+    const std::size_t most = (tables_.limits().queued_per_session + 1) / 2;
+    const auto send = [&](const MessagePtr& message) {
         const Qos qos = std::min(message->qos, subscription.granted);
         if (session.read_by_owner) {
-            if (!message->origin.empty()) return;
+            if (!message->origin.empty()) return true;
             if (qos == Qos::at_most_once) {
                 turn.out.push(ForOwner{message});
-                return;
+                return true;
             }
         }
-        if (!deliveries_.make_room(session)) return;
+        if (session.queue.size() >= most) return false;
+        rest.after = message->topic;
         if (qos != Qos::at_most_once) {
             tables_.log.append(turn.out, [&] {
                 return Routed{message->position, {{session.header.client_id, qos, true}}};
@@ -222,7 +261,9 @@ void Router::send_retained(Session& session, const Subscription& subscription, T
         deliveries_.enqueue(
             session,
             {.position = message->position, .message = message, .qos = qos, .retain = true}, turn);
-    });
+        return true;
+    };
+    return tables_.retained.match(subscription.filter, send, rest.after);
 }
 
 }  // namespace romano::broker

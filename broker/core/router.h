@@ -1,7 +1,8 @@
 // From one message to its receivers: the own subscribers, the retained store, the log, the peers
 // (MQTT-SN 1.2 section 6.10; MQTT's rules for QoS, Retain and overlapping filters).
 //
-// In two steps, because a publisher's answer goes before its own copy of the message (G12).
+// In steps, because a publisher's answer goes before its own copy of the message (G12), and its
+// time depends on the receivers.
 #pragma once
 
 #include <cstdint>
@@ -29,15 +30,23 @@ public:
     Router(Tables& tables, Outbox& outbox, DeliveryFlow& deliveries)
         : tables_(tables), outbox_(outbox), deliveries_(deliveries) {}
 
-    /// Finds the receivers and writes the message into the log and the retained store. `publisher`
-    /// and `msg_id` only for QoS 2; `will_of` see Published.
+    /// Of what a client publishes here.
+    void find_receivers(const Publication& publication, Turn& turn) {
+        find_receivers(publication, {}, turn);
+    }
+    /// How full the fullest queue of those is, of receivers that answer; 1: no room. A sleeper and
+    /// one that does not answer hold up nobody; nor does the publisher itself.
+    [[nodiscard]] double fullness(const Session& publisher) const;
+    /// Writes the message into the log and the retained store. `publisher` and `msg_id` only for
+    /// QoS 2; `will_of` see Published.
     void accept(const Publication& publication, const Session* publisher, mqttsn::MsgId msg_id,
                 Turn& turn, const ClientId& will_of = {});
     /// Hands what was accepted last to its receivers.
     void deliver(const Publication& publication, Turn& turn);
 
-    /// Both, for what nobody waits for an answer about.
+    /// All of it, for what nobody waits for an answer about.
     void publish(const Publication& publication, Turn& turn) {
+        find_receivers(publication, turn);
         accept(publication, nullptr, mqttsn::no_msg_id, turn);
         deliver(publication, turn);
     }
@@ -52,8 +61,10 @@ public:
     /// A retained message of this broker's own: not logged, not forwarded.
     void set_system_topic(std::string_view topic, Bytes payload, Turn& turn);
 
-    /// After SUBACK: each retained match at min(stored, granted) QoS with Retain 1.
+    /// After SUBACK: each retained match at min(stored, granted) QoS with Retain 1. They take half
+    /// of the session's queue at most: the rest comes when there is room again.
     void send_retained(Session& session, const Subscription& subscription, Turn& turn);
+    void send_more_retained(Session& session, Turn& turn);
 
 private:
     struct Receiver {
@@ -68,6 +79,7 @@ private:
     void find_receivers(const Publication& publication, const LogPosition& position, Turn& turn);
     /// For the owner, who reads no queue for these.
     void tell_owner(const Publication& publication, Turn& turn);
+    bool send_retained_behind(Session& session, RetainedToCome& rest, Turn& turn);
     bool was_awaited(Session& session, const LogPosition& position, Turn& turn);
     void claim_room();
     [[nodiscard]] std::vector<Route> routes() const;

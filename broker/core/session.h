@@ -39,6 +39,20 @@ struct Exchange {
     [[nodiscard]] bool is_open() const { return kind != Kind::none; }
 };
 
+/// The retained messages that a new subscription asked for and that its queue had no room for yet.
+struct RetainedToCome {
+    Subscription subscription;
+    std::string after;  // the topic that was the last one
+};
+
+/// PUBACK or PUBREC to a publisher that is ahead of its receivers: it comes a little later.
+struct LateAnswer {
+    Instant at = never;  // never: none is owed
+    mqttsn::Qos qos = mqttsn::Qos::at_least_once;
+    mqttsn::TopicId topic{};
+    mqttsn::MsgId msg_id = mqttsn::no_msg_id;
+};
+
 /// What every datagram touches stands first and close together: among thousands of sessions each
 /// line of memory costs more than the work on it.
 struct alignas(64) Session {
@@ -70,15 +84,22 @@ struct alignas(64) Session {
 
     std::vector<Subscription> subscriptions;
     std::vector<mqttsn::MsgId> unreleased;
+    std::vector<RetainedToCome> retained_to_come;  // one a filter; no part of the image
     std::optional<Will> will;
-    Instant departed_at = never;  // when it became disconnected or lost
-    Instant paused_until{};       // after "congestion" in a REGACK (G16)
+    Instant departed_at = never;   // when it became disconnected or lost
+    Instant displaced_at = never;  // when another client got its address, while connected (G7)
+    Instant paused_until{};        // after "congestion" in a REGACK (G16)
+    LateAnswer late_answer;
 
     [[nodiscard]] bool is_connected() const { return broker::is_connected(header); }
     /// Something can be sent to it now.
     [[nodiscard]] bool is_listening() const {
         return reachable &&
                (header.state == SessionState::active || header.state == SessionState::awake);
+    }
+    /// It was sent something and may well answer: nothing had to be repeated so far.
+    [[nodiscard]] bool is_answering() const {
+        return exchange.is_open() && exchange.sendings == 1 && !exchange.stalled;
     }
     /// A publish of QoS 1 or 2 is kept for it.
     [[nodiscard]] bool keeps_messages() const { return broker::keeps_messages(header); }

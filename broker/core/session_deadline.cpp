@@ -32,7 +32,7 @@ Instant probed_at(const Session& session) {
 }
 
 Instant due_at(const Session& session, const BrokerOptions& options) {
-    Instant due = std::min(lost_at(session, options), probed_at(session));
+    Instant due = std::min({lost_at(session, options), probed_at(session), session.late_answer.at});
     if (session.exchange.is_open() && !session.exchange.stalled) {
         due = std::min(due, session.exchange.retry_at);
     }

@@ -24,6 +24,7 @@ Session& SessionTable::create(std::string_view client_id) {
 void SessionTable::erase(Session& session) {
     unmap(session);
     come_back(session);
+    find_again(session);
     by_id_.erase(session.header.client_id);
     free_.push_back(session.number);
     slots_[session.number].reset();
@@ -40,11 +41,16 @@ Session* SessionTable::find(const ClientAddress& address) const {
     });
 }
 
-Session* SessionTable::map(Session& session, const ClientAddress& address) {
+Session* SessionTable::map(Session& session, const ClientAddress& address, Instant now) {
     if (session.reachable && session.header.address == address) return nullptr;
     unmap(session);
+    find_again(session);
     Session* previous = find(address);
-    if (previous != nullptr) unmap(*previous);
+    if (previous != nullptr) {
+        unmap(*previous);
+        previous->displaced_at = now;
+        if (previous->header.clean) displaced_.emplace(now, previous->number);
+    }
     session.header.address = address;
     by_address_.insert(ClientAddressHash{}(address), &session);
     session.reachable = true;
@@ -59,6 +65,7 @@ void SessionTable::unmap(Session& session) {
 
 void SessionTable::depart(Session& session, Instant now) {
     come_back(session);
+    find_again(session);
     session.departed_at = now;
     if (session.header.clean) departed_.emplace(now, session.number);
 }
@@ -68,8 +75,17 @@ void SessionTable::come_back(Session& session) {
     session.departed_at = never;
 }
 
+void SessionTable::find_again(Session& session) {
+    displaced_.erase({session.displaced_at, session.number});
+    session.displaced_at = never;
+}
+
 Session* SessionTable::departed_first() const {
     return departed_.empty() ? nullptr : at(departed_.begin()->second);
+}
+
+Session* SessionTable::displaced_first() const {
+    return displaced_.empty() ? nullptr : at(displaced_.begin()->second);
 }
 
 std::vector<Session*> SessionTable::by_client_id() const {

@@ -30,7 +30,7 @@ public:
 
     /// The address leads to this session from now on; its previous owner, who is returned, becomes
     /// unreachable (G7).
-    Session* map(Session& session, const ClientAddress& address);
+    Session* map(Session& session, const ClientAddress& address, Instant now);
     /// No address leads to it any more.
     void unmap(Session& session);
 
@@ -39,6 +39,9 @@ public:
     void come_back(Session& session);
     /// The clean session that was left behind longest ago, or null.
     [[nodiscard]] Session* departed_first() const;
+    /// The clean one that is connected as far as anybody knows, but whose address another client
+    /// has had for longest; or null.
+    [[nodiscard]] Session* displaced_first() const;
 
     [[nodiscard]] std::size_t size() const { return by_id_.size(); }
     /// In the order of their client ids: for all that reaches the wire.
@@ -52,11 +55,14 @@ public:
     }
 
 private:
+    void find_again(Session& session);
+
     std::vector<std::unique_ptr<Session>> slots_;
     std::vector<SessionNumber> free_;
     std::unordered_map<std::string_view, Session*> by_id_;  // views of the headers' client ids
     PointerTable<Session> by_address_;
     std::set<std::pair<Instant, SessionNumber>> departed_;
+    std::set<std::pair<Instant, SessionNumber>> displaced_;
 };
 
 }  // namespace romano::broker

@@ -60,7 +60,8 @@ Result<std::string_view, ReturnCode> SubscribeFlow::filter_of(const mqttsn::Topi
 ReturnCode SubscribeFlow::judge(const Session& session, const mqttsn::Subscribe& message,
                                 std::string_view filter) const {
     if (message.qos == Qos::without_connection) return ReturnCode::not_supported;
-    const bool full = session.subscriptions.size() >= tables_.limits().subscriptions_per_session;
+    const bool full =
+        tables_.full || session.subscriptions.size() >= tables_.limits().subscriptions_per_session;
     if (tables_.congested || (full && !subscriptions_.has(session, filter))) {
         return ReturnCode::congestion;
     }

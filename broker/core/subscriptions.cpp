@@ -45,6 +45,8 @@ bool Subscriptions::remove(Session& session, std::string_view filter, Turn& turn
         return Unsubscribed{session.header.client_id, std::string{filter}};
     });
     tables_.subscribers.remove(filter, session.number);
+    std::erase_if(session.retained_to_come,
+                  [&](const RetainedToCome& rest) { return rest.subscription.filter == filter; });
     session.subscriptions.erase(same);
     return true;
 }
@@ -70,7 +72,8 @@ TopicId Subscriptions::bind(Session& session, std::string_view name, bool known,
     TopicId id = session.topics.find(name);
     const bool is_new = id == mqttsn::no_topic_id;
     if (is_new) {
-        if (session.topics.size() >= tables_.limits().topics_per_session) return id;
+        const std::size_t most = tables_.limits().topics_per_session;
+        if (tables_.full || session.topics.size() >= most) return id;
         id = session.topics.add(name);
         if (id == mqttsn::no_topic_id) return id;
     }

@@ -53,6 +53,7 @@ struct Tables {
     Counters counters;
     const Audience* peers = nullptr;  // null: they may want everything
     bool congested = false;           // no new promises (BrokerCore::set_congested)
+    bool full = false;                // nothing more that stays (BrokerCore::set_full)
 
     void count(Drop reason) { ++counters.dropped[static_cast<std::size_t>(reason)]; }
     [[nodiscard]] const Limits& limits() const { return options.limits; }

@@ -26,6 +26,7 @@ constexpr auto patience = 5s;
 
 // A batch of publishes that each fan out to thousands must not pile up in memory.
 constexpr std::size_t most_actions_held = 4096;
+constexpr std::size_t most_octets_held = std::size_t{1} << 20U;
 
 bool contains(const std::vector<Endpoint>& list, const Endpoint& address) {
     return std::ranges::find(list, address) != list.end();
@@ -52,7 +53,8 @@ ClusterBroker::ClusterBroker(boost::asio::io_context& io, const Settings& settin
       options_(member_options(settings)),
       udp_(io, *this),
       moved_(io, [this](const Endpoint& a) { return !member_ || member_->may_announce(a); }),
-      timer_(io, [this] { on_core_wakeup(); }) {
+      timer_(io, [this] { on_core_wakeup(); }),
+      heap_limit_(settings.limits.memory_mib) {
     if (make_uplink != nullptr) open_uplink(make_uplink);
     open_addresses();
     open_transport();
@@ -185,7 +187,10 @@ void ClusterBroker::on_datagram(const Endpoint& via, const Endpoint& from, Bytes
     if (!member_) return;  // clients ask again
     member_->on_datagram(net::now(), via, from, octets, actions_);
     bad_senders_.look(member_->broker().counters().malformed_total, from, octets);
-    if (actions_.clients.list().size() >= most_actions_held) carry_out();
+    if (actions_.clients.list().size() >= most_actions_held ||
+        actions_.clients.octets_held() >= most_octets_held) {
+        carry_out();
+    }
 }
 
 void ClusterBroker::on_batch_end() {
@@ -242,6 +247,7 @@ void ClusterBroker::carry_out() {
         }
         answers_.clear();
     }
+    member_->set_full(heap_limit_.is_reached());
     timer_.arm(member_->next_wakeup());
 }
 
@@ -290,6 +296,7 @@ void ClusterBroker::say_when_serving() {
 
 void ClusterBroker::add_metrics(metrics::Page& page) const {
     metrics::add_datagrams(page, udp_.counters());
+    heap_limit_.add_metrics(page);
     add_transport(page, transport_->counters());
     if (!member_) return;
     metrics::add_messages(page, member_->broker().counters());

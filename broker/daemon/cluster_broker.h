@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "broker/daemon/bad_senders.h"
+#include "broker/daemon/heap_limit.h"
 #include "broker/daemon/running_broker.h"
 #include "broker/net/core_timer.h"
 #include "broker/net/moved_addresses.h"
@@ -74,6 +75,7 @@ private:
     overlay::MemberActions actions_;
     net::CoreTimer timer_;
     BadSenders bad_senders_;
+    HeapLimit heap_limit_;
 
     struct Answer {
         Endpoint address;

@@ -7,7 +7,7 @@ namespace {
 
 using broker::Limits;
 
-constexpr std::array<LimitSetting, 10> settings{{
+constexpr std::array<LimitSetting, 12> settings{{
     {"max-sessions", &Limits::sessions, 1, 1'000'000,
      "Sessions; then those left behind go, then CONNECT hears \"congestion\""},
     {"max-connecting", &Limits::connecting, 1, 1'000'000,
@@ -28,6 +28,10 @@ constexpr std::array<LimitSetting, 10> settings{{
      "Length of a message; a longer one hears \"not supported\""},
     {"max-stranger-rate", &Limits::stranger_datagrams_per_second, 1, 1'000'000,
      "Datagrams a second of one address without a session; the rest is dropped"},
+    {"max-pacing-ms", &Limits::pacing_ms, 0, 60'000,
+     "PUBACK and PUBREC come so much later at most when a receiver's queue fills up; 0: never"},
+    {"max-memory-mb", &Limits::memory_mib, 8, 1'000'000,
+     "MiB of heap in all; then nothing that stays is taken: \"congestion\""},
 }};
 
 }  // namespace

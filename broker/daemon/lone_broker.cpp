@@ -18,6 +18,7 @@ constexpr auto status_every = 1s;
 
 // A batch of publishes that each fan out to thousands must not pile up in memory.
 constexpr std::size_t most_actions_held = 4096;
+constexpr std::size_t most_octets_held = std::size_t{1} << 20U;
 
 }  // namespace
 
@@ -30,7 +31,8 @@ LoneBroker::LoneBroker(boost::asio::io_context& io, const Settings& settings,
       server_(settings.name, options_.unix_time_at_zero),
       udp_(io, *this),
       core_timer_(io, [this] { on_core_wakeup(); }),
-      status_timer_(io, [this] { on_status_wakeup(); }) {
+      status_timer_(io, [this] { on_status_wakeup(); }),
+      heap_limit_(settings.limits.memory_mib) {
     std::string where;
     for (const Endpoint& address : settings.listen) {
         Endpoint bound;
@@ -59,11 +61,14 @@ broker::BrokerOptions LoneBroker::options_of(const Settings& settings) {
 void LoneBroker::on_datagram(const Endpoint& via, const Endpoint& from, Bytes octets) {
     core_.on_datagram(net::now(), via, from, octets, actions_);
     bad_senders_.look(core_.counters().malformed_total, from, octets);
-    if (actions_.list().size() >= most_actions_held) send();
+    if (actions_.list().size() >= most_actions_held || actions_.octets_held() >= most_octets_held) {
+        send();
+    }
 }
 
 void LoneBroker::on_batch_end() {
     send();
+    core_.set_full(heap_limit_.is_reached());
     core_timer_.arm(core_.next_wakeup());
 }
 
@@ -110,6 +115,7 @@ void LoneBroker::add_metrics(metrics::Page& page) const {
     metrics::add_messages(page, core_.counters());
     metrics::add_census(page, core_.census());
     metrics::add_datagrams(page, udp_.counters());
+    heap_limit_.add_metrics(page);
     if (persistence_) persistence_->add_metrics(page);
 }
 

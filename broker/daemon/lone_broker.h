@@ -9,6 +9,7 @@
 
 #include "broker/core/broker_core.h"
 #include "broker/daemon/bad_senders.h"
+#include "broker/daemon/heap_limit.h"
 #include "broker/daemon/persistence.h"
 #include "broker/daemon/running_broker.h"
 #include "broker/net/core_timer.h"
@@ -45,6 +46,7 @@ private:
     net::CoreTimer status_timer_;
     std::string last_status_;
     BadSenders bad_senders_;
+    HeapLimit heap_limit_;
 };
 
 }  // namespace romano::daemon

@@ -11,7 +11,7 @@ namespace {
 constexpr std::array<const char*, broker::drop_kinds> drop_names = {
     "wrong_direction",   "unknown_sender", "stranger_rate", "unexpected",
     "invalid_topic",     "too_large",      "queue_full",    "retries_exhausted",
-    "refused_by_client", "encapsulation",  "no_room"};
+    "refused_by_client", "encapsulation",  "no_room",       "output_full"};
 
 constexpr std::array<const char*, mqttsn::malformed_kinds> malformed_names = {
     "empty", "length", "reserved_type", "size", "reserved_value"};
@@ -52,6 +52,9 @@ void add_messages(Page& page, const broker::Counters& counters) {
                  counters.publishes_sent);
     page.counter("romano_retransmissions_total", "Messages sent again for lack of an answer.",
                  counters.retransmissions);
+    page.counter("romano_late_answers_total",
+                 "PUBACK and PUBREC that came later because a receiver's queue filled up.",
+                 counters.late_answers);
 }
 
 void add_census(Page& page, const broker::Census& census) {

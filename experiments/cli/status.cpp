@@ -86,6 +86,13 @@ public:
                            count("romano_longest_queue_messages") + " for one client; " +
                            count("romano_exchanges_in_flight") + " in flight; " +
                            count("romano_retained_messages") + " retained");
+        if (now_.has("romano_heap_limit_octets")) {
+            const auto mib = [this](const char* name) {
+                return whole(now_.value(name) / (1 << 20));
+            };
+            line("memory", mib("romano_heap_octets") + " of " + mib("romano_heap_limit_octets") +
+                               " MiB of heap");
+        }
         traffic();
         drops();
         if (now_.has("romano_store_writable")) {

@@ -71,6 +71,7 @@ public:
     void on_transport_octets(std::uint64_t sent, std::uint64_t received) {
         cluster_.on_transport_octets(sent, received);
     }
+    void set_full(bool full) { broker_.set_full(full); }
     [[nodiscard]] bool may_announce(const Endpoint& address) const {
         return !cut_off_.is_possible() && !cluster_.is_silent(address);
     }
@@ -528,6 +529,9 @@ Instant Member::next_wakeup() const {
 }
 void Member::on_transport_octets(std::uint64_t sent, std::uint64_t received) {
     state_->on_transport_octets(sent, received);
+}
+void Member::set_full(bool full) {
+    state_->set_full(full);
 }
 void Member::leave(Instant now, MemberActions& out) {
     state_->leave(now, out);

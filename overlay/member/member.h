@@ -90,6 +90,9 @@ public:
     /// What the transport has carried so far: told to people in $SYS/brokers/<name>.
     void on_transport_octets(std::uint64_t sent, std::uint64_t received);
 
+    /// See broker::BrokerCore::set_full; asked for again with each batch of datagrams.
+    void set_full(bool full);
+
     /// An orderly stop: the last beacon; the peers take over at once. Nothing is done after it.
     void leave(Instant now, MemberActions& out);
 

@@ -19,6 +19,18 @@ TEST_P(S5_3_10_Congestion, s6_2c_AConnectBeyondAllSessionsIsRefused) {
     all.back()->hears(pingresp());
 }
 
+TEST_P(S5_3_10_Congestion, g7_OneAddressUnderManyNamesTakesNoRoomFromOthers) {
+    Client& restless = client();
+    for (std::size_t n = 0; n < 2 * Narrow::sessions; ++n) {
+        restless.says(connect(unique("name")));  // never lost by its silence: duration 0
+        restless.hears(connack(accepted));
+    }
+    Client& another = connected();
+    another.disconnects();
+    restless.says(disconnect());
+    restless.hears(disconnect());
+}
+
 TEST_P(S5_3_10_Congestion, s6_2c_AWillPromptBeyondAllIsRefused) {
     std::vector<Client*> all;
     for (std::size_t n = 0; n < Narrow::connecting; ++n) {

@@ -357,6 +357,29 @@ TEST_P(Retained, UnderAWildcardEachNameIsRegisteredFirst) {
     late.takes(retain, late.hears_register(topic("b")).topic_id, "2");
 }
 
+TEST_P(Retained, MoreThanAQueueHoldsAllCome) {
+    constexpr unsigned all = 1'100;  // --max-queued is 1,000
+    Client& publisher = connected();
+    std::vector<unsigned> ids;
+    for (unsigned n = 0; n < all; ++n) {
+        ids.push_back(publisher.registers(topic("m/" + std::to_string(n))));
+        publisher.publishes(ids.back(), "x", 0, retain);
+    }
+    settle();
+    Client& robot = connected();
+    robot.subscribes(topic("m/#"));
+    for (unsigned n = 0; n < all; ++n) {
+        const Octets told = robot.next();
+        ASSERT_GT(told.size(), 6U) << n << " came";
+        const unsigned id = told[2] << 8U | told[3];
+        robot.says(regack(id, told[4] << 8U | told[5], accepted));
+        robot.hears(publish(retain, id, 0, "x"));
+    }
+    hears_nothing(robot);
+    for (const unsigned id : ids) publisher.publishes(id, "", 0, retain);
+    publisher.disconnects();
+}
+
 TEST_P(Retained, OutlivesItsPublisher) {
     Client& robot = connected();
     retains(robot, topic(), "kept");

@@ -74,6 +74,11 @@ public:
                 break;
             }
             case 2: {
+                if ((what & 16U) != 0) {
+                    core_.set_full((what & 8U) != 0);
+                    core_.set_congested((what & 4U) != 0);
+                    break;
+                }
                 const char id = static_cast<char>('a' + what % 4);
                 auto image = core_.release({&id, 1}, out_);
                 drain();

@@ -62,6 +62,35 @@ struct Metrics : testing::Test {
     TestAddresses addresses;
 };
 
+TEST_F(Metrics, TellOfTheMemoryInUseAndItsLimitIsKept) {
+    auto with_little = arguments(1);
+    with_little.insert(with_little.end(), {"--max-memory-mb", "8"});
+    BrokerProcess broker(with_little);
+    broker.wait_until_serving();
+    TestClient client(addresses.client(), at(1), "c");
+    ASSERT_TRUE(client.connect());
+    const auto retains = [&](int n, const std::string& data) {
+        const auto topic = client.register_topic("map/" + std::to_string(n % 10));
+        return topic && client.publish(*topic, data, Qos::at_least_once, true);
+    };
+    ASSERT_TRUE(retains(0, "x"));
+    // Sleepers' queues and retained messages: 60,000 octets each until no more are taken.
+    TestClient sleeper(addresses.client(), at(1), "sleeper");
+    ASSERT_TRUE(sleeper.connect(false));
+    ASSERT_TRUE(sleeper.subscribe("map/#", Qos::at_least_once));
+    ASSERT_TRUE(sleeper.disconnect());
+    int taken = 0;
+    while (taken < 200 && retains(taken % 10, std::string(60'000, 'x'))) ++taken;
+    EXPECT_GT(taken, 50);
+    EXPECT_LT(taken, 140) << "8 MiB";
+    EXPECT_TRUE(comes_to_say(at(1), "romano_drops_total{reason=\"no_room\"} 1"));
+    EXPECT_THAT(page_at(at(1)), HasSubstr("romano_heap_limit_octets 8388608"));
+    EXPECT_THAT(page_at(at(1)), HasSubstr("romano_heap_octets 8"));
+    // What is taken away makes room.
+    ASSERT_TRUE(sleeper.connect(true));
+    EXPECT_TRUE(retains(0, "x"));
+}
+
 TEST_F(Metrics, CountWhatALoneBrokerDoes) {
     BrokerProcess broker(arguments(1));
     broker.wait_until_serving();

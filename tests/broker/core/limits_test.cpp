@@ -34,6 +34,82 @@ TEST(Limit, OfClientsAmidWillPromptsIsAnsweredByCongestion) {
     second.hears<Willtopicreq>();
 }
 
+TEST(Limit, OfSessionsIsNotUsedUpByOneAddressThatConnectsUnderNameAfterName) {
+    ScriptedBroker broker{options_with<std::size_t>(&Limits::sessions, 3)};
+    ScriptedClient watcher{broker, "watcher"};
+    watcher.connects();
+    watcher.subscribes("will", Qos::at_most_once);
+    for (const std::string name : {"a", "b", "c", "d", "e"}) {
+        ScriptedClient another{broker, name, 7000};
+        another.connects(true, 0);  // keep-alive 0: never lost by its silence
+        another.says(Willtopicupd{Qos::at_most_once, false, "will"});
+        another.hears<Willtopicresp>();
+        another.says(Willmsgupd{as_octets(name)});
+        another.hears<Willmsgresp>();
+    }
+    // There is room for two of them. Whose address has another owner is lost when room is needed,
+    // the one that lost it first first; and its will is said.
+    for (const std::string name : {"a", "b", "c"}) watcher.hears_publish(name);
+    watcher.hears_nothing();
+    EXPECT_EQ(broker.core.client_ids(), (std::vector<ClientId>{"d", "e", "watcher"}));
+}
+
+TEST(Limit, OfSessionsIsNotMadeRoomForByKeptOnes) {
+    ScriptedBroker broker{options_with<std::size_t>(&Limits::sessions, 2)};
+    ScriptedClient kept{broker, "kept", 7000};
+    kept.connects(false);
+    ScriptedClient another{broker, "another", 7000};
+    another.connects();  // the kept session has lost its address
+    ScriptedClient late{broker, "late"};
+    late.says(late.connect());
+    EXPECT_EQ(late.hears<Connack>().return_code, ReturnCode::congestion);
+}
+
+TEST(Limit, OfSessionsIsNotMadeRoomForByOneThatIsBackAtAnAddress) {
+    ScriptedBroker broker{options_with<std::size_t>(&Limits::sessions, 2)};
+    ScriptedClient robot{broker, "robot", 7000};
+    robot.connects();
+    ScriptedClient another{broker, "another", 7000};
+    another.connects();
+    robot.address.endpoint.port = 7001;
+    robot.connects();
+    ScriptedClient late{broker, "late"};
+    late.says(late.connect());
+    EXPECT_EQ(late.hears<Connack>().return_code, ReturnCode::congestion);
+}
+
+/// A message of 60,000 octets to that many clients, each of which knows its topic by another id, so
+/// that no two hear the same octets.
+void publish_to_many(ScriptedBroker& broker, std::size_t clients, Qos qos) {
+    ScriptedClient publisher{broker, "publisher"};
+    publisher.connects();
+    const TopicId topic = publisher.registers("map");
+    for (std::size_t n = 0; n < clients; ++n) {
+        ScriptedClient client{broker, "client" + std::to_string(n)};
+        client.connects();
+        for (std::size_t other = 0; other < n % 2; ++other) client.registers("another");
+        client.subscribes("map", qos);
+    }
+    const std::string map(60'000, 'x');
+    const Octets octets = ScriptedClient::encoded(Publish{
+        false, qos, false, TopicIdType::normal, topic, publisher.next_msg_id(), as_octets(map)});
+    broker.core.on_datagram(broker.now, broker.via, publisher.address.endpoint, octets,
+                            broker.actions);
+}
+
+TEST(Limit, OfOctetsToSendAtOnceDropsTheRestOfAHugeFanOut) {
+    constexpr std::size_t limit = std::size_t{64} << 20U;
+    for (const Qos qos : {Qos::at_most_once, Qos::at_least_once}) {
+        ScriptedBroker broker;
+        publish_to_many(broker, 1'300, qos);
+        EXPECT_GE(broker.actions.octets_held(), limit);
+        EXPECT_LT(broker.actions.octets_held(), limit + 65'536);
+        EXPECT_GT(broker.dropped(Drop::output_full), 100u);
+        EXPECT_LT(broker.dropped(Drop::output_full), 300u);
+        broker.core.check_invariants();
+    }
+}
+
 TEST(Limit, OfRetainedMessagesIsAnsweredByCongestionButReplacingAndDeletingGoOn) {
     ScriptedBroker broker{options_with<std::size_t>(&Limits::retained_messages, 1)};
     ScriptedClient client{broker, "client"};
@@ -124,6 +200,93 @@ TEST(Limit, OfAnUnknownAddressHoldsForPublishesWithoutConnection) {
     }
     EXPECT_EQ(subscriber.unheard(), 3u);
     EXPECT_EQ(broker.dropped(Drop::stranger_rate), 7u);
+}
+
+/// A broker whose owner is short of memory.
+class Full : public testing::Test {
+protected:
+    void SetUp() override {
+        robot.connects();
+        pose = robot.registers("pose");
+        robot.publishes(pose, "kept", Qos::at_least_once, true);
+        broker.core.set_full(true);
+    }
+    ReturnCode answer_to(Qos qos, bool retain, std::string_view data) {
+        robot.says(
+            Publish{false, qos, retain, TopicIdType::normal, pose, MsgId{99}, as_octets(data)});
+        return robot.hears<Puback>().return_code;
+    }
+
+    ScriptedBroker broker;
+    ScriptedClient robot{broker, "robot"};
+    TopicId pose{};
+};
+
+TEST_F(Full, WhatWouldStayIsAnsweredByCongestion) {
+    ScriptedClient another{broker, "another"};
+    another.says(another.connect());
+    EXPECT_EQ(another.hears<Connack>().return_code, ReturnCode::congestion);
+
+    robot.says(Register{no_topic_id, MsgId{9}, "new"});
+    EXPECT_EQ(robot.hears<Regack>().return_code, ReturnCode::congestion);
+    robot.says(
+        Subscribe{false, Qos::at_most_once, MsgId{9}, {TopicIdType::normal, "new/#", no_topic_id}});
+    EXPECT_EQ(robot.hears<Suback>().return_code, ReturnCode::congestion);
+    robot.says(Willtopicupd{Qos::at_most_once, false, "will"});
+    EXPECT_EQ(robot.hears<Willtopicresp>().return_code, ReturnCode::congestion);
+    robot.says(Willmsgupd{as_octets("gone")});
+    EXPECT_EQ(robot.hears<Willmsgresp>().return_code, ReturnCode::congestion);
+    EXPECT_EQ(answer_to(Qos::at_least_once, false, "x"), ReturnCode::congestion);
+    EXPECT_EQ(answer_to(Qos::exactly_once, false, "x"), ReturnCode::congestion);
+    EXPECT_EQ(answer_to(Qos::at_most_once, true, "x"), ReturnCode::congestion);
+    EXPECT_EQ(broker.dropped(Drop::no_room), 8u);
+
+    broker.core.set_full(false);
+    another.connects();
+    robot.registers("new");
+}
+
+TEST_F(Full, AWillConnectHearsCongestionAfterThePrompts) {  // G13
+    robot.says(robot.connect(false, 0, true));
+    robot.hears<Willtopicreq>();
+    robot.says(Willtopic{Qos::at_most_once, false, "will"});
+    robot.hears<Willmsgreq>();
+    robot.says(Willmsg{as_octets("gone")});
+    EXPECT_EQ(robot.hears<Connack>().return_code, ReturnCode::congestion);
+    EXPECT_FALSE(broker.core.image("robot")->will.has_value());
+}
+
+TEST_F(Full, WhatIsThereGoesOnAndCanGo) {
+    broker.core.set_full(false);
+    ScriptedClient watcher{broker, "watcher"};
+    watcher.connects(false);
+    watcher.subscribes("pose", Qos::at_most_once);
+    EXPECT_TRUE(watcher.hears_publish("kept").retain);
+    broker.core.set_full(true);
+
+    watcher.connects(false);
+    watcher.subscribes("pose", Qos::at_most_once);  // it has this one already
+    EXPECT_TRUE(watcher.hears_publish("kept").retain);
+    robot.publishes(pose, "passes");
+    watcher.hears_publish("passes");
+    robot.registers("pose");
+    robot.publishes(pose, "", Qos::at_least_once, true);  // deletes
+    EXPECT_EQ(broker.core.census().retained, 0u);
+    robot.says(Willtopicupd{Qos::at_most_once, false, ""});
+    EXPECT_EQ(robot.hears<Willtopicresp>().return_code, ReturnCode::accepted);
+}
+
+TEST_F(Full, Qos0IsNotKeptForASleeper) {
+    broker.core.set_full(false);
+    ScriptedClient sleeper{broker, "sleeper"};
+    sleeper.connects();
+    sleeper.subscribes("pose", Qos::at_most_once);
+    sleeper.hears_publish("kept");
+    sleeper.says(Disconnect{true, 60});
+    broker.core.set_full(true);
+    robot.publishes(pose, "x");
+    EXPECT_EQ(broker.core.census().queued, 0u);
+    EXPECT_EQ(broker.dropped(Drop::no_room), 1u);
 }
 
 TEST(Census, CountsWhatIsThere) {

@@ -236,6 +236,187 @@ TEST_F(Publishing, RetainedMatchesOfAWildcardAreRegisteredOneByOne) {  // 4.11
     broker.expects_mirror_to_agree();
 }
 
+/// Retains `count` messages under "map/…", from "0".
+void retain_maps(ScriptedClient& robot, std::size_t count) {
+    for (std::size_t n = 0; n < count; ++n) {
+        robot.publishes(robot.registers("map/" + std::to_string(n)), std::to_string(n),
+                        n % 2 == 0 ? Qos::at_most_once : Qos::at_least_once, true);
+    }
+}
+
+/// Hears REGISTER and PUBLISH of one retained map.
+std::string hear_a_map(ScriptedClient& watcher) {
+    const auto told = watcher.hears<Register>();
+    watcher.says(Regack{told.topic_id, told.msg_id, ReturnCode::accepted});
+    const auto publish = watcher.hears<Publish>();
+    EXPECT_TRUE(publish.retain);
+    std::string data{as_text(publish.data)};
+    if (publish.qos == Qos::at_least_once) {
+        watcher.says(Puback{publish.topic, publish.msg_id, ReturnCode::accepted});
+    }
+    return data;
+}
+
+class PublishingWithShortQueues : public testing::Test {
+protected:
+    static BrokerOptions short_queues() {
+        BrokerOptions options = logging_options();
+        options.limits.queued_per_session = 4;
+        return options;
+    }
+    void SetUp() override {
+        robot.connects();
+        watcher.connects();
+    }
+    ScriptedBroker broker{short_queues()};
+    ScriptedClient robot{broker, "robot"};
+    ScriptedClient watcher{broker, "watcher"};
+};
+
+TEST_F(PublishingWithShortQueues, MoreRetainedMessagesThanTheQueueHoldsComeAllTheSame) {
+    retain_maps(robot, 9);
+    watcher.subscribes("map/+");
+    for (int n = 0; n < 9; ++n) EXPECT_EQ(hear_a_map(watcher), std::to_string(n));
+    watcher.hears_nothing();
+    EXPECT_EQ(broker.dropped(Drop::queue_full), 0u);
+    broker.expects_mirror_to_agree();
+}
+
+TEST_F(PublishingWithShortQueues, LiveMessagesFindRoomWhileRetainedOnesAreStillToCome) {
+    retain_maps(robot, 9);
+    watcher.subscribes("map/+");
+    const TopicId live = robot.registers("map/live");
+    robot.publishes(live, "live", Qos::at_least_once);
+    EXPECT_EQ(broker.dropped(Drop::queue_full), 0u);
+}
+
+TEST_F(PublishingWithShortQueues, RetainedMessagesThatAreStillToComeEndWithTheSubscription) {
+    retain_maps(robot, 9);
+    watcher.subscribes("map/+");
+    watcher.says(Unsubscribe{watcher.next_msg_id(), {TopicIdType::normal, "map/+", no_topic_id}});
+    const auto told = watcher.hears<Register>();
+    watcher.hears<Unsuback>();
+    watcher.says(Regack{told.topic_id, told.msg_id, ReturnCode::accepted});
+    EXPECT_EQ(as_text(watcher.hears<Publish>().data), "0");
+    EXPECT_EQ(hear_a_map(watcher), "1") << "two were in the queue";
+    watcher.hears_nothing();
+}
+
+TEST_F(PublishingWithShortQueues, SubscribingAgainBeginsTheRetainedOnesAnew) {
+    retain_maps(robot, 5);
+    watcher.subscribes("map/+");
+    watcher.ignores_what_came();
+    watcher.connects();
+    watcher.subscribes("map/+");
+    for (int n = 0; n < 5; ++n) EXPECT_EQ(hear_a_map(watcher), std::to_string(n));
+    watcher.hears_nothing();
+}
+
+/// Fills the watcher's queue, which answers nothing, up to `waiting` messages.
+void fill(ScriptedClient& robot, TopicId topic, int waiting) {
+    for (int n = 0; n < waiting; ++n) robot.publishes(topic, "x", Qos::at_least_once);
+}
+
+Publish qos1(TopicId topic, MsgId msg_id) {
+    return {false, Qos::at_least_once, false, TopicIdType::normal, topic, msg_id, as_octets("x")};
+}
+
+TEST_F(PublishingWithShortQueues, AboveHalfAFullQueueOfItsReceiverThePublishersAnswerComesLater) {
+    watcher.subscribes("pose", Qos::at_least_once);
+    const TopicId pose = robot.registers("pose");
+    fill(robot, pose, 3);  // the third finds two there: half
+    robot.says(qos1(pose, MsgId{90}));
+    robot.hears_nothing();
+    broker.waits(499ms);
+    robot.hears_nothing();
+    broker.waits(1ms);  // three of four: half of the longest delay
+    EXPECT_EQ(robot.hears<Puback>().msg_id, MsgId{90});
+    EXPECT_EQ(broker.core.counters().late_answers, 1u);
+    for (int n = 0; n < 4; ++n) watcher.hears_publish("x", Qos::at_least_once);
+    fill(robot, pose, 1);  // and at once when there is room again
+    broker.expects_mirror_to_agree();
+}
+
+TEST_F(PublishingWithShortQueues, AtQos2PubrecComesLater) {
+    watcher.subscribes("pose", Qos::at_least_once);
+    const TopicId pose = robot.registers("pose");
+    fill(robot, pose, 3);
+    Publish publish = qos1(pose, MsgId{90});
+    publish.qos = Qos::exactly_once;
+    robot.says(publish);
+    robot.hears_nothing();
+    broker.waits(500ms);
+    EXPECT_EQ(robot.hears<Pubrec>().msg_id, MsgId{90});
+    robot.says(Pubrel{MsgId{90}});
+    robot.hears<Pubcomp>();
+}
+
+TEST_F(PublishingWithShortQueues, ARepetitionBeforeTheLateAnswerIsHandedOnOnceAndAnsweredOnce) {
+    watcher.subscribes("pose", Qos::at_least_once);
+    const TopicId pose = robot.registers("pose");
+    fill(robot, pose, 3);
+    robot.says(qos1(pose, MsgId{90}));
+    robot.says(qos1(pose, MsgId{90}));
+    broker.waits(500ms);
+    robot.hears<Puback>();
+    robot.hears_nothing();
+    for (int n = 0; n < 4; ++n) watcher.hears_publish("x", Qos::at_least_once);
+    watcher.hears_nothing();
+}
+
+TEST_F(PublishingWithShortQueues, APublisherThatDoesNotWaitGetsItsEarlierAnswerAtOnce) {
+    watcher.subscribes("pose", Qos::at_least_once);
+    const TopicId pose = robot.registers("pose");
+    fill(robot, pose, 3);
+    robot.says(qos1(pose, MsgId{90}));
+    robot.says(qos1(pose, MsgId{91}));
+    EXPECT_EQ(robot.hears<Puback>().msg_id, MsgId{90});
+    EXPECT_EQ(broker.dropped(Drop::queue_full), 1u);
+    broker.waits(999ms);
+    robot.hears_nothing();
+    broker.waits(1ms);  // there is no room at all: the longest delay
+    EXPECT_EQ(robot.hears<Puback>().msg_id, MsgId{91});
+}
+
+TEST_F(PublishingWithShortQueues, AReceiverThatDoesNotAnswerHoldsUpNobodyAndLosesWhatIsTooMuch) {
+    watcher.subscribes("pose", Qos::at_least_once);
+    const TopicId pose = robot.registers("pose");
+    fill(robot, pose, 3);
+    broker.waits(plain_options().t_retry + 1ms);  // its message was sent again
+    fill(robot, pose, 3);
+    EXPECT_EQ(broker.dropped(Drop::queue_full), 2u);
+}
+
+TEST_F(PublishingWithShortQueues, ASleeperHoldsUpNobody) {
+    watcher.subscribes("pose", Qos::at_least_once);
+    watcher.says(Disconnect{true, 60});
+    const TopicId pose = robot.registers("pose");
+    fill(robot, pose, 6);
+    EXPECT_EQ(broker.dropped(Drop::queue_full), 2u);
+}
+
+TEST_F(PublishingWithShortQueues, APublishersOwnQueueDoesNotHoldItUp) {
+    robot.subscribes("pose", Qos::at_least_once);
+    const TopicId pose = robot.registers("pose");
+    robot.says(qos1(pose, MsgId{90}));
+    EXPECT_EQ(robot.hears<Puback>().msg_id, MsgId{90});
+    robot.hears<Publish>();
+    for (std::uint16_t id = 91; id < 95; ++id) {
+        robot.says(qos1(pose, MsgId{id}));
+        EXPECT_EQ(robot.hears<Puback>().msg_id, MsgId{id});
+    }
+}
+
+TEST_F(PublishingWithShortQueues, AnAnswerThatIsOwedIsForgottenWithItsSession) {
+    watcher.subscribes("pose", Qos::at_least_once);
+    const TopicId pose = robot.registers("pose");
+    fill(robot, pose, 3);
+    robot.says(qos1(pose, MsgId{90}));
+    robot.connects();
+    broker.waits(1s);
+    robot.hears_nothing();
+}
+
 TEST_F(Publishing, SubscribingAgainSendsTheRetainedMessageAgain) {  // 6.9f, M-3.8.4-3
     robot.publishes(robot.registers("map"), "grid", Qos::at_most_once, true);
     for (int i = 0; i < 2; ++i) {
