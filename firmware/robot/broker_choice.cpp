@@ -54,7 +54,7 @@ void BrokerChoice::on_datagram(Instant now, const Endpoint& from, Bytes datagram
             // Of the times that answers took, the shortest is the way; the rest was waiting.
             known->cost = by_signal ? cost : std::min(known->cost, cost);
             known->was_heard = true;
-            if (by_signal && cost >= known->cost_when_searched + clearly_better_db) {
+            if (by_signal && cost >= known->cost_when_searched + weaker_db) {
                 search_at_ = std::min(search_at_, now + looks_around_within);
             }
         } else {

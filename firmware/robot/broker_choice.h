@@ -22,6 +22,7 @@ public:
     static constexpr Duration answers_within = to_duration(std::chrono::milliseconds{300});
     static constexpr Duration search_again_every{std::chrono::seconds{10}};
     static constexpr Duration looks_around_within{std::chrono::seconds{1}};
+    static constexpr int weaker_db = 3;  // than at the last search: looks around
     static constexpr int clearly_better_db = 6;
     static constexpr std::size_t largest_datagram = client::Discovery::largest_datagram;
 

@@ -39,7 +39,8 @@ Instant RobotCore::run() {
     if (!broker_) return std::min(choice_.next_wakeup(), choice_.decides_at());
     if (node_.phase() == node::Phase::stopped) node_.start(now_, *this);
     if (node_.next_wakeup() <= now_) node_.on_tick(now_, *this);
-    return discovers_ ? std::min(node_.next_wakeup(), choice_.next_wakeup()) : node_.next_wakeup();
+    if (!discovers_) return node_.next_wakeup();
+    return std::min(std::min(node_.next_wakeup(), choice_.next_wakeup()), silence_ends_at());
 }
 
 void RobotCore::receive_all() {
@@ -49,7 +50,9 @@ void RobotCore::receive_all() {
         const Endpoint sender = endpoint_of(from);
         const Bytes datagram{octets, size};
         if (discovers_) choice_.on_datagram(now_, sender, datagram, link_dbm(from));
-        if (sender == broker_) node_.on_datagram(now_, datagram, *this);
+        if (sender != broker_) continue;
+        forgive_silence();
+        node_.on_datagram(now_, datagram, *this);
     }
 }
 
@@ -60,19 +63,46 @@ void RobotCore::choose_broker() {
         broker_.reset();
     }
     losses_seen_ = losses;
+    heed_silence();
     std::array<std::uint8_t, BrokerChoice::largest_datagram> search{};
     if (const std::size_t size = choice_.on_tick(now_, search)) {
         const romano_address everybody{};
         board_.send(board_.self, &everybody, search.data(), static_cast<std::uint32_t>(size));
     }
     // A session follows its client from broker to broker of one cluster: nothing is begun anew.
-    const auto nearest = choice_.choose(now_, broker_);
-    if (broker_ && nearest != broker_) node_.on_broker_changed(now_);
+    auto nearest = choice_.choose(now_, is_broker_silent_ ? std::nullopt : broker_);
+    if (is_broker_silent_ && !nearest) nearest = broker_;
+    if (broker_ && nearest != broker_) {
+        node_.on_broker_changed(now_);
+        forgive_silence();
+    }
     broker_ = nearest;
+}
+
+Instant RobotCore::silence_ends_at() const {
+    return unanswered_since_ == never ? never : unanswered_since_ + silence;
+}
+
+void RobotCore::forgive_silence() {
+    unanswered_since_ = never;
+    is_probing_ = false;
+    is_broker_silent_ = false;
+}
+
+void RobotCore::heed_silence() {
+    if (!broker_ || now_ < silence_ends_at()) return;
+    unanswered_since_ = now_;
+    if (is_probing_) {
+        is_broker_silent_ = true;
+        choice_.abandon(now_, *broker_);
+    }
+    is_probing_ = true;
+    node_.probe(now_);
 }
 
 void RobotCore::send(Bytes datagram) {
     if (!broker_) return;
+    unanswered_since_ = std::min(unanswered_since_, now_);
     const romano_address to = address_of(*broker_);
     board_.send(board_.self, &to, datagram.data(), static_cast<std::uint32_t>(datagram.size()));
 }

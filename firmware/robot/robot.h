@@ -2,6 +2,7 @@
 // mailbox, driven by one call, run(). C programs use romano.h, which is the same.
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <optional>
 #include <string_view>
@@ -37,6 +38,12 @@ protected:
 
 class RobotCore : private node::Port {
 public:
+    /// A broker that is talked to and says nothing for so long is asked whether it is there, so
+    /// that the robot knows how strongly it hears it; who then says nothing for as long again is
+    /// left for any other. Messages at QoS 0 have no answers. For robots that discover their
+    /// broker.
+    static constexpr Duration silence{to_duration(std::chrono::milliseconds{500})};
+
     RobotCore(client::ClientCore& client, client::Output& scratch, const RobotSettings& settings,
               const romano_board& board, Controller& controller);
     RobotCore(const RobotCore&) = delete;
@@ -68,6 +75,9 @@ protected:
 private:
     void receive_all();
     [[gnu::noinline]] void choose_broker();  // its stack is not run()'s
+    void heed_silence();
+    void forgive_silence();
+    [[nodiscard]] Instant silence_ends_at() const;
     [[nodiscard]] std::optional<int> link_dbm(const romano_address& peer) const;
 
     void send(Bytes datagram) override;
@@ -87,6 +97,9 @@ private:
     BrokerChoice choice_;
     std::optional<Endpoint> broker_;
     std::uint32_t losses_seen_ = 0;
+    Instant unanswered_since_ = never;  // the oldest datagram to the broker since it was heard
+    bool is_probing_ = false;
+    bool is_broker_silent_ = false;
     Instant now_{};
 };
 

@@ -159,6 +159,9 @@ public:
     /// the session comes there.
     void on_broker_changed(Instant now);
 
+    /// A PINGREQ is due, unless one is out: the owner wants to hear of the broker.
+    void probe(Instant now);
+
     [[nodiscard]] State state() const { return state_; }
     [[nodiscard]] bool is_connected() const { return state_ == State::connected; }
     /// True when no operation waits for the broker.

@@ -32,9 +32,12 @@ void ClientCore::tick_keep_alive(const Call& call) {
 
 /// Also when no ping would be due for long, or ever: the former broker would go on talking to us.
 void ClientCore::on_broker_changed(Instant now) {
-    if (state_ != State::connected) return;
-    ping_.stop();
-    ping_due_ = now;
+    if (state_ == State::connected) ping_.stop();
+    probe(now);
+}
+
+void ClientCore::probe(Instant now) {
+    if (state_ == State::connected && !ping_.is_running()) ping_due_ = now;
 }
 
 void ClientCore::on_pingresp(const Call& call) {

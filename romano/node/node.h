@@ -97,6 +97,9 @@ public:
     /// The owner talks to another broker of the same cluster from now on.
     void on_broker_changed(Instant now) { client_.on_broker_changed(now); }
 
+    /// The owner wants to hear of the broker: a PINGREQ goes out at the next tick.
+    void probe(Instant now) { client_.probe(now); }
+
     /// False when the client's queue is full, the message is too long, or there
     /// is no connection for a QoS 0 one. `message` is a message::Message, or one
     /// of its types when that is known: a device then links that type's encoder

@@ -132,9 +132,9 @@ TEST_F(Choosing, LooksAroundWhenItsBrokerGetsWeaker) {
     asks();
     answers(1, -50);
     now += 2s;
-    answers(1, -50 - BrokerChoice::clearly_better_db + 1);
+    answers(1, -50 - BrokerChoice::weaker_db + 1);
     EXPECT_GT(choice.next_wakeup(), now + BrokerChoice::looks_around_within);
-    answers(1, -50 - BrokerChoice::clearly_better_db);
+    answers(1, -50 - BrokerChoice::weaker_db);
     EXPECT_LE(choice.next_wakeup(), now + BrokerChoice::looks_around_within);
 }
 

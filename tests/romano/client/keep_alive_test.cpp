@@ -107,6 +107,18 @@ TEST(KeepAlive, PingsAtOnceWhenTheOwnerTalksToAnotherBroker) {
     EXPECT_EQ(chart.client().next_wakeup(), never);
 }
 
+TEST(KeepAlive, PingsOnceWhenTheOwnerWantsToHearOfTheBroker) {
+    SequenceChart chart;
+    chart.connect({.client_id = "c", .keep_alive = 0s});
+    chart.client().probe(chart.now());
+    chart.after(0s);
+    chart.sends(Pingreq{});
+    chart.client().probe(chart.now());
+    chart.after(1s);
+    chart.gets(Pingresp{});
+    EXPECT_EQ(chart.client().next_wakeup(), never);
+}
+
 TEST(KeepAlive, AnswersTheBrokersPing) {  // 6.11b
     SequenceChart chart;
     chart.connect(every_60_s);
