@@ -200,7 +200,7 @@ void BrokerCore::State::on_session_message(const Origin& origin, const mqttsn::M
     }
     if (session != nullptr) {
         session->fresh = session->fresh_will = false;
-        liveness_.on_heard(*session, origin.via, turn);
+        liveness_.on_heard(*session, origin.via, mqttsn::type_of(message), turn);
     }
     if (connectionless) {
         ++tables.counters.publishes_received;
@@ -244,7 +244,7 @@ void BrokerCore::State::handle(Session& session, const mqttsn::Message& message,
             subscribe_flow_.on_unsubscribe(session, std::get<mqttsn::Unsubscribe>(message), turn);
             break;
         case MsgType::pingreq:
-            liveness_.on_pingreq(session, turn);
+            liveness_.on_pingreq(session, std::get<mqttsn::Pingreq>(message), turn);
             break;
         case MsgType::disconnect:
             liveness_.on_disconnect(session, std::get<mqttsn::Disconnect>(message), turn);

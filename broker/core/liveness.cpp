@@ -1,23 +1,46 @@
 #include "broker/core/liveness.h"
 
+#include <utility>
+
 #include "broker/core/session_deadline.h"
 
 namespace romano::broker {
 
-void Liveness::on_heard(Session& session, const Endpoint& via, Turn& turn) {
+using mqttsn::MsgType;
+
+
+namespace {
+
+/// From a sleeper: it collects its messages, or ends its sleep or changes it.
+bool is_of_sleepers(MsgType type) {
+    return type == MsgType::pingreq || type == MsgType::disconnect;
+}
+
+}  // namespace
+
+void Liveness::on_heard(Session& session, const Endpoint& via, MsgType type, Turn& turn) {
     session.heard_at = turn.now;
     session.probe_at = never;
     session.exchange.heard = true;
     SessionHeader& header = session.header;
     header.last_heard = tables_.clock.stamp(turn.now);
     if (!header.provisional && header.via == via) return;
-    if (header.provisional) ++header.epoch;  // heard at its new home: the session is ours now
-    header.provisional = false;
+    const bool is_first_word = std::exchange(header.provisional, false);
+    if (is_first_word) ++header.epoch;  // heard at its new home: the session is ours now
     header.via = via;
+    // A sleeper that speaks as the connected do has connected, it seems, at its former home, out of
+    // our sight. In doubt it keeps its sleeping time: should it sleep, it will say so.
+    const bool seems_connected = is_first_word && header.state == SessionState::asleep &&
+                                 !is_of_sleepers(type);
+    if (seems_connected) header.state = SessionState::active;
     lifecycle_.log_header(session, turn);
+    if (seems_connected) deliveries_.go_on(session, turn);
 }
 
-void Liveness::on_pingreq(Session& session, Turn& turn) {
+void Liveness::on_pingreq(Session& session, const mqttsn::Pingreq& message, Turn& turn) {
+    if (session.seems_connected() && !message.client_id.empty()) {  // no: it sleeps
+        lifecycle_.sleep(session, session.header.sleep_s, turn);
+    }
     switch (session.header.state) {
         case SessionState::asleep:
             if (session.queue.empty()) break;

@@ -23,9 +23,9 @@ public:
           publishes_(publishes) {}
 
     /// A datagram of the session's client came, from where the session is mapped now.
-    void on_heard(Session& session, const Endpoint& via, Turn& turn);
+    void on_heard(Session& session, const Endpoint& via, mqttsn::MsgType type, Turn& turn);
 
-    void on_pingreq(Session& session, Turn& turn);
+    void on_pingreq(Session& session, const mqttsn::Pingreq& message, Turn& turn);
     void on_disconnect(Session& session, const mqttsn::Disconnect& message, Turn& turn);
 
     /// All sessions that are due.

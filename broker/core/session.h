@@ -101,6 +101,10 @@ struct alignas(64) Session {
     [[nodiscard]] bool is_answering() const {
         return exchange.is_open() && exchange.sendings == 1 && !exchange.stalled;
     }
+    /// Asleep as far as its former homes knew, but it speaks as the connected do (Liveness).
+    [[nodiscard]] bool seems_connected() const {
+        return header.state == SessionState::active && header.sleep_s != 0;
+    }
     /// A publish of QoS 1 or 2 is kept for it.
     [[nodiscard]] bool keeps_messages() const { return broker::keeps_messages(header); }
 };

@@ -15,7 +15,8 @@ Duration tolerated(std::uint16_t seconds, const BrokerOptions& options) {
 Instant lost_at(const Session& session, const BrokerOptions& options) {
     const SessionHeader& header = session.header;
     if (header.state == SessionState::active && header.keep_alive_s != 0) {
-        return session.heard_at + tolerated(header.keep_alive_s, options);
+        const std::uint16_t silence = std::max(header.keep_alive_s, header.sleep_s);  // in doubt
+        return session.heard_at + tolerated(silence, options);
     }
     if (header.state == SessionState::asleep || header.state == SessionState::awake) {
         return session.heard_at + tolerated(header.sleep_s, options);

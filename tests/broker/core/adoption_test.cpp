@@ -318,6 +318,54 @@ TEST_F(Adoption, KeepAliveStartsAgain) {
     EXPECT_EQ(heir.core.image("robot")->header.state, SessionState::lost);
 }
 
+/// Its home was cut off from the heir, and heard more of the client than the heir knows.
+class AdoptionOfASleeper : public Adoption {
+protected:
+    void SetUp() override {
+        publisher.connects();
+        robot.connects(true, 10);
+        robot.subscribes("cmd");
+        robot.says(Disconnect{true, 100});
+        robot.hears<Disconnect>();
+        publisher.publishes(publisher.registers("cmd"), "go", Qos::exactly_once);
+        takes_over(robot);
+        robot.hears_nothing();
+    }
+    SessionState state() { return heir.core.image("robot")->header.state; }
+};
+
+TEST_F(AdoptionOfASleeper, WhoSpeaksAsTheConnectedDoIsSentWhatWaits) {  // P2
+    robot.says(Pubcomp{MsgId{77}});  // answers its former home, where it has connected
+    EXPECT_EQ(as_text(robot.hears<Publish>().data), "go");
+    EXPECT_EQ(state(), SessionState::active);
+    heir.expects_mirror_to_agree();
+}
+
+TEST_F(AdoptionOfASleeper, WhoSleepsAfterAllIsNotLostAndGetsItAll) {  // P7
+    robot.says(Pubcomp{MsgId{77}});
+    robot.ignores_what_came();
+    heir.waits(100s);
+    EXPECT_EQ(state(), SessionState::active);
+    robot.ignores_what_came();
+    robot.says(Pingreq{"robot"});
+    const auto again = robot.hears<Publish>();
+    EXPECT_TRUE(again.dup);
+    robot.says(Pubrec{again.msg_id});
+    robot.says(Pubcomp{robot.hears<Pubrel>().msg_id});
+    robot.hears<Pingresp>();
+    EXPECT_EQ(state(), SessionState::asleep);
+    heir.expects_mirror_to_agree();
+}
+
+TEST_F(AdoptionOfASleeper, WhoCollectsItsMessagesSleepsOn) {  // 6.14b
+    robot.says(Pingreq{"robot"});
+    const auto first = robot.hears<Publish>();
+    robot.says(Pubrec{first.msg_id});
+    robot.says(Pubcomp{robot.hears<Pubrel>().msg_id});
+    robot.hears<Pingresp>();
+    EXPECT_EQ(state(), SessionState::asleep);
+}
+
 TEST_F(Adoption, ReleasePublishesNoWillAndForgets) {  // P7
     robot.says(robot.connect(false, 10, true));
     robot.hears<Willtopicreq>();
