@@ -97,7 +97,7 @@ void Membership::on_leader(Instant now, BrokerId leader, election::Term term) {
 void Membership::on_left_out(Instant now, const LogId& log) {
     const Peer* peer = find(log.broker);
     if (peer == nullptr || peer->beacon.log != log) return;
-    heard_->on_gone(now, node_of(log.broker));
+    if (!was_heard_just_now(*peer, now)) heard_->on_gone(now, node_of(log.broker));
     linked_->on_gone(now, node_of(log.broker));
     bury_suspects(now);
 }
@@ -157,7 +157,11 @@ bool Membership::is_alive(const LogId& log) const {
 }
 
 bool Membership::is_heard_clearly(const LogId& log, Instant now) const {
-    return is_alive(log) && now < find(log.broker)->heard_at + detection_time() / 2;
+    return is_alive(log) && was_heard_just_now(*find(log.broker), now);
+}
+
+bool Membership::was_heard_just_now(const Peer& peer, Instant now) const {
+    return now < peer.heard_at + detection_time() / 2;
 }
 
 bool Membership::has_ended(const LogId& log) const {

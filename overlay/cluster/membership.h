@@ -49,7 +49,8 @@ public:
     /// The leader's claim comes with its proposals too, and may come there before its beacon. Not
     /// in raft: terms are voted, and only beacons tell of them.
     void on_leader(Instant now, BrokerId leader, election::Term term);
-    /// A view left it out, perhaps before the own detectors noticed: gone until its next beacon.
+    /// A view left it out, perhaps before the own detectors noticed: gone until its next beacon;
+    /// but when the last one is so young that it lives, it is still heard.
     void on_left_out(Instant now, const LogId& log);
     /// News of the link to a peer's process. False when it is another process by now.
     bool on_link(Instant now, const LogId& process, election::Link link);
@@ -84,6 +85,7 @@ public:
 
 private:
     void bury_suspects(Instant now);
+    [[nodiscard]] bool was_heard_just_now(const Peer& peer, Instant now) const;
 
     ClusterOptions options_;
     BrokerId self_;

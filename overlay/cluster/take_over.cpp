@@ -20,6 +20,15 @@ std::optional<BrokerId> returned_owner(const Endpoint& address, BrokerId self,
     return std::nullopt;
 }
 
+/// It was removed, and yet we hear it: not everybody does. Beside it we would be silent
+/// (hand_back.h), and call its clients away from where they are answered.
+bool is_still_serving(const Assignment& assignment, const Membership& membership) {
+    const LogId& log = assignment.end.log;
+    if (!membership.is_heard(log.broker)) return false;
+    const Peer& peer = *membership.find(log.broker);
+    return peer.beacon.log == log && peer.is_serving(assignment.address);
+}
+
 /// The dead broker had handed the session over, and died before its log said so.
 bool was_handed_over(const broker::SessionHeader& left, const PeerLogs& logs) {
     return std::ranges::any_of(logs, [&](const auto& entry) {
@@ -44,6 +53,7 @@ void TakeOver::carry_on(Effects& effects, const Logs& logs, const Membership& me
         const auto log = logs.peers.find(pending.assignment.end.log);
         if (log == logs.peers.end()) return true;
         if (!log->second.is_frozen()) return true;  // it is back
+        if (is_still_serving(pending.assignment, membership)) return false;
         const auto owner = returned_owner(pending.assignment.address, self_, membership, view);
         if (owner && !membership.find(*owner)->hears(self_)) return false;
         const auto lacks = lacking(*log, logs, owner.has_value());

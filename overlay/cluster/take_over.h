@@ -4,7 +4,8 @@
 // It waits until it holds the dead broker's log up to the agreed end, and asks the members for the
 // tail while it lacks it; after some time it goes on with what it has. When the address's own
 // broker is back and serving by then, the sessions go to it instead, as soon as it hears us in its
-// new life, and with all that they missed: a newcomer holds none of the removed brokers' logs.
+// new life, and with all that they missed: a newcomer holds none of the removed brokers' logs. And
+// while the removed broker itself is heard to serve the address, it is left there.
 #pragma once
 
 #include <optional>

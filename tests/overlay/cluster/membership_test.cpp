@@ -77,11 +77,21 @@ TEST(Membership, SilenceEndsALife) {
 TEST(Membership, WhoWasLeftOutOfAViewIsGoneUntilItsNextBeacon) {
     Observer observer;
     observer.hear({self.broker});
+    observer.wait(60ms);
     observer.membership.on_left_out(observer.now, peer);
     EXPECT_FALSE(observer.membership.is_alive(peer));
     EXPECT_FALSE(observer.membership.is_heard(peer.broker));
     observer.hear({self.broker});
     EXPECT_TRUE(observer.membership.is_alive(peer));
+    EXPECT_TRUE(observer.membership.is_heard(peer.broker));
+}
+
+TEST(Membership, WhoWasLeftOutOfAViewAndSpokeJustNowIsHeard) {  // by us, if not by the leader
+    Observer observer;
+    observer.hear({self.broker});
+    observer.wait(20ms);
+    observer.membership.on_left_out(observer.now, peer);
+    EXPECT_FALSE(observer.membership.is_alive(peer));
     EXPECT_TRUE(observer.membership.is_heard(peer.broker));
 }
 

@@ -1,0 +1,57 @@
+// Brokers of which one does not hear another, while their clients hear them all, by script.
+
+#include <gtest/gtest.h>
+
+#include <utility>
+#include <vector>
+
+#include "tests/overlay/sim/cluster_scenario.h"
+
+namespace romano::sim {
+namespace {
+
+using namespace std::chrono_literals;
+using mqttsn::Qos;
+
+class OneWayScenario : public ClusterScenario {
+protected:
+    static std::vector<std::pair<std::size_t, std::size_t>> all_ways() {
+        std::vector<std::pair<std::size_t, std::size_t>> ways;
+        for (std::size_t from = 0; from < 3; ++from) {
+            for (std::size_t to = 0; to < 3; ++to) {
+                if (from != to) ways.emplace_back(from, to);
+            }
+        }
+        return ways;
+    }
+    [[nodiscard]] std::size_t servers_of(const Endpoint& address) {
+        std::size_t count = 0;
+        for (std::size_t i = 0; i < world.broker_count(); ++i) {
+            count += static_cast<std::size_t>(
+                std::ranges::count(world.broker(i).member().serving(), address));
+        }
+        return count;
+    }
+};
+
+// Beside a broker that it hears, an heir would be silent, and its clients would speak to the heir.
+TEST_F(OneWayScenario, WhoIsHeardIsNotTakenOver) {
+    add_one_each({Qos::at_least_once, Qos::exactly_once});
+    begin();
+    publish(true);
+    for (const auto& [from, to] : all_ways()) {
+        world.cut(from, to);
+        world.run_for(2s);
+        // Who does not hear the other may serve its address as well; a third one hears both.
+        const std::size_t third = 3 - from - to;
+        EXPECT_EQ(servers_of(World::service_address(third)), 1U) << from << " -> " << to;
+        EXPECT_EQ(servers_of(World::service_address(to)), 1U) << from << " -> " << to;
+        world.heal();
+        world.run_for(1s);
+    }
+    expect_nothing_lost();
+    expect_nobody_noticed();
+}
+
+}  // namespace
+}  // namespace romano::sim
