@@ -8,7 +8,6 @@ namespace romano::broker {
 
 using mqttsn::MsgType;
 
-
 namespace {
 
 /// From a sleeper: it collects its messages, or ends its sleep or changes it.
@@ -30,8 +29,8 @@ void Liveness::on_heard(Session& session, const Endpoint& via, MsgType type, Tur
     header.via = via;
     // A sleeper that speaks as the connected do has connected, it seems, at its former home, out of
     // our sight. In doubt it keeps its sleeping time: should it sleep, it will say so.
-    const bool seems_connected = is_first_word && header.state == SessionState::asleep &&
-                                 !is_of_sleepers(type);
+    const bool seems_connected =
+        is_first_word && header.state == SessionState::asleep && !is_of_sleepers(type);
     if (seems_connected) header.state = SessionState::active;
     lifecycle_.log_header(session, turn);
     if (seems_connected) deliveries_.go_on(session, turn);

@@ -118,7 +118,7 @@ void ClusterCore::after_input(Effects& effects) {
     take_over_.carry_on(effects, logs(), membership_, view(), addresses_);
     last_words_.carry_on(effects, logs_, membership_, view());
     handoffs_.carry_on(effects, safe());
-    roaming_.carry_on(effects, homes_, membership_, view());
+    roaming_.carry_on(effects, logs(), homes_, membership_, view());
     break_silence(effects);
     // Others wait for these news.
     const bool news = leadership() != last_leadership_ || view().number != last_view_;

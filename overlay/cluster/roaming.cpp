@@ -56,13 +56,27 @@ bool Roaming::on_datagram(Effects& effects, const Endpoint& from, Bytes datagram
     return true;
 }
 
-void Roaming::carry_on(Effects& effects, const Homes& homes, const Membership& membership,
-                       const View& view) {
+void Roaming::carry_on(Effects& effects, const Logs& logs, const Homes& homes,
+                       const Membership& membership, const View& view) {
     std::erase_if(fetching_, [&](const auto& entry) {
-        const bool is_here = effects.broker.header(entry.second.client) != nullptr;
-        return is_here || effects.now > entry.second.since + 2 * patience_;
+        const Fetching& fetching = entry.second;
+        if (effects.broker.header(fetching.client) != nullptr) return true;
+        if (effects.now <= fetching.since + 2 * patience_) return false;
+        if (!fetching.asked) adopt_copy(effects, logs, fetching.client, homes);
+        return true;
     });
     for (auto& [from, fetching] : fetching_) ask(effects, fetching, homes, membership, view);
+}
+
+void Roaming::adopt_copy(Effects& effects, const Logs& logs, const broker::ClientId& client,
+                         const Homes& homes) {
+    const auto home = homes.of(client);
+    if (!home) return;
+    for (auto& [id, log] : logs.peers) {
+        if (id.broker != home->broker || log.session(client) == nullptr) continue;
+        if (auto image = log.mirror().image(client)) adopt(effects, logs, *std::move(image));
+        log.mark_taken(client);
+    }
 }
 
 void Roaming::ask(Effects& effects, Fetching& fetching, const Homes& homes,

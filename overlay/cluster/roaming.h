@@ -1,14 +1,16 @@
 // A client whose session is homed at a peer talks to us: fetch the session, one round trip, and let
 // its datagrams wait meanwhile (design section 3, "Roaming"). Has the home died, they wait for the
-// heir's word, and the session is fetched from there.
+// heir's word, and the session is fetched from there. Comes none, because others hear the home and
+// we do not, it is adopted from the copy that is held here; settlement.h does the rest.
 //
-// Bounded: so many clients at a time, and each for so long; without an answer the datagram is
-// handled as that of a stranger.
+// Bounded: so many clients at a time, and each for so long; without an answer of the home the
+// datagram is handled as that of a stranger.
 #pragma once
 
 #include <map>
 #include <optional>
 
+#include "overlay/cluster/adoption.h"
 #include "overlay/cluster/effects.h"
 #include "overlay/cluster/homes.h"
 #include "overlay/cluster/membership.h"
@@ -24,8 +26,8 @@ public:
     bool on_datagram(Effects& effects, const Endpoint& from, Bytes datagram, const Homes& homes,
                      const Membership& membership, const View& view);
     /// Looks again who is home to those whose sessions are awaited.
-    void carry_on(Effects& effects, const Homes& homes, const Membership& membership,
-                  const View& view);
+    void carry_on(Effects& effects, const Logs& logs, const Homes& homes,
+                  const Membership& membership, const View& view);
     [[nodiscard]] bool is_fetching(const Endpoint& from) const { return fetching_.contains(from); }
     void restart() { fetching_.clear(); }
 
@@ -36,6 +38,8 @@ private:
         std::optional<BrokerId> asked;  // none: its home cannot answer
     };
 
+    static void adopt_copy(Effects& effects, const Logs& logs, const broker::ClientId& client,
+                           const Homes& homes);
     static void ask(Effects& effects, Fetching& fetching, const Homes& homes,
                     const Membership& membership, const View& view);
 

@@ -53,5 +53,33 @@ TEST_F(OneWayScenario, WhoIsHeardIsNotTakenOver) {
     expect_nobody_noticed();
 }
 
+// All hear the leader, and so are in one view; the listener's new broker and its home do not meet.
+TEST_F(OneWayScenario, WhoRoamsToABrokerThatDoesNotHearItsHomeGoesOnFromTheCopyThere) {
+    add("talker", 0, "pose", "", {Qos::at_least_once, Qos::exactly_once});
+    Robot& listener = add("listener", 0, "", "pose");
+    add("other", 1, "", "pose");
+    begin();
+    const std::size_t leader = *world.leader();
+    publish(true);
+    std::size_t home = 0;
+    for (const bool both_ways : {false, true}) {
+        const std::size_t next = 3 - leader - home;
+        ASSERT_NE(leader, home);
+        world.run_for(500ms);
+        world.cut(home, next);
+        if (both_ways) world.cut(next, home);
+        world.run_for(300ms);
+        listener.roam_to(World::service_address(next));
+        listener.publish("hello", Qos::at_least_once);  // so that its broker knows of it
+        world.run_for(2s);
+        EXPECT_TRUE(world.broker(next).member().broker().image("listener"));
+        world.heal();
+        world.run_for(1s);
+        home = next;
+    }
+    expect_nothing_lost();
+    expect_nobody_noticed();
+}
+
 }  // namespace
 }  // namespace romano::sim
