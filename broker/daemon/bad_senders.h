@@ -20,7 +20,7 @@ public:
     }
 
 private:
-    static constexpr std::size_t most = 1000;  // a flood from ports ever new must not fill the trace
+    static constexpr std::size_t most = 1000;  // a flood from ever new ports must not fill the log
 
     void note(const Endpoint& from, Bytes datagram);
 
