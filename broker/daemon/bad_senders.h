@@ -20,7 +20,7 @@ public:
     }
 
 private:
-    static constexpr std::size_t most = 1000;  // a flood from ever new ports must not fill the log
+    static constexpr std::size_t most = 1000;  // a flood from new ports must not fill the trace
 
     void note(const Endpoint& from, Bytes datagram);
 
