@@ -209,7 +209,11 @@ void BrokerCore::State::on_session_message(const Origin& origin, const mqttsn::M
         handle(*session, message, turn);
     }
     if (session == nullptr) return;
-    if (!session->retained_to_come.empty()) router.send_more_retained(*session, turn);
+    // An answer may have made room. (A PUBLISH has not, and must not touch more of the session's
+    // memory than it needs.)
+    if (mqttsn::type_of(message) != MsgType::publish && !session->retained_to_come.empty()) {
+        router.send_more_retained(*session, turn);
+    }
     deliveries.resume(*session, turn);
 }
 

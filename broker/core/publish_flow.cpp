@@ -91,44 +91,47 @@ void PublishFlow::on_publish(Session& session, const mqttsn::Publish& message, T
     }
     const Publication publication{topic, message.data, message.qos, message.retain};
     router_.find_receivers(publication, turn);
-    const Duration delay = promises ? delay_at(router_.fullness(session)) : Duration{0};
     const bool is_qos2 = message.qos == Qos::exactly_once;
+    const LateAnswer answer{promises ? turn.now + delay_of(session) : never, message.qos,
+                            message.topic, message.msg_id};
     router_.accept(publication, is_qos2 ? &session : nullptr,
                    is_qos2 ? message.msg_id : mqttsn::no_msg_id, turn);
     if (is_qos2) remember_unreleased(session, message.msg_id, turn);
-    if (promises) answer(session, message, delay, turn);
+    if (answer.at <= turn.now) {
+        say(session, answer, turn);
+    } else if (promises) {
+        ++tables_.counters.late_answers;
+        session.late_answer = answer;
+        schedule(tables_, session);
+    }
     router_.deliver(publication, turn);
     observe(session, publication, turn);
 }
 
-/// How much later a publisher hears that its message was taken, by how full the fullest queue of
+/// How much later the publisher hears that its message was taken, by how full the fullest queue of
 /// its receivers is: below half not at all. So publishers go at the pace of their receivers before
 /// anything is lost.
-Duration PublishFlow::delay_at(double fullness) const {
+Duration PublishFlow::delay_of(const Session& publisher) const {
+    const std::size_t most = tables_.limits().queued_per_session;
+    const std::size_t waiting = std::min(router_.longest_queue(publisher), most);
+    if (2 * waiting <= most) return Duration{0};
     const std::chrono::duration<double, std::milli> longest{tables_.limits().pacing_ms};
-    return std::chrono::duration_cast<Duration>(longest * std::clamp(2 * fullness - 1, 0.0, 1.0));
+    const double above_half = static_cast<double>(2 * waiting - most) / static_cast<double>(most);
+    return std::chrono::duration_cast<Duration>(longest * above_half);
 }
 
-void PublishFlow::answer(Session& session, const mqttsn::Publish& message, Duration delay,
-                         Turn& turn) {
-    session.late_answer = {turn.now + delay, message.qos, message.topic, message.msg_id};
-    if (delay <= Duration{0}) {
-        answer_what_is_owed(session, turn);
-        return;
+void PublishFlow::say(Session& session, const LateAnswer& answer, Turn& turn) {
+    if (answer.qos == Qos::exactly_once) {
+        outbox_.send(session, mqttsn::Pubrec{answer.msg_id}, Gate::logged, turn);
+    } else {
+        outbox_.send(session, mqttsn::Puback{answer.topic, answer.msg_id, ReturnCode::accepted},
+                     Gate::logged, turn);
     }
-    ++tables_.counters.late_answers;
-    schedule(tables_, session);
 }
 
 void PublishFlow::answer_what_is_owed(Session& session, Turn& turn) {
     const LateAnswer owed = std::exchange(session.late_answer, {});
-    if (owed.at == never || !session.reachable) return;
-    if (owed.qos == Qos::exactly_once) {
-        outbox_.send(session, mqttsn::Pubrec{owed.msg_id}, Gate::logged, turn);
-    } else {
-        outbox_.send(session, mqttsn::Puback{owed.topic, owed.msg_id, ReturnCode::accepted},
-                     Gate::logged, turn);
-    }
+    if (owed.at != never && session.reachable) say(session, owed, turn);
 }
 
 void PublishFlow::observe(const Session& session, const Publication& publication, Turn& turn) {

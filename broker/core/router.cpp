@@ -62,7 +62,7 @@ void Router::find_receivers(const Publication& publication, const LogPosition& p
     });
 }
 
-double Router::fullness(const Session& publisher) const {
+std::size_t Router::longest_queue(const Session& publisher) const {
     std::size_t most = 0;
     for (const Receiver& receiver : receivers_) {
         const Session& session = *receiver.session;
@@ -71,7 +71,7 @@ double Router::fullness(const Session& publisher) const {
         const std::size_t waiting = session.queue.size() - session.queue.unlogged();
         if (waiting > most && session.is_answering()) most = waiting;
     }
-    return static_cast<double>(most) / static_cast<double>(tables_.limits().queued_per_session);
+    return most;
 }
 
 void Router::claim_room() {
