@@ -65,8 +65,7 @@ void ClusterCore::on_tick(Effects& effects, const std::set<Endpoint>& pending_ou
         effects.broker.append_cursors(effects.clients);
     }
     if (effects.now >= next_trim_) {
-        next_trim_ = effects.now + trim_every;
-        trim(effects);
+        next_trim_ = effects.now + (trim(effects) ? trim_every : options_.beacon_every);
     }
     if (effects.now >= next_addresses_) {
         next_addresses_ = effects.now + addresses_every;
@@ -503,26 +502,30 @@ void ClusterCore::forget_old_lives(Effects& effects) {
     for (auto& [id, log] : logs_) log.mirror().forget_logs(are_over);
 }
 
-void ClusterCore::trim(Effects& effects) {
+bool ClusterCore::trim(Effects& effects) {
     const Instant now = effects.now;
+    bool is_done = true;
     // Logs of brokers that are gone are kept for a while: they may come back, and until then what
     // is held of them may be all that there is.
-    const auto dropped = std::erase_if(logs_, [&](const auto& entry) {
-        const LogId& id = entry.first;
-        const bool is_gone =
-            entry.second.is_frozen() || (!view_change_.contains(id) && !membership_.is_alive(id));
-        if (!is_gone) {
+    bool dropped = false;
+    for (auto at = logs_.begin(); at != logs_.end();) {
+        const auto entry = at++;
+        auto& [id, log] = *entry;
+        if (!log.is_frozen() && (view_change_.contains(id) || membership_.is_alive(id))) {
             gone_since_.erase(id);
-            return false;
+            continue;
         }
-        if (now < gone_since_.try_emplace(id, now).first->second + removed_kept_for) return false;
+        if (now < gone_since_.try_emplace(id, now).first->second + removed_kept_for) continue;
+        is_done &= log.history().forget_all();
+        if (!log.history().is_empty()) continue;
         watermark_.forget(id);
         if (is_in_tables(id)) forget_interest(id.broker);
         if (!in_tables_.contains(id.broker)) homes_.forget(id.broker);
         gone_since_.erase(id);
-        return true;
-    });
-    if (dropped > 0) forget_old_lives(effects);
+        logs_.erase(entry);
+        dropped = true;
+    }
+    if (dropped) forget_old_lives(effects);
 
     constexpr Seq all = std::numeric_limits<Seq>::max();
     Seq held_by_all = all;
@@ -531,8 +534,8 @@ void ClusterCore::trim(Effects& effects) {
         held_by_all = std::min(held_by_all, watermark_.held_by(id));
         passed_by_all = std::min(passed_by_all, log.mirror().cursor(own_.id()));
     }
-    own_.history().forget_events(held_by_all);
-    own_.history().forget_publishes(now, passed_by_all);
+    is_done &= own_.history().forget_events(held_by_all);
+    is_done &= own_.history().forget_publishes(now, passed_by_all);
 
     for (auto& [id, log] : logs_) {
         if (log.is_frozen()) continue;
@@ -546,9 +549,10 @@ void ClusterCore::trim(Effects& effects) {
             const Peer* peer = membership_.find(other.broker);
             held_by_all = std::min(held_by_all, peer == nullptr ? 0 : applied_by(peer->beacon, id));
         }
-        log.history().forget_events(held_by_all);
-        log.history().forget_publishes(now, passed_by_all);
+        is_done &= log.history().forget_events(held_by_all);
+        is_done &= log.history().forget_publishes(now, passed_by_all);
     }
+    return is_done;
 }
 
 // --- sessions and addresses that move

@@ -171,7 +171,8 @@ private:
     /// Tries again for addresses that should be served here and are served by nobody.
     void seek_addresses(Effects& effects);
     void ask_for_gaps(Effects& effects);
-    void trim(Effects& effects);
+    /// False when there is more to forget than fits a moment.
+    bool trim(Effects& effects);
     /// Of logs that nobody can write any more and that are held no more.
     void forget_old_lives(Effects& effects);
     [[nodiscard]] Surroundings surroundings(const Effects& effects);

@@ -50,19 +50,33 @@ MessagePtr LogHistory::publish_at(Seq seq) const {
     return at != publishes_.end() && (*at)->position.seq == seq ? *at : MessagePtr{};
 }
 
-void LogHistory::forget_events(Seq through) {
-    while (!events_.empty() && last_ - events_.size() + 1 <= through) events_.pop_front();
+bool LogHistory::forget_events(Seq through) {
+    for (std::size_t gone = 0; gone < most_at_once; ++gone) {
+        if (events_.empty() || last_ - events_.size() + 1 > through) return true;
+        events_.pop_front();
+    }
+    return false;
 }
 
-void LogHistory::forget_publishes(Instant now, Seq through) {
+bool LogHistory::forget_publishes(Instant now, Seq through) {
     through = std::min(through, last_);  // nobody has passed what was not there yet
     passed_.push_back({now, through});
     while (passed_.size() > 1 && passed_[1].at + kept_on <= now) passed_.pop_front();
-    if (passed_.front().at + kept_on > now) return;
-    through = std::min(through, passed_.front().through);
-    while (!publishes_.empty() && publishes_.front()->position.seq <= through) {
+    if (passed_.front().at + kept_on > now) return true;
+    return forget_oldest_publishes(std::min(through, passed_.front().through));
+}
+
+bool LogHistory::forget_all() {
+    const bool no_event_left = forget_events(last_);
+    return forget_oldest_publishes(last_) && no_event_left;
+}
+
+bool LogHistory::forget_oldest_publishes(Seq through) {
+    for (std::size_t gone = 0; gone < most_at_once; ++gone) {
+        if (publishes_.empty() || publishes_.front()->position.seq > through) return true;
         publishes_.pop_front();
     }
+    return false;
 }
 
 }  // namespace romano::cluster

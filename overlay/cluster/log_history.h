@@ -5,6 +5,9 @@
 // every member's *logged* cursor has passed it. Both are bounded: beyond `most` events the oldest
 // go, and a broker that lags by more needs a snapshot; beyond `most` publishes the oldest go, and
 // an adopted session whose home lagged by more does not get them.
+//
+// What may go goes in pieces: while a dead broker's log is kept nobody passes anything, and to free
+// all of it at once takes longer than peers wait for a beacon.
 #pragma once
 
 #include <chrono>
@@ -43,18 +46,25 @@ public:
     /// Null when it is not kept.
     [[nodiscard]] MessagePtr publish_at(Seq seq) const;
 
-    void forget_events(Seq through);
+    /// False when more than `most_at_once` had to go: call again soon.
+    bool forget_events(Seq through);
     /// Every member's logged cursor has passed `through`. Publishes stay for `kept_on` more: a
     /// session on its way between homes still asks for them at its new one, and a newcomer does not
-    /// know how far the dead home of such a session had come.
-    void forget_publishes(Instant now, Seq through);
+    /// know how far the dead home of such a session had come. False: call again soon.
+    bool forget_publishes(Instant now, Seq through);
+    /// Nobody needs any of it. False: call again soon.
+    bool forget_all();
+    [[nodiscard]] bool is_empty() const { return events_.empty() && publishes_.empty(); }
 
     [[nodiscard]] std::size_t events_kept() const { return events_.size(); }
     [[nodiscard]] std::size_t publishes_kept() const { return publishes_.size(); }
 
     static constexpr Duration kept_on = std::chrono::seconds{1};
+    static constexpr std::size_t most_at_once = 2'000;  // less than a millisecond
 
 private:
+    bool forget_oldest_publishes(Seq through);
+
     struct Passed {
         Instant at;
         Seq through = 0;

@@ -66,6 +66,24 @@ TEST(LogHistory, P2_WhatWasPassedBeforeItWasPublishedStaysAsLong) {
     EXPECT_EQ(history.publishes_kept(), 10U);
 }
 
+// While a dead broker's log is kept nobody passes anything; then all of it may go.
+TEST(LogHistory, ManyAreForgottenInPieces) {
+    constexpr Seq piece = LogHistory::most_at_once;
+    LogHistory history = history_of(2 * piece + 10, 3 * piece);
+    EXPECT_FALSE(history.forget_events(2 * piece));
+    EXPECT_EQ(history.events_kept(), piece + 10);
+    EXPECT_FALSE(history.forget_events(2 * piece));
+    EXPECT_TRUE(history.forget_events(2 * piece));
+    EXPECT_EQ(history.events_kept(), 10U);
+
+    EXPECT_TRUE(history.forget_publishes(Instant{}, 2 * piece)) << "none goes yet";
+    EXPECT_FALSE(history.forget_publishes(Instant{LogHistory::kept_on}, 2 * piece));
+    EXPECT_EQ(history.publishes_kept(), piece + 10);
+    EXPECT_FALSE(history.forget_all());
+    EXPECT_TRUE(history.forget_all());
+    EXPECT_EQ(history.publishes_kept(), 0U);
+}
+
 TEST(LogHistory, OnlyPublishesAreKeptAsPublishes) {
     LogHistory history(100);
     history.append(session("robot"));
