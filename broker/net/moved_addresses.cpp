@@ -2,8 +2,6 @@
 
 #include <chrono>
 
-#include "broker/net/neighbour_announcement.h"
-
 namespace romano::net {
 namespace {
 
@@ -49,7 +47,7 @@ void MovedAddresses::announce(const Endpoint& address) {
     }
     moved->second.announcements_left = announcements;
     // Whoever may not send it serves all the same: on one host nobody has to be told.
-    (void)net::announce(address, moved->second.interface);
+    (void)neighbours_.announce(address, moved->second.interface);
     wait();
 }
 
@@ -75,7 +73,7 @@ void MovedAddresses::wait() {
 void MovedAddresses::renew() {
     for (auto& [address, moved] : moved_) {
         if (moved.added) (void)add_address(address, moved.interface, lease);
-        if (may_repeat_(address)) (void)net::announce(address, moved.interface);
+        if (may_repeat_(address)) (void)neighbours_.announce(address, moved.interface);
         --moved.announcements_left;
     }
     std::erase_if(moved_, [](const auto& entry) {

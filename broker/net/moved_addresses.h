@@ -14,6 +14,7 @@
 #include <utility>
 
 #include "broker/net/machine_address.h"
+#include "broker/net/neighbour_announcement.h"
 #include "romano/base/endpoint.h"
 
 namespace romano::net {
@@ -56,6 +57,7 @@ private:
     MayRepeat may_repeat_;
     bool waiting_ = false;
     std::map<Endpoint, Moved> moved_;
+    NeighbourAnnouncer neighbours_;
 };
 
 }  // namespace romano::net

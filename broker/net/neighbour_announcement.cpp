@@ -42,10 +42,10 @@ private:
     int fd_;
 };
 
-std::optional<Mac> mac_of(const Socket& socket, InterfaceIndex interface) {
+std::optional<Mac> mac_of(int socket, InterfaceIndex interface) {
     ifreq request{};
     if (if_indextoname(static_cast<unsigned>(interface), request.ifr_name) == nullptr) return {};
-    if (::ioctl(socket.fd(), SIOCGIFHWADDR, &request) != 0) return {};
+    if (::ioctl(socket, SIOCGIFHWADDR, &request) != 0) return {};
     Mac mac{};
     std::memcpy(mac.data(), request.ifr_hwaddr.sa_data, mac.size());
     return mac;
@@ -72,32 +72,10 @@ std::vector<std::uint8_t> arp(std::uint8_t operation, const Mac& mac, const Endp
     return packet;
 }
 
-error_code announce_ipv4(const Endpoint& endpoint, InterfaceIndex interface) {
-    const Socket socket(AF_PACKET, SOCK_DGRAM, htons(ETH_P_ARP));
-    if (socket.fd() < 0) return last_error();
-    const auto mac = mac_of(socket, interface);
-    if (!mac) return last_error();
-    sockaddr_ll everybody{};
-    everybody.sll_family = AF_PACKET;
-    everybody.sll_protocol = htons(ETH_P_ARP);
-    everybody.sll_ifindex = static_cast<int>(interface);
-    everybody.sll_halen = ETH_ALEN;
-    std::fill_n(everybody.sll_addr, ETH_ALEN, std::uint8_t{0xFF});
-    // Some systems heed requests only, others replies only.
-    for (const int operation : {ARPOP_REQUEST, ARPOP_REPLY}) {
-        const auto packet = arp(static_cast<std::uint8_t>(operation), *mac, endpoint);
-        if (::sendto(socket.fd(), packet.data(), packet.size(), 0,
-                     reinterpret_cast<const sockaddr*>(&everybody), sizeof everybody) < 0) {
-            return last_error();
-        }
-    }
-    return {};
-}
-
 error_code announce_ipv6(const Endpoint& endpoint, InterfaceIndex interface) {
     const Socket socket(AF_INET6, SOCK_RAW, IPPROTO_ICMPV6);
     if (socket.fd() < 0) return last_error();
-    const auto mac = mac_of(socket, interface);
+    const auto mac = mac_of(socket.fd(), interface);
     if (!mac) return last_error();
     Endpoint source = endpoint;
     source.port = 0;
@@ -129,7 +107,34 @@ error_code announce_ipv6(const Endpoint& endpoint, InterfaceIndex interface) {
 
 }  // namespace
 
-error_code announce(const Endpoint& endpoint, InterfaceIndex interface) {
+NeighbourAnnouncer::~NeighbourAnnouncer() {
+    if (packet_socket_ >= 0) ::close(packet_socket_);
+}
+
+error_code NeighbourAnnouncer::announce_ipv4(const Endpoint& endpoint, InterfaceIndex interface) {
+    // Of no protocol: it only sends.
+    if (packet_socket_ < 0) packet_socket_ = ::socket(AF_PACKET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+    if (packet_socket_ < 0) return last_error();
+    const auto mac = mac_of(packet_socket_, interface);
+    if (!mac) return last_error();
+    sockaddr_ll everybody{};
+    everybody.sll_family = AF_PACKET;
+    everybody.sll_protocol = htons(ETH_P_ARP);
+    everybody.sll_ifindex = static_cast<int>(interface);
+    everybody.sll_halen = ETH_ALEN;
+    std::fill_n(everybody.sll_addr, ETH_ALEN, std::uint8_t{0xFF});
+    // Some systems heed requests only, others replies only.
+    for (const int operation : {ARPOP_REQUEST, ARPOP_REPLY}) {
+        const auto packet = arp(static_cast<std::uint8_t>(operation), *mac, endpoint);
+        if (::sendto(packet_socket_, packet.data(), packet.size(), 0,
+                     reinterpret_cast<const sockaddr*>(&everybody), sizeof everybody) < 0) {
+            return last_error();
+        }
+    }
+    return {};
+}
+
+error_code NeighbourAnnouncer::announce(const Endpoint& endpoint, InterfaceIndex interface) {
     return endpoint.family == Endpoint::Family::ipv6 ? announce_ipv6(endpoint, interface)
                                                      : announce_ipv4(endpoint, interface);
 }

@@ -9,8 +9,24 @@
 
 namespace romano::net {
 
-/// Needs CAP_NET_RAW.
-[[nodiscard]] boost::system::error_code announce(const Endpoint& endpoint,
-                                                 InterfaceIndex interface);
+class NeighbourAnnouncer {
+public:
+    NeighbourAnnouncer() = default;
+    ~NeighbourAnnouncer();
+    NeighbourAnnouncer(const NeighbourAnnouncer&) = delete;
+    NeighbourAnnouncer& operator=(const NeighbourAnnouncer&) = delete;
+
+    /// Needs CAP_NET_RAW.
+    [[nodiscard]] boost::system::error_code announce(const Endpoint& endpoint,
+                                                     InterfaceIndex interface);
+
+private:
+    [[nodiscard]] boost::system::error_code announce_ipv4(const Endpoint& endpoint,
+                                                          InterfaceIndex interface);
+
+    /// Stays open: to close a packet socket takes the kernel 10 to 20 ms, and peers do not wait
+    /// much longer for a beacon.
+    int packet_socket_ = -1;
+};
 
 }  // namespace romano::net
