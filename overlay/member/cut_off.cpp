@@ -18,8 +18,17 @@ bool is_repetition(Bytes datagram) {
 
 }  // namespace
 
-bool CutOff::on_view(const cluster::View& view, const HasEnded& has_ended) {
-    if (view.number == seen_ || view.members.empty()) return false;
+bool CutOff::on_view(Instant now, const cluster::View& view, const Judgement& has_ended,
+                     const Judgement& is_heard) {
+    const bool was_in_doubt = is_in_doubt();
+    if (view.number != seen_ && !view.members.empty()) see(now, view, has_ended);
+    std::erase_if(awaited_, [&](const broker::LogId& member) {
+        return now >= awaited_until_ || has_ended(member) || is_heard(member);
+    });
+    return was_in_doubt && !is_in_doubt();
+}
+
+void CutOff::see(Instant now, const cluster::View& view, const Judgement& has_ended) {
     seen_ = view.number;
     const bool was_possible = is_possible();
     missing_.merge(members_);
@@ -28,17 +37,31 @@ bool CutOff::on_view(const cluster::View& view, const HasEnded& has_ended) {
     std::erase_if(missing_, [&](const broker::LogId& member) {
         return members_.contains(member) || has_ended(member);
     });
-    if (!is_possible()) missing_.clear();
-    if (!was_possible || !is_possible()) heard_.clear();
-    return was_possible && !is_possible();
+    std::erase_if(awaited_, [&](const auto& member) { return !members_.contains(member); });
+    if (was_possible && is_possible()) return;
+    served_from_.clear();
+    if (is_possible()) return awaited_.clear();
+    missing_.clear();
+    if (!was_possible) return;
+    awaited_ = members_;
+    awaited_until_ = now + others_come_within;
 }
 
-void CutOff::on_heard(const Endpoint& client) {
-    if (is_possible() && heard_.size() < heard_most) heard_.insert(client);
+bool CutOff::must_wait(Instant now, const Endpoint& client) {
+    if (!awaited_.empty()) return true;
+    if (!is_possible()) return false;
+    const auto heard = served_from_.find(client);
+    if (heard != served_from_.end()) return now < heard->second;
+    if (served_from_.size() == heard_most) return false;
+    served_from_.emplace(client, now + others_come_within);
+    return true;
 }
 
-bool CutOff::withholds(const Endpoint& client, Bytes datagram) const {
-    return is_possible() && !heard_.contains(client) && is_repetition(datagram);
+bool CutOff::withholds(Instant now, const Endpoint& client, Bytes datagram) const {
+    if (!awaited_.empty()) return true;
+    if (!is_possible() || !is_repetition(datagram)) return false;
+    const auto heard = served_from_.find(client);
+    return heard == served_from_.end() || now < heard->second;
 }
 
 }  // namespace romano::overlay

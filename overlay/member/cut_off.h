@@ -4,40 +4,55 @@
 // taken its clients over and sent them what was in flight here. Said once more from here, in the
 // moment in which the way is open again, that would be a QoS 2 message delivered twice; and what
 // comes from here calls clients away from a broker that lives (ARP). So nothing is repeated
-// (PUBLISH with DUP, PUBREL) to a client that was not heard since. What is new goes out as ever: in
-// a part of the network that is cut off indeed, clients are served.
+// (PUBLISH with DUP, PUBREL) to a client that was not heard since; and when one is heard again,
+// what it says waits, for the way may be open again for the other brokers too, and then it is
+// theirs. They come within a moment, or else it is served: in a part of the network that is cut off
+// indeed, clients are served.
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <functional>
+#include <map>
 #include <set>
 
 #include "overlay/cluster/messages.h"
 #include "romano/base/bytes.h"
 #include "romano/base/endpoint.h"
+#include "romano/base/time.h"
 
 namespace romano::overlay {
 
 class CutOff {
 public:
-    /// `has_ended(member)`: that process is known to be gone; it did not just fall silent.
-    using HasEnded = std::function<bool(const broker::LogId& member)>;
+    using Judgement = std::function<bool(const broker::LogId& member)>;
 
-    /// To be told of the view after each input. True when it has become impossible now: what was
-    /// withheld may be said.
-    bool on_view(const cluster::View& view, const HasEnded& has_ended);
-    void on_heard(const Endpoint& client);
-    [[nodiscard]] bool withholds(const Endpoint& client, Bytes datagram) const;
+    /// To be told of the view after each input. `has_ended(member)`: that process is known to be
+    /// gone; it did not just fall silent. `is_heard(member)`: it is alive. True when the doubt is
+    /// over now: what was withheld may be said.
+    bool on_view(Instant now, const cluster::View& view, const Judgement& has_ended,
+                 const Judgement& is_heard);
+    /// Whether what the client says now has to wait. To be asked again for what waits.
+    [[nodiscard]] bool must_wait(Instant now, const Endpoint& client);
+    [[nodiscard]] bool withholds(Instant now, const Endpoint& client, Bytes datagram) const;
     [[nodiscard]] bool is_possible() const { return missing_.size() > present_; }
+    /// It is possible, or was a moment ago.
+    [[nodiscard]] bool is_in_doubt() const { return is_possible() || !awaited_.empty(); }
 
 private:
-    static constexpr std::size_t heard_most = 100'000;  // beyond: the rest counts as not heard
+    void see(Instant now, const cluster::View& view, const Judgement& has_ended);
+
+    /// DDS finds processes that it lost in some tenths of a second.
+    static constexpr Duration others_come_within = std::chrono::seconds{1};
+    static constexpr std::size_t heard_most = 100'000;  // beyond: the rest is served at once
 
     cluster::ViewNumber seen_;
     std::set<broker::LogId> members_;  // of the view that was seen last
     std::set<broker::LogId> missing_;  // that fell silent in it or before
     std::size_t present_ = 0;
-    std::set<Endpoint> heard_;
+    std::set<broker::LogId> awaited_;  // in the view that took us back, and not heard yet
+    Instant awaited_until_{};
+    std::map<Endpoint, Instant> served_from_;  // the clients that were heard since
 };
 
 }  // namespace romano::overlay

@@ -73,7 +73,7 @@ public:
     }
     void set_full(bool full) { broker_.set_full(full); }
     [[nodiscard]] bool may_announce(const Endpoint& address) const {
-        return !cut_off_.is_possible() && !cluster_.is_silent(address);
+        return !cut_off_.is_in_doubt() && !cluster_.is_silent(address);
     }
     [[nodiscard]] MemberFacts facts() const;
     void check_invariants() const;
@@ -93,7 +93,7 @@ private:
     // --- the broker core's actions
     void carry_out(Instant now, MemberActions& out);
     void absorb(Instant now, MemberActions& out);
-    void send(const broker::Send& send, broker::Seq safe, MemberActions& out);
+    void send(Instant now, const broker::Send& send, broker::Seq safe, MemberActions& out);
     void send_again(Instant now);
     void serve_waiting(Instant now, MemberActions& out);
 
@@ -153,12 +153,11 @@ void Member::State::on_datagram(Instant now, const Endpoint& via, const Endpoint
     if (has_left_) return;
     notice_stall(now);
     if (cluster_.is_deaf(via)) return;  // its sessions are with another broker by now
+    if (stall_ || cut_off_.must_wait(now, from)) return waiting_.hold(via, from, datagram, true);
     Effects acting = effects(now, out);
-    if (stall_ || cluster_.must_wait(acting, via, from, datagram)) {
-        waiting_.hold(via, from, datagram);
-        return;
+    if (cluster_.must_wait(acting, via, from, datagram)) {
+        return waiting_.hold(via, from, datagram, false);
     }
-    cut_off_.on_heard(from);
     broker_.on_datagram(now, via, from, datagram, work_);
     carry_out(now, out);
 }
@@ -304,9 +303,13 @@ void Member::State::carry_out(Instant now, MemberActions& out) {
 }
 
 void Member::State::absorb(Instant now, MemberActions& out) {
-    const bool is_found = cut_off_.on_view(cluster_.view(), [this](const LogId& member) {
+    const auto has_ended = [this](const LogId& member) {
         return member.broker == log_.broker || cluster_.membership().has_ended(member);
-    });
+    };
+    const auto is_heard = [this](const LogId& member) {
+        return cluster_.membership().is_alive(member);
+    };
+    const bool is_found = cut_off_.on_view(now, cluster_.view(), has_ended, is_heard);
     if (is_found) send_again(now);
     server_.answer(now, broker_, work_);
     for (broker::Action& action : work_.list()) {
@@ -322,7 +325,7 @@ void Member::State::absorb(Instant now, MemberActions& out) {
     const broker::Seq safe = cluster_.safe();
     for (const broker::Action& action : work_.list()) {
         if (const auto* datagram = std::get_if<broker::Send>(&action)) {
-            send(*datagram, safe, out);
+            send(now, *datagram, safe, out);
         } else if (const auto* multicast = std::get_if<broker::Multicast>(&action)) {
             if (stall_) continue;
             const Bytes octets = work_.octets(*multicast);
@@ -342,10 +345,11 @@ void Member::State::send_again(Instant now) {
     }
 }
 
-void Member::State::send(const broker::Send& send, broker::Seq safe, MemberActions& out) {
+void Member::State::send(Instant now, const broker::Send& send, broker::Seq safe,
+                         MemberActions& out) {
     if (send.to.endpoint == broker::owner_endpoint || cluster_.is_silent(send.via)) return;
     const Bytes octets = work_.octets(send);
-    if (cut_off_.withholds(send.to.endpoint, octets)) return;
+    if (cut_off_.withholds(now, send.to.endpoint, octets)) return;
     if (stall_ || send.after > safe || cluster_.is_taking(send.via)) {
         held_.hold(send, octets);
         return;
@@ -359,11 +363,19 @@ void Member::State::send(const broker::Send& send, broker::Seq safe, MemberActio
 
 void Member::State::serve_waiting(Instant now, MemberActions& out) {
     if (waiting_.empty() || stall_) return;
-    const auto ready = waiting_.take_unless([this](const auto& datagram) {
-        return cluster_.must_still_wait(datagram.via, datagram.from);
+    const auto ready = waiting_.take_unless([&](const auto& datagram) {
+        return cut_off_.must_wait(now, datagram.from) ||
+               cluster_.must_still_wait(datagram.via, datagram.from);
     });
-    for (const auto& [via, from, octets] : ready) {
-        cut_off_.on_heard(from);
+    for (const auto& [via, from, octets, is_new] : ready) {
+        if (is_new) {
+            if (cluster_.is_deaf(via)) continue;
+            Effects acting = effects(now, out);
+            if (cluster_.must_wait(acting, via, from, octets)) {
+                waiting_.hold(via, from, octets, false);
+                continue;
+            }
+        }
         broker_.on_datagram(now, via, from, octets, work_);
         absorb(now, out);
     }

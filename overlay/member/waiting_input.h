@@ -1,5 +1,6 @@
 // Clients' datagrams that cannot be answered yet: before the first view, while sessions of their
-// service address are on their way here, and after a stall until the peers were heard.
+// service address are on their way here, after a stall until the peers were heard, and where we may
+// have been cut off until peers had time to come.
 //
 // Bounded by octets; beyond that new ones are dropped, as a network may do: clients ask again.
 #pragma once
@@ -21,15 +22,16 @@ public:
         Endpoint via;
         Endpoint from;
         std::vector<std::uint8_t> octets;
+        bool is_new = false;  // the cluster was not asked yet whose client this is
     };
 
-    void hold(const Endpoint& via, const Endpoint& from, Bytes octets) {
+    void hold(const Endpoint& via, const Endpoint& from, Bytes octets, bool is_new) {
         if (octets_ + octets.size() + overhead > octets_most) {
             ++dropped_;
             return;
         }
         octets_ += octets.size() + overhead;
-        waiting_.push_back({via, from, {octets.begin(), octets.end()}});
+        waiting_.push_back({via, from, {octets.begin(), octets.end()}, is_new});
     }
 
     /// Those that need not wait any more, in the order in which they came.
