@@ -363,6 +363,9 @@ void Member::State::send(Instant now, const broker::Send& send, broker::Seq safe
 
 void Member::State::serve_waiting(Instant now, MemberActions& out) {
     if (waiting_.empty() || stall_) return;
+    for (const auto& action : out.local) {
+        if (const auto* left = std::get_if<GiveUpAddress>(&action)) waiting_.drop(left->address);
+    }
     const auto ready = waiting_.take_unless([&](const auto& datagram) {
         return cut_off_.must_wait(now, datagram.from) ||
                cluster_.must_still_wait(datagram.via, datagram.from);

@@ -47,6 +47,10 @@ public:
         return taken;
     }
 
+    /// All that came by that address: clients ask again, and somebody else answers there now.
+    void drop(const Endpoint& via) {
+        (void)take_unless([&](const Datagram& datagram) { return datagram.via != via; });
+    }
     void clear() {
         waiting_.clear();
         octets_ = 0;

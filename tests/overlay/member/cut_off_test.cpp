@@ -197,6 +197,30 @@ TEST(CutOff, P3_WhatAClientSaysToTheBrokerThatWasCutOffWaitsForTheOthers) {
     EXPECT_THAT(subscriber.received(), ElementsAre("1", "2", "3", "4"));
 }
 
+// What waits at a survivor is said again to the broker that came back, and must not count twice.
+TEST(CutOff, P3_WhatWaitedIsDroppedWhenItsAddressGoesBack) {
+    Brokers brokers;
+    for (const int rank : {1, 2, 3, 4, 5}) brokers.start(rank);
+    brokers.run_for(1s);
+    Robot& subscriber = brokers.robot("subscriber", 1);
+    subscriber.connect();
+    subscriber.subscribe("pose", Qos::exactly_once);
+    Robot& publisher = brokers.robot("publisher", 1);
+    publisher.connect();
+    publisher.publish("pose", "1", Qos::exactly_once);
+    brokers.run_for(200ms);
+    for (const int rank : {1, 2, 4, 5}) brokers.kill(rank);
+    brokers.run_for(200ms);
+    ASSERT_EQ(brokers.server_of(1), 3);
+    publisher.publish("pose", "2", Qos::exactly_once);
+    brokers.run_for(100ms);
+    ASSERT_EQ(publisher.acknowledged(), 1U) << "the second one waits";
+    brokers.start(1);
+    brokers.run_for(3s);
+    EXPECT_EQ(publisher.acknowledged(), 2U);
+    EXPECT_THAT(subscriber.received(), ElementsAre("1", "2"));
+}
+
 TEST(CutOff, ClientsOfAPartThatIsCutOffAreServedAfterAMoment) {
     Brokers brokers;
     for (const int rank : {1, 2, 3}) brokers.start(rank);
