@@ -152,7 +152,10 @@ private:
     /// The leader's claim counts from its messages too: they may come before its beacon.
     void heed_leader(Instant now, const ViewNumber& number);
     PeerLog& log_of(const LogId& id) {
-        return logs_.try_emplace(id, id, options_.log_events_kept).first->second;
+        const auto [at, is_new] = logs_.try_emplace(id, id, options_.log_events_kept);
+        // A leader may have put it into the view before we hear it.
+        if (is_new && view_change_.contains(id)) reset_tables(id, at->second);
+        return at->second;
     }
     void apply(Effects& effects, const LogId& id, PeerLog& log);
     void apply_event(Effects& effects, const LogId& id, PeerLog& log);

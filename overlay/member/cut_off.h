@@ -42,8 +42,9 @@ public:
 private:
     void see(Instant now, const cluster::View& view, const Judgement& has_ended);
 
-    /// DDS finds processes that it lost in some tenths of a second.
-    static constexpr Duration others_come_within = std::chrono::seconds{1};
+    /// DDS finds processes that it lost in some tenths of a second. A client that says nothing but
+    /// PINGREQ must not seem to be lost meanwhile.
+    static constexpr Duration others_come_within = std::chrono::milliseconds{500};
     static constexpr std::size_t heard_most = 100'000;  // beyond: the rest is served at once
 
     cluster::ViewNumber seen_;
