@@ -11,9 +11,21 @@ namespace {
 
 std::atomic<std::size_t> in_use{0};  // DDS has threads of its own
 
-void* counted(void* block) {
-    if (block == nullptr) throw std::bad_alloc{};
+/// Null when there is no memory.
+void* take(std::size_t size) noexcept {
+    void* block = std::malloc(size == 0 ? 1 : size);
     in_use.fetch_add(malloc_usable_size(block), std::memory_order_relaxed);
+    return block;
+}
+void* take(std::size_t size, std::align_val_t alignment) noexcept {
+    const auto align = static_cast<std::size_t>(alignment);
+    void* block = std::aligned_alloc(align, (size + align - 1) / align * align);
+    in_use.fetch_add(malloc_usable_size(block), std::memory_order_relaxed);
+    return block;
+}
+
+void* or_throw(void* block) {
+    if (block == nullptr) throw std::bad_alloc{};
     return block;
 }
 
@@ -24,13 +36,19 @@ void give_back(void* block) noexcept {
 
 }  // namespace
 
-// The forms that the others of the standard library are made of.
+// The forms that the others of the standard library are made of; those that do not throw are made
+// of the first ones too, but not under AddressSanitizer, which has its own.
 void* operator new(std::size_t size) {
-    return counted(std::malloc(size == 0 ? 1 : size));
+    return or_throw(take(size));
 }
 void* operator new(std::size_t size, std::align_val_t alignment) {
-    const auto align = static_cast<std::size_t>(alignment);
-    return counted(std::aligned_alloc(align, (size + align - 1) / align * align));
+    return or_throw(take(size, alignment));
+}
+void* operator new(std::size_t size, const std::nothrow_t&) noexcept {
+    return take(size);
+}
+void* operator new(std::size_t size, std::align_val_t alignment, const std::nothrow_t&) noexcept {
+    return take(size, alignment);
 }
 void operator delete(void* block) noexcept {
     give_back(block);
