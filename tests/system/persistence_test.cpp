@@ -90,32 +90,32 @@ TEST_F(Persistence, NothingAcknowledgedIsLostThoughTheBrokerIsKilledAtRandomMome
                                     publisher->sessions_begun};
 
     std::atomic<bool> killing = true;
-    std::thread killer([&] {
-        Random random{seed};
-        for (int i = 0; i < kills && !HasFailure(); ++i) {
-            std::this_thread::sleep_for(std::chrono::microseconds{random.below(200'000)});
-            broker->kill_9();
-            broker = start();
-        }
-        killing = false;
-    });
     std::atomic<bool> publishing = true;
     const auto serve = [&](TestClient& subscriber) {
         while (publishing) subscriber.run_until([&] { return !publishing; }, 20ms);
     };
     std::thread serving_one([&] { serve(*exactly_once); });
     std::thread serving_two([&] { serve(*at_least_once); });
-
     std::vector<std::string> published;
-    while (killing && !HasFailure()) {
-        const bool first = published.size() % 2 == 0;
-        const std::string data = std::to_string(published.size());
-        const Qos qos = first ? Qos::at_least_once : Qos::exactly_once;
-        EXPECT_TRUE(publisher->publish(first ? *one : *two, data, qos)) << data;
-        published.push_back(data);
+    std::thread publishing_all([&] {
+        while (killing && !HasFailure()) {
+            const bool first = published.size() % 2 == 0;
+            const std::string data = std::to_string(published.size());
+            const Qos qos = first ? Qos::at_least_once : Qos::exactly_once;
+            EXPECT_TRUE(publisher->publish(first ? *one : *two, data, qos)) << data;
+            published.push_back(data);
+        }
+        publishing = false;
+    });
+
+    Random random{seed};
+    for (int i = 0; i < kills && !HasFailure(); ++i) {
+        std::this_thread::sleep_for(std::chrono::microseconds{random.below(200'000)});
+        broker->kill_9();
+        broker = start();  // by this thread: a process dies with the thread that started it
     }
-    publishing = false;
-    killer.join();
+    killing = false;
+    publishing_all.join();
     serving_one.join();
     serving_two.join();
     std::printf("%zu published\n", published.size());

@@ -1,5 +1,6 @@
 // A real process: started with arguments, watched through its output, killed and reaped in the end
-// whatever happens to the test or to the test's own process.
+// whatever happens to the test or to the test's own process (PR_SET_PDEATHSIG: the kernel watches
+// the thread that starts it, so start from one that stays).
 #pragma once
 
 #include <sys/types.h>
