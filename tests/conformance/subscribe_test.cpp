@@ -371,8 +371,8 @@ TEST_P(Retained, MoreThanAQueueHoldsAllCome) {
     for (unsigned n = 0; n < all; ++n) {
         const Octets told = robot.next();
         ASSERT_GT(told.size(), 6U) << n << " came";
-        const unsigned id = told[2] << 8U | told[3];
-        robot.says(regack(id, told[4] << 8U | told[5], accepted));
+        const unsigned id = unsigned{told[2]} << 8U | told[3];
+        robot.says(regack(id, unsigned{told[4]} << 8U | told[5], accepted));
         robot.hears(publish(retain, id, 0, "x"));
     }
     hears_nothing(robot);

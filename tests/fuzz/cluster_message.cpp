@@ -27,7 +27,7 @@ void hear(dds::BodyCodec& codec, Bytes body) {
 std::vector<std::uint8_t> changed(Bytes body, fuzz::Script& script) {
     std::vector<std::uint8_t> octets{body.begin(), body.end()};
     while (!script.is_over() && !octets.empty()) {
-        const std::size_t at = (script.octet() << 8U | script.octet()) % octets.size();
+        const std::size_t at = (std::size_t{script.octet()} << 8U | script.octet()) % octets.size();
         octets[at] = script.octet();
     }
     return octets;
