@@ -8,6 +8,10 @@
 // what it says waits, for the way may be open again for the other brokers too, and then it is
 // theirs. They come within a moment, or else it is served: in a part of the network that is cut off
 // indeed, clients are served.
+//
+// Back in a view with the others it says nothing and lets clients wait until it hears all of them,
+// for a moment at most: whoever took over may be one that it does not hear yet, while the logs of
+// the others bring messages that its clients have had from there.
 #pragma once
 
 #include <chrono>
