@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cassert>
 #include <chrono>
-#include <limits>
 #include <utility>
 
 #include "overlay/cluster/snapshot.h"
@@ -16,13 +15,6 @@ using namespace std::chrono_literals;
 constexpr Duration cursors_every = 50ms;
 constexpr Duration trim_every = 100ms;
 constexpr Duration addresses_every = 500ms;
-constexpr Duration removed_kept_for = 30s;  // logs of removed brokers: they may come back
-
-/// How far the beacon says that its sender applied the log.
-Seq applied_by(const Beacon& beacon, const LogId& log) {
-    const auto found = std::ranges::find(beacon.applied, log, &LogPosition::log);
-    return found == beacon.applied.end() ? 0 : found->seq;
-}
 
 }  // namespace
 
@@ -65,7 +57,8 @@ void ClusterCore::on_tick(Effects& effects, const std::set<Endpoint>& pending_ou
         effects.broker.append_cursors(effects.clients);
     }
     if (effects.now >= next_trim_) {
-        next_trim_ = effects.now + (trim(effects) ? trim_every : options_.beacon_every);
+        trim(effects);
+        next_trim_ = effects.now + (keeping_.is_behind() ? options_.beacon_every : trim_every);
     }
     if (effects.now >= next_addresses_) {
         next_addresses_ = effects.now + addresses_every;
@@ -158,7 +151,7 @@ void ClusterCore::heed(const Beacon& beacon) {
     PeerLog& log = log_of(beacon.log);
     log.heard_end(beacon.last_seq);
     log.heard_serving(beacon.serving);
-    watermark_.on_beacon(beacon.log, applied_by(beacon, own_.id()));
+    watermark_.on_beacon(beacon.log, beacon.applied_through(own_.id()));
     for (auto& [id, held] : logs_) {
         if (!held.is_frozen() || id.broker == beacon.log.broker) continue;
         for (const Endpoint& address : beacon.serving) held.mark_served(address);
@@ -486,73 +479,22 @@ void ClusterCore::ask_for_gaps(Effects& effects) {
     }
 }
 
-/// A broker writes one log a life, and none of an earlier life once a later one was heard. While a
-/// peer still holds such a log, a session that comes to it must say what was worked through.
-void ClusterCore::forget_old_lives(Effects& effects) {
-    const auto are_over = [this](const LogId& id) {
-        const bool is_held = std::ranges::any_of(membership_.peers(), [&id](const auto& entry) {
-            return std::ranges::count(entry.second.beacon.applied, id, &LogPosition::log) > 0;
-        });
-        if (is_held || logs_.contains(id)) return false;
-        if (id.broker == own_.id().broker) return id.incarnation < own_.id().incarnation;
-        const Peer* peer = membership_.find(id.broker);
-        return peer != nullptr && id.incarnation < peer->beacon.log.incarnation;
-    };
-    effects.broker.forget_logs(are_over, effects.clients);
-    for (auto& [id, log] : logs_) log.mirror().forget_logs(are_over);
-}
-
-bool ClusterCore::trim(Effects& effects) {
-    const Instant now = effects.now;
-    bool is_done = true;
-    // Logs of brokers that are gone are kept for a while: they may come back, and until then what
-    // is held of them may be all that there is.
-    bool dropped = false;
-    for (auto at = logs_.begin(); at != logs_.end();) {
-        const auto entry = at++;
-        auto& [id, log] = *entry;
-        if (!log.is_frozen() && (view_change_.contains(id) || membership_.is_alive(id))) {
-            gone_since_.erase(id);
-            continue;
-        }
-        if (now < gone_since_.try_emplace(id, now).first->second + removed_kept_for) continue;
-        is_done &= log.history().forget_all();
-        if (!log.history().is_empty()) continue;
+void ClusterCore::trim(Effects& effects) {
+    const auto expired = keeping_.expire(effects.now, logs_, membership_, view_change_);
+    for (const LogId& id : expired) {
         watermark_.forget(id);
         if (is_in_tables(id)) forget_interest(id.broker);
         if (!in_tables_.contains(id.broker)) homes_.forget(id.broker);
-        gone_since_.erase(id);
-        logs_.erase(entry);
-        dropped = true;
+        logs_.erase(id);
     }
-    if (dropped) forget_old_lives(effects);
+    if (!expired.empty()) forget_old_lives(effects);
+    keeping_.forget_passed(effects.now, logs(), membership_, watermark_);
+}
 
-    constexpr Seq all = std::numeric_limits<Seq>::max();
-    Seq held_by_all = all;
-    Seq passed_by_all = all;
-    for (const auto& [id, log] : logs_) {
-        held_by_all = std::min(held_by_all, watermark_.held_by(id));
-        passed_by_all = std::min(passed_by_all, log.mirror().cursor(own_.id()));
-    }
-    is_done &= own_.history().forget_events(held_by_all);
-    is_done &= own_.history().forget_publishes(now, passed_by_all);
-
-    for (auto& [id, log] : logs_) {
-        if (log.is_frozen()) continue;
-        held_by_all = log.applied();
-        passed_by_all = log.applied();
-        for (const auto& [other, held] : logs_) {
-            if (other == id) continue;
-            // A removed broker may come back as a home that has not seen what was published since.
-            passed_by_all = std::min(passed_by_all, held.mirror().cursor(id));
-            if (held.is_frozen()) continue;
-            const Peer* peer = membership_.find(other.broker);
-            held_by_all = std::min(held_by_all, peer == nullptr ? 0 : applied_by(peer->beacon, id));
-        }
-        is_done &= log.history().forget_events(held_by_all);
-        is_done &= log.history().forget_publishes(now, passed_by_all);
-    }
-    return is_done;
+void ClusterCore::forget_old_lives(Effects& effects) {
+    const auto are_over = [this](const LogId& id) { return is_over(id, logs(), membership_); };
+    effects.broker.forget_logs(are_over, effects.clients);
+    for (auto& [id, log] : logs_) log.mirror().forget_logs(are_over);
 }
 
 // --- sessions and addresses that move

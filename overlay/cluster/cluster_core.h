@@ -21,6 +21,7 @@
 #include "overlay/cluster/interest.h"
 #include "overlay/cluster/last_words.h"
 #include "overlay/cluster/listening.h"
+#include "overlay/cluster/log_keeping.h"
 #include "overlay/cluster/membership.h"
 #include "overlay/cluster/own_log.h"
 #include "overlay/cluster/peer_log.h"
@@ -174,9 +175,7 @@ private:
     /// Tries again for addresses that should be served here and are served by nobody.
     void seek_addresses(Effects& effects);
     void ask_for_gaps(Effects& effects);
-    /// False when there is more to forget than fits a moment.
-    bool trim(Effects& effects);
-    /// Of logs that nobody can write any more and that are held no more.
+    void trim(Effects& effects);
     void forget_old_lives(Effects& effects);
     [[nodiscard]] Surroundings surroundings(const Effects& effects);
     [[nodiscard]] Logs logs() { return {logs_, own_}; }
@@ -189,7 +188,7 @@ private:
     ServiceAddresses addresses_;
     std::vector<Endpoint> claimed_;  // addresses_.claimed(), for the surroundings
     PeerLogs logs_;
-    std::map<LogId, Instant> gone_since_;
+    LogKeeping keeping_;
     Interest interest_;
     Homes homes_;
     std::map<BrokerId, LogId> in_tables_;  // whose sessions the two tables have, all of them

@@ -54,7 +54,6 @@ public:
     bool forget_publishes(Instant now, Seq through);
     /// Nobody needs any of it. False: call again soon.
     bool forget_all();
-    [[nodiscard]] bool is_empty() const { return events_.empty() && publishes_.empty(); }
 
     [[nodiscard]] std::size_t events_kept() const { return events_.size(); }
     [[nodiscard]] std::size_t publishes_kept() const { return publishes_.size(); }

@@ -68,6 +68,9 @@ struct Beacon {
     std::uint64_t transport_octets_received = 0;
     bool leaving = false;  // the last beacon of an orderly stop
     LinkAddress link{};
+
+    /// How far the sender applied the log.
+    [[nodiscard]] Seq applied_through(const LogId& of) const;
 };
 
 /// Events first_seq, first_seq + 1, ... of the sender's log.

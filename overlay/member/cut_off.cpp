@@ -33,7 +33,6 @@ void CutOff::see(Instant now, const cluster::View& view, const Judgement& has_en
     const bool was_possible = is_possible();
     missing_.merge(members_);
     members_ = {view.members.begin(), view.members.end()};
-    present_ = members_.size();
     std::erase_if(missing_, [&](const broker::LogId& member) {
         return members_.contains(member) || has_ended(member);
     });

@@ -39,7 +39,7 @@ public:
     /// Whether what the client says now has to wait. To be asked again for what waits.
     [[nodiscard]] bool must_wait(Instant now, const Endpoint& client);
     [[nodiscard]] bool withholds(Instant now, const Endpoint& client, Bytes datagram) const;
-    [[nodiscard]] bool is_possible() const { return missing_.size() > present_; }
+    [[nodiscard]] bool is_possible() const { return missing_.size() > members_.size(); }
     /// It is possible, or was a moment ago.
     [[nodiscard]] bool is_in_doubt() const { return is_possible() || !awaited_.empty(); }
 
@@ -54,7 +54,6 @@ private:
     cluster::ViewNumber seen_;
     std::set<broker::LogId> members_;  // of the view that was seen last
     std::set<broker::LogId> missing_;  // that fell silent in it or before
-    std::size_t present_ = 0;
     std::set<broker::LogId> awaited_;  // in the view that took us back, and not heard yet
     Instant awaited_until_{};
     std::map<Endpoint, Instant> served_from_;  // the clients that were heard since

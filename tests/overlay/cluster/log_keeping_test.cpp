@@ -1,0 +1,128 @@
+#include "overlay/cluster/log_keeping.h"
+
+#include <gmock/gmock.h>
+
+#include <chrono>
+#include <string>
+
+#include "tests/overlay/cluster/events.h"
+
+namespace romano::cluster {
+namespace {
+
+using namespace std::chrono_literals;
+using testing::ElementsAre;
+using testing::IsEmpty;
+
+const LogId self = test::log_of("self", 2);
+const LogId writer = test::log_of("writer");
+const LogId reader = test::log_of("reader");
+
+/// A broker that knows two peers and holds ten events of the writer's log.
+struct Keeper {
+    Membership membership{ClusterOptions{}, self.broker, 1};
+    ViewChange views{self, 100ms, 10ms};
+    Watermark watermark{1};
+    OwnLog own{self, 100'000};
+    PeerLogs peers;
+    LogKeeping keeping;
+    Instant now{1s};
+    std::uint64_t ticks = 0;
+
+    Keeper() {
+        hear(writer, {});
+        hear(reader, {{writer, 4}});
+        write(10);
+    }
+    void hear(const LogId& from, std::vector<LogPosition> applied) {
+        membership.on_beacon(now, Beacon{.log = from,
+                                         .tick = ++ticks,
+                                         .hears = {self.broker},
+                                         .applied = std::move(applied)});
+        peers.try_emplace(from, from, 100'000);
+    }
+    void write(std::size_t events) {
+        PeerLog& log = peers.at(writer);
+        for (std::size_t i = 0; i < events; ++i) {
+            const Seq seq = log.applied() + 1;
+            log.offer(seq, {test::published(writer, seq)});
+            while (log.next() != nullptr) log.apply();
+        }
+    }
+    void die(const LogId& peer) {
+        peers.at(peer).freeze();
+        Beacon last{.log = peer, .tick = ++ticks};
+        last.leaving = true;
+        membership.on_beacon(now, last);
+    }
+    Logs logs() { return {peers, own}; }
+    std::vector<LogId> expire() { return keeping.expire(now, peers, membership, views); }
+};
+
+TEST(LogKeeping, AnEventStaysUntilEveryPeerHoldsIt) {
+    Keeper keeper;
+    keeper.keeping.forget_passed(keeper.now, keeper.logs(), keeper.membership, keeper.watermark);
+    EXPECT_EQ(keeper.peers.at(writer).history().events_kept(), 6U);
+    keeper.hear(reader, {{writer, 10}});
+    keeper.keeping.forget_passed(keeper.now, keeper.logs(), keeper.membership, keeper.watermark);
+    EXPECT_EQ(keeper.peers.at(writer).history().events_kept(), 0U);
+}
+
+TEST(LogKeeping, ARemovedBrokersLogIsKeptForAWhile) {
+    Keeper keeper;
+    keeper.die(writer);
+    EXPECT_THAT(keeper.expire(), IsEmpty());
+    keeper.now += 29s;
+    EXPECT_THAT(keeper.expire(), IsEmpty());
+    EXPECT_EQ(keeper.peers.at(writer).history().events_kept(), 10U);
+    keeper.now += 1s;
+    EXPECT_THAT(keeper.expire(), ElementsAre(writer));
+}
+
+TEST(LogKeeping, ABrokerThatCameBackInTimeKeepsItsLog) {
+    Keeper keeper;
+    keeper.die(writer);
+    EXPECT_THAT(keeper.expire(), IsEmpty());
+    keeper.now += 20s;
+    keeper.peers.at(writer).thaw();
+    keeper.hear(writer, {});
+    EXPECT_THAT(keeper.expire(), IsEmpty());
+    keeper.die(writer);
+    keeper.now += 20s;
+    EXPECT_THAT(keeper.expire(), IsEmpty());
+}
+
+TEST(LogKeeping, ALongLogGoesInPieces) {
+    Keeper keeper;
+    keeper.write(2 * LogHistory::most_at_once);
+    keeper.die(writer);
+    EXPECT_THAT(keeper.expire(), IsEmpty());
+    keeper.now += 30s;
+    int calls = 0;
+    while (keeper.expire().empty()) {
+        EXPECT_TRUE(keeper.keeping.is_behind());
+        ASSERT_LT(++calls, 10);
+    }
+    EXPECT_FALSE(keeper.keeping.is_behind());
+    EXPECT_EQ(calls, 2);
+}
+
+TEST(LogKeeping, ALogIsOverWhenALaterLifeWasHeardAndNobodyHoldsIt) {
+    Keeper keeper;
+    const auto over = [&keeper](const LogId& log) {
+        return is_over(log, keeper.logs(), keeper.membership);
+    };
+    EXPECT_FALSE(over(self));
+    EXPECT_TRUE(over(test::log_of("self", 1)));
+    EXPECT_FALSE(over(writer)) << "it is held here";
+    EXPECT_FALSE(over(test::log_of("stranger")));
+
+    keeper.peers.erase(writer);
+    keeper.hear(test::log_of("writer", 2), {});
+    EXPECT_FALSE(over(writer)) << "the reader holds it";
+    keeper.hear(reader, {});
+    EXPECT_TRUE(over(writer));
+}
+
+}  // namespace
+}  // namespace romano::cluster
