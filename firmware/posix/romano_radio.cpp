@@ -178,7 +178,9 @@ private:
         for (const std::uint8_t octet : line_.line_out()) {
             const std::uint8_t sent = disturbed(octet);
             pollfd ready{.fd = uart_, .events = POLLOUT, .revents = 0};
-            while (::write(uart_, &sent, 1) < 0 && errno == EAGAIN) (void)::poll(&ready, 1, 100);
+            while (::write(uart_, &sent, 1) < 0 && errno == EAGAIN && interrupted == 0) {
+                (void)::poll(&ready, 1, 100);
+            }
         }
         line_.clear_line_out();
     }
