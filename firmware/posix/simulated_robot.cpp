@@ -1,6 +1,7 @@
 #include "firmware/posix/simulated_robot.h"
 
 #include <cmath>
+#include <cstdio>
 #include <cstring>
 #include <stdexcept>
 #include <utility>
@@ -22,6 +23,24 @@ const romano_board& open_board(romano_udp_board& udp, std::optional<RadioBoard>&
     if (options.group.family != 0) udp.group = options.group;
     if (options.radio == nullptr) return udp.board;
     return radio.emplace(udp.board, *options.radio).board();
+}
+
+/// What came from the network, for a terminal and one line: other than printable ASCII as \x1b.
+std::string quoted(std::string_view text) {
+    std::string out = "`";
+    for (const char letter : text) {
+        if (letter >= ' ' && letter <= '~') {
+            out += letter;
+        } else {
+            char digits[5];
+            std::snprintf(digits, sizeof digits, "\\x%02x", static_cast<unsigned char>(letter));
+            out += digits;
+        }
+    }
+    return out + '`';
+}
+std::string quoted(Bytes octets) {
+    return quoted(as_text(octets));
 }
 
 /// What a robot prints of a message that it does not carry out.
@@ -48,7 +67,6 @@ struct Words {
     std::string operator()(const Other&) const {
         return "a message";
     }
-    static std::string quoted(Bytes data) { return '`' + std::string{as_text(data)} + '`'; }
 };
 
 }  // namespace
@@ -133,8 +151,8 @@ void SimulatedRobot::on_established() {
 /// Where it is, if that is asked for; what it has no sensor for it publishes as it stands, as the
 /// authors' firmware does.
 void SimulatedRobot::on_publish_request(std::string_view topic, Bytes kind_of_data) {
-    say_(options_.robot.node.id, "is asked to publish `" + std::string{as_text(kind_of_data)} +
-                                     "` on `" + std::string{topic} + "`");
+    say_(options_.robot.node.id,
+         "is asked to publish " + quoted(kind_of_data) + " on " + quoted(topic));
     const auto location = body_.location();
     if (as_text(kind_of_data) == "location") {
         robot_.publish(topic, message::SensorData{message::SensorType::location, location},
@@ -159,8 +177,7 @@ void SimulatedRobot::on_message(std::string_view topic, Bytes octets) {
         if (const auto ahead = pose_of(sensor->value)) return copy_path(*ahead);
     }
     if (options_.hears && options_.hears(topic, message)) return;
-    say_(options_.robot.node.id,
-         "hears " + std::visit(Words{}, message) + " on `" + std::string{topic} + '`');
+    say_(options_.robot.node.id, "hears " + std::visit(Words{}, message) + " on " + quoted(topic));
 }
 
 }  // namespace romano::firmware

@@ -101,12 +101,22 @@ TEST_F(Robots, SubscribeAndPublishOnCommand) {
     EXPECT_NE(follower.wait_for("hears `colour` on `telemetry`"), "");
 }
 
+TEST_F(Robots, WhatTheNetworkSaysIsOneLineOfPrintableLetters) {
+    start_broker(1);
+    Process& robot = start_robot("00000001", 1);
+    ASSERT_NE(robot.wait_for("established"), "");
+    EXPECT_EQ(romano(1, {"request", "00000001", "telemetry", "\x1b[31m\n00000001 established"}), 0);
+    EXPECT_THAT(robot.wait_for("asked"), HasSubstr("`\\x1b[31m\\x0a00000001 established`"));
+}
+
 TEST_F(Robots, WhatTheOperatorCannotMeanIsOneSentence) {
     start_broker(1);
     EXPECT_EQ(romano(1, {"move", "abcd1234", "front", "100mm"}), 2);
     EXPECT_THAT(said, HasSubstr("no robot abcd1234 is known"));
     EXPECT_EQ(romano(1, {"move", "common", "up", "100mm"}), 2);
     EXPECT_THAT(said, HasSubstr("must be front, back"));
+    EXPECT_EQ(romano(1, {"move", "$SYS/brokers/r1", "front", "100mm"}), 2);
+    EXPECT_THAT(said, HasSubstr("refused this"));
 }
 
 TEST_F(Robots, TheAuthorsFirmwareIsAcknowledgedAndMovedInItsOwnForm) {
