@@ -4,7 +4,6 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
-#include <sstream>
 #include <stdexcept>
 
 #include "broker/net/clock.h"
@@ -72,8 +71,7 @@ public:
                  options.broker.id_or("romano-command"), options.broker.timing()) {}
 
     void run() {
-        std::istringstream list(options_.receivers);
-        for (std::string receiver; std::getline(list, receiver, ',');) command(receiver);
+        for (const std::string& receiver : receivers_in(options_.receivers)) command(receiver);
         watch_.leave();
         if (options_.as_json) std::puts(sent_.dump(2).c_str());
     }
@@ -125,6 +123,9 @@ private:
 
     void turn() {
         io_.run_one_for(20ms);
+        if (watch_.was_denied()) {
+            throw CommandError("the broker at " + options_.broker.where() + " refused this");
+        }
         if (watch_.has_failed()) {
             throw CommandError(options_.broker.unreachable(watch_.was_refused()));
         }

@@ -30,9 +30,9 @@ void NodeWatch::on_event(const client::Event& event) {
         return;
     }
     const auto* disconnected = std::get_if<client::Disconnected>(&event);
-    failed_ = failed_ || std::holds_alternative<client::Lost>(event) ||
-              std::holds_alternative<client::Refused>(event) ||
-              std::holds_alternative<client::Failed>(event) ||
+    denied_ = denied_ || std::holds_alternative<client::Refused>(event) ||
+              std::holds_alternative<client::Failed>(event);
+    failed_ = failed_ || denied_ || std::holds_alternative<client::Lost>(event) ||
               (disconnected != nullptr && disconnected->by_broker);
 }
 

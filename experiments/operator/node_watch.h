@@ -31,6 +31,8 @@ public:
     [[nodiscard]] std::size_t heard() const { return heard_; }
     /// No answer after all repetitions, or a refusal.
     [[nodiscard]] bool has_failed() const { return failed_; }
+    /// The broker answered, with a refusal.
+    [[nodiscard]] bool was_denied() const { return denied_; }
     [[nodiscard]] bool was_refused() const { return client_.was_refused(); }
 
 private:
@@ -40,6 +42,7 @@ private:
     std::map<message::RomanoId, server::NodeEntry> nodes_;
     std::size_t heard_ = 0;
     bool failed_ = false;
+    bool denied_ = false;
     SocketClient client_;
 };
 

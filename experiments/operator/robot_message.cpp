@@ -1,13 +1,18 @@
 #include "experiments/operator/robot_message.h"
 
+#include <algorithm>
 #include <array>
+#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <cstdio>
 #include <optional>
+#include <sstream>
 #include <stdexcept>
 
 #include "romano/message/codec.h"
+#include "romano/message/romano_id.h"
+#include "romano/mqttsn/topic.h"
 
 namespace romano::experiments {
 namespace {
@@ -119,6 +124,18 @@ Octets text_octets(std::string_view text) {
     return {text.begin(), text.end()};
 }
 
+void check_name(std::string_view what, std::string_view topic) {
+    if (mqttsn::is_valid_topic_name(topic)) return;
+    refuse(std::string{what} + ' ' + quoted(topic) +
+           ": must be a topic's name: UTF-8, not empty, without + and #");
+}
+
+void check_filter(std::string_view topic) {
+    if (mqttsn::is_valid_topic_filter(topic)) return;
+    refuse("topic " + quoted(topic) +
+           ": must be UTF-8 and not empty, with + as a whole level and # as the last one");
+}
+
 void check_legacy_topic(std::string_view topic) {
     if (topic.empty() || topic.size() > legacy_topic_octets) {
         refuse("topic " + quoted(topic) + ": the authors' firmware takes 1 to 15 octets");
@@ -158,6 +175,24 @@ Octets legacy_move(std::size_t movement, std::string_view amount, int speed) {
 
 }  // namespace
 
+std::vector<std::string> receivers_in(std::string_view list) {
+    std::vector<std::string> receivers;
+    std::istringstream text{std::string{list}};
+    for (std::string receiver; std::getline(text, receiver, ',');) {
+        check_name("robot", receiver);
+        std::string lower = receiver;
+        std::ranges::transform(lower, lower.begin(), [](unsigned char letter) {
+            return static_cast<char>(std::tolower(letter));
+        });
+        if (lower != receiver && message::RomanoId::parse(lower)) {
+            refuse("robot " + quoted(receiver) + ": ids are in lower case: " + lower);
+        }
+        receivers.push_back(receiver);
+    }
+    if (receivers.empty()) check_name("robot", list);
+    return receivers;
+}
+
 Octets move_message(Form form, std::string_view movement, std::string_view amount,
                     int legacy_speed) {
     if (const auto own = own_movement_type(movement)) {
@@ -170,18 +205,21 @@ Octets move_message(Form form, std::string_view movement, std::string_view amoun
 }
 
 Octets subscribe_message(Form form, std::string_view topic) {
+    check_filter(topic);
     if (form == Form::binary) return encoded(message::MqttSubscribe{topic});
     check_legacy_topic(topic);
     return text_octets("1" + std::string{topic});
 }
 
 Octets unsubscribe_message(Form form, std::string_view topic) {
+    check_filter(topic);
     if (form == Form::legacy) refuse("the authors' firmware cannot unsubscribe");
     return encoded(message::MqttUnsubscribe{topic});
 }
 
 /// In the ASCII form the data is published as it stands: `0` makes it normal data for its readers.
 Octets request_message(Form form, std::string_view topic, std::string_view data) {
+    check_name("topic", topic);
     if (form == Form::binary) return encoded(message::MqttPublishRequest{topic, as_octets(data)});
     check_legacy_topic(topic);
     std::string text = "2";

@@ -15,6 +15,8 @@ namespace romano::experiments {
 using Octets = std::vector<std::uint8_t>;
 using server::Form;
 
+/// "abcd1234,team/red": robots' ids, or topics that they listen to.
+[[nodiscard]] std::vector<std::string> receivers_in(std::string_view list);
 /// `movement`: front, back, left, right, rotate-left, rotate-right; or 0x8000 to 0xffff with
 /// hexadecimal octets as `amount`. `amount`: "100mm", "10cm", "0.5m", "90deg", "1500mdeg"; for the
 /// authors' firmware, which drives by time, "500ms" or "2s". `legacy_speed`: its motors' percent.

@@ -83,5 +83,24 @@ TEST(RobotMessage, TheAuthorsFirmwareIsNotSentWhatItCannotTake) {
                 HasSubstr("31 octets"));
 }
 
+TEST(RobotMessage, WhatIsNoTopicIsRefusedBeforeARobotHearsOfIt) {
+    EXPECT_THAT(refusal([] { return subscribe_message(Form::binary, "a/#/b"); }),
+                HasSubstr("topic `a/#/b`"));
+    EXPECT_THAT(refusal([] { return unsubscribe_message(Form::binary, ""); }),
+                HasSubstr("not empty"));
+    EXPECT_THAT(subscribe_message(Form::binary, "a/+"), ElementsAre(1, 5, 'a', '/', '+'));
+    EXPECT_THAT(refusal([] { return request_message(Form::binary, "a/+", "location"); }),
+                HasSubstr("without + and #"));
+}
+
+TEST(RobotMessage, ReceiversAreIdsInLowerCaseOrTopics) {
+    EXPECT_THAT(receivers_in("abcd1234,team/red"), ElementsAre("abcd1234", "team/red"));
+    EXPECT_THAT(refusal([] { return receivers_in("ABCD1234"); }),
+                HasSubstr("lower case: abcd1234"));
+    EXPECT_THAT(refusal([] { return receivers_in("team/#"); }), HasSubstr("robot `team/#`"));
+    EXPECT_THAT(refusal([] { return receivers_in(""); }), HasSubstr("not empty"));
+    EXPECT_THAT(refusal([] { return receivers_in("a,,b"); }), HasSubstr("not empty"));
+}
+
 }  // namespace
 }  // namespace romano::experiments
