@@ -66,6 +66,7 @@ void Adoption::restore(Session& session, SessionImage& image, Turn& turn) {
     header.epoch = image.header.epoch;
     header.provisional = image.header.provisional;
     header.last_heard = image.header.last_heard;
+    header.departed = image.header.departed;
 
     session.will = std::move(image.will);
     session.subscriptions = std::move(image.subscriptions);
@@ -100,7 +101,10 @@ void Adoption::restore(Session& session, SessionImage& image, Turn& turn) {
     session.probe_at = never;
     session.fresh = session.fresh_will = false;
     if (!session.is_connected()) {
-        tables_.sessions.depart(session, turn.now);
+        const bool is_dated = header.departed != HybridTime{};
+        const Duration ago =
+            is_dated ? tables_.clock.since(header.departed, turn.now) : Duration{0};
+        tables_.sessions.depart(session, turn.now - ago);
     } else if (address.endpoint.family != Endpoint::Family::none) {
         lifecycle_.move(session, address, turn);
     }

@@ -160,6 +160,7 @@ void ConnectFlow::accept(const Origin& origin, const Prompt& prompt, WillAnswer 
     header.keep_alive_s = prompt.keep_alive_s;
     header.sleep_s = 0;
     header.last_heard = tables_.clock.stamp(turn.now);
+    header.departed = {};
     session->heard_at = turn.now;
     session->probe_at = never;
     session->exchange = {};

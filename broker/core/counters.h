@@ -36,7 +36,8 @@ struct Counters {
     std::uint64_t publishes_received = 0;
     std::uint64_t publishes_sent = 0;
     std::uint64_t retransmissions = 0;
-    std::uint64_t late_answers = 0;  // to publishers that were ahead of their receivers
+    std::uint64_t late_answers = 0;      // to publishers that were ahead of their receivers
+    std::uint64_t sessions_expired = 0;  // kept sessions (Limits::session_expiry_s)
 };
 
 /// What is there now: counted when somebody asks, so that nothing is kept for it.

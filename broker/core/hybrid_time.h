@@ -32,6 +32,13 @@ public:
     /// What the wall clock says: no stamp, and not later than one.
     [[nodiscard]] constexpr HybridTime reading(Instant now) const { return {wall(now)}; }
 
+    /// How long ago that was by the wall clocks; nothing when they disagree.
+    [[nodiscard]] constexpr Duration since(HybridTime then, Instant now) const {
+        const auto milliseconds = [](HybridTime time) { return time.value >> 16U; };
+        if (reading(now) <= then) return Duration{0};
+        return std::chrono::milliseconds{milliseconds(reading(now)) - milliseconds(then)};
+    }
+
     /// Takes note of another broker's time.
     constexpr void observe(HybridTime other) { last_ = std::max(last_, other); }
 

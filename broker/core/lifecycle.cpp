@@ -95,6 +95,7 @@ void Lifecycle::depart(Session& session, SessionState state, Turn& turn) {
     session.exchange = {};
     session.late_answer = {};
     session.header.state = state;
+    session.header.departed = tables_.clock.reading(turn.now);
     session.fresh = session.fresh_will = false;
     tables_.sessions.depart(session, turn.now);
     schedule(tables_, session);

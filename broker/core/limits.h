@@ -26,9 +26,11 @@ struct Limits {
     std::size_t unreleased_per_session = 64;          // QoS 2 publishes whose PUBREL is outstanding
     std::size_t stranger_datagrams_per_second = 200;  // of one address without a session that are
                                                       // heeded; the rest is dropped unanswered
-    std::size_t pacing_ms = 1'000;   // PUBACK and PUBREC come so much later, at most, when a
-                                     // receiver's queue fills up
-    std::size_t memory_mib = 1'024;  // of all together; the owner measures (BrokerCore::set_full)
+    std::size_t pacing_ms = 1'000;     // PUBACK and PUBREC come so much later, at most, when a
+                                       // receiver's queue fills up
+    std::size_t session_expiry_s = 0;  // a kept session whose client was away for so long is
+                                       // forgotten; 0: never
+    std::size_t memory_mib = 1'024;    // of all together; the owner measures (BrokerCore::set_full)
 };
 
 struct BrokerOptions {

@@ -75,8 +75,8 @@ void Liveness::on_tick(Turn& turn) {
 /// Does what is due, if anything is: deadlines that moved are found out here.
 void Liveness::look_at(Session& session, Turn& turn) {
     const BrokerOptions& options = tables_.options;
-    if (session.departed_at != never && session.header.clean &&
-        session.departed_at + options.clean_session_kept_for <= turn.now) {
+    if (forgotten_at(session, options) <= turn.now) {
+        if (!session.header.clean) ++tables_.counters.sessions_expired;
         lifecycle_.erase(session, turn.out);
         return;
     }

@@ -111,7 +111,10 @@ void Mirror::on(const Published& event) {
         if (SessionImage* image = find(event.publisher)) image->unreleased.push_back(event.msg_id);
     }
     if (!event.will_of.empty()) {
-        if (SessionImage* image = find(event.will_of)) image->header.state = SessionState::lost;
+        if (SessionImage* image = find(event.will_of)) {
+            image->header.state = SessionState::lost;
+            image->header.departed = event.message->published_at;
+        }
     }
     for (const Route& route : event.routes) queue({log_, applied_}, event.message, route);
     if (!waiting_.empty()) resolve(event.message);

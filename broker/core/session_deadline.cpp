@@ -32,6 +32,13 @@ Instant probed_at(const Session& session) {
     return session.probe_at == never ? silent_at : std::max(silent_at, session.probe_at);
 }
 
+Instant forgotten_at(const Session& session, const BrokerOptions& options) {
+    if (session.departed_at == never || session.read_by_owner) return never;
+    if (session.header.clean) return session.departed_at + options.clean_session_kept_for;
+    const std::chrono::seconds expiry{options.limits.session_expiry_s};
+    return expiry == expiry.zero() ? never : session.departed_at + expiry;
+}
+
 Instant due_at(const Session& session, const BrokerOptions& options) {
     Instant due = std::min({lost_at(session, options), probed_at(session), session.late_answer.at});
     if (session.exchange.is_open() && !session.exchange.stalled) {
@@ -40,10 +47,7 @@ Instant due_at(const Session& session, const BrokerOptions& options) {
     if (!session.queue.empty() && session.paused_until != Instant{} && session.is_listening()) {
         due = std::min(due, session.paused_until);
     }
-    if (session.departed_at != never && session.header.clean) {
-        due = std::min(due, session.departed_at + options.clean_session_kept_for);
-    }
-    return due;
+    return std::min(due, forgotten_at(session, options));
 }
 
 }  // namespace romano::broker

@@ -1,5 +1,5 @@
-// When a session must be looked at next: retries, keep-alive, sleep, and the end of what a clean
-// session left behind (MQTT-SN 1.2 sections 6.11, 6.14, 7.2; G5, G6, G11).
+// When a session must be looked at next: retries, keep-alive, sleep, and the end of a
+// session that was left behind (MQTT-SN 1.2 sections 6.11, 6.14, 7.2; G5, G6, G11).
 #pragma once
 
 #include "broker/core/session.h"
@@ -13,6 +13,9 @@ namespace romano::broker {
 
 /// When a client that is silent for its keep-alive is asked for a sign of life first.
 [[nodiscard]] Instant probed_at(const Session& session);
+
+/// When what was left behind is forgotten: a clean session, or a kept one with an expiry.
+[[nodiscard]] Instant forgotten_at(const Session& session, const BrokerOptions& options);
 
 [[nodiscard]] Instant due_at(const Session& session, const BrokerOptions& options);
 

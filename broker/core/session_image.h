@@ -79,6 +79,7 @@ struct SessionHeader {
     std::uint64_t epoch = 1;   // counts the homes at which the client was heard
     bool provisional = false;  // adopted, and the client was not heard at this home yet
     HybridTime last_heard;     // a mirror's is as of the last event, not of the last datagram
+    HybridTime departed;       // when it became disconnected or lost; 0: it is connected
     friend bool operator==(const SessionHeader&, const SessionHeader&) = default;
 };
 
@@ -103,8 +104,8 @@ struct SessionImage {
     std::vector<LogPosition> worked_through;
 };
 
-/// True when both describe the same session in the same state, apart from when it was heard last;
-/// messages are compared by their positions.
+/// True when both describe the same session in the same state, apart from when it was heard last
+/// and departed; messages are compared by their positions.
 [[nodiscard]] bool same_state(const SessionImage& a, const SessionImage& b);
 
 /// Which of two copies of one session counts when brokers meet: the higher epoch, then one whose

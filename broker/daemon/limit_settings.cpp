@@ -7,9 +7,9 @@ namespace {
 
 using broker::Limits;
 
-constexpr std::array<LimitSetting, 12> settings{{
+constexpr std::array<LimitSetting, 13> settings{{
     {"max-sessions", &Limits::sessions, 1, 1'000'000,
-     "Sessions; then those left behind go, then CONNECT hears \"congestion\""},
+     "Sessions; then clean ones left behind go, then CONNECT hears \"congestion\""},
     {"max-connecting", &Limits::connecting, 1, 1'000'000,
      "Clients amid their will prompts; then CONNECT hears \"congestion\""},
     {"max-subscriptions", &Limits::subscriptions_per_session, 1, 1'000'000,
@@ -30,6 +30,8 @@ constexpr std::array<LimitSetting, 12> settings{{
      "Datagrams a second of one address without a session; the rest is dropped"},
     {"max-pacing-ms", &Limits::pacing_ms, 0, 60'000,
      "PUBACK and PUBREC come so much later at most when a receiver's queue fills up; 0: never"},
+    {"session-expiry-s", &Limits::session_expiry_s, 0, 4'294'967'295,
+     "A kept session (CleanSession 0) is forgotten when its client was away for so long; 0: never"},
     {"max-memory-mb", &Limits::memory_mib, 8, 1'000'000,
      "MiB of heap in all; then nothing that stays is taken: \"congestion\""},
 }};

@@ -55,6 +55,9 @@ void add_messages(Page& page, const broker::Counters& counters) {
     page.counter("romano_late_answers_total",
                  "PUBACK and PUBREC that came later because a receiver's queue filled up.",
                  counters.late_answers);
+    page.counter("romano_sessions_expired_total",
+                 "Kept sessions that were forgotten: their clients were away for too long.",
+                 counters.sessions_expired);
 }
 
 void add_census(Page& page, const broker::Census& census) {

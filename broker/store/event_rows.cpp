@@ -34,12 +34,12 @@ EventRows::EventRows(Database& database, std::uint64_t incarnation)
       incarnation_(number(incarnation)),
       put_session_(database,
                    "INSERT INTO sessions(client_id, address, wireless_node_id, via, state, clean,"
-                   " keep_alive_s, sleep_s, epoch, last_heard)"
-                   " VALUES(?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10)"),
+                   " keep_alive_s, sleep_s, epoch, last_heard, departed)"
+                   " VALUES(?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11)"),
       change_session_(database,
                       "UPDATE sessions SET address = ?2, wireless_node_id = ?3, via = ?4,"
                       " state = ?5, clean = ?6, keep_alive_s = ?7, sleep_s = ?8, epoch = ?9,"
-                      " last_heard = ?10 WHERE client_id = ?1"),
+                      " last_heard = ?10, departed = ?11 WHERE client_id = ?1"),
       forget_topics_(database,
                      "UPDATE topics SET known_to_client = 0"
                      " WHERE session = (SELECT id FROM sessions WHERE client_id = ?1)"),
@@ -57,7 +57,7 @@ EventRows::EventRows(Database& database, std::uint64_t incarnation)
       put_topic_(database,
                  "INSERT OR REPLACE INTO topics(session, id, name, known_to_client)"
                  " SELECT id, ?2, ?3, ?4 FROM sessions WHERE client_id = ?1"),
-      lose_session_(database, "UPDATE sessions SET state = ?2 WHERE client_id = ?1"),
+      lose_session_(database, "UPDATE sessions SET state = ?2, departed = ?3 WHERE client_id = ?1"),
       put_unreleased_(database,
                       "INSERT INTO unreleased(session, msg_id)"
                       " SELECT id, ?2 FROM sessions WHERE client_id = ?1"),
@@ -112,7 +112,8 @@ void EventRows::put_header(const broker::SessionHeader& header) {
     put_session_.run(header.client_id, net::to_text(header.address.endpoint),
                      as_octets(header.address.wireless_node_id), net::to_text(header.via),
                      number(header.state), number(header.clean), number(header.keep_alive_s),
-                     number(header.sleep_s), number(header.epoch), number(header.last_heard.value));
+                     number(header.sleep_s), number(header.epoch), number(header.last_heard.value),
+                     number(header.departed.value));
 }
 
 void EventRows::on(const broker::SessionChanged& event) {
@@ -121,7 +122,7 @@ void EventRows::on(const broker::SessionChanged& event) {
                         as_octets(header.address.wireless_node_id), net::to_text(header.via),
                         number(header.state), number(header.clean), number(header.keep_alive_s),
                         number(header.sleep_s), number(header.epoch),
-                        number(header.last_heard.value));
+                        number(header.last_heard.value), number(header.departed.value));
     if (event.forgets_topics) forget_topics_.run(header.client_id);
 }
 
@@ -167,7 +168,8 @@ void EventRows::put_topic(const ClientId& client_id, const broker::TopicBinding&
 void EventRows::on(const broker::Published& event) {
     if (!event.publisher.empty()) put_unreleased_.run(event.publisher, number(event.msg_id));
     if (!event.will_of.empty()) {
-        lose_session_.run(event.will_of, number(broker::SessionState::lost));
+        lose_session_.run(event.will_of, number(broker::SessionState::lost),
+                          number(event.message->published_at.value));
     }
     const broker::Message& message = *event.message;
     const bool is_kept = message.retain && !message.payload.empty();

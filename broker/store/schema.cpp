@@ -18,6 +18,7 @@ CREATE TABLE sessions(
     state INTEGER NOT NULL CHECK(state BETWEEN 0 AND 4), clean INTEGER NOT NULL,
     keep_alive_s INTEGER NOT NULL, sleep_s INTEGER NOT NULL,
     epoch INTEGER NOT NULL, last_heard INTEGER NOT NULL,
+    departed INTEGER NOT NULL DEFAULT 0,
     will_topic TEXT, will_message BLOB, will_qos INTEGER CHECK(will_qos BETWEEN 0 AND 2),
     will_retain INTEGER);
 CREATE TABLE subscriptions(
@@ -66,6 +67,10 @@ std::uint32_t be32(Bytes octets, std::size_t at) {
     return std::uint32_t{be16(octets, at)} << 16U | be16(octets, at + 2);
 }
 
+void set_version(Database& database) {
+    database.execute(("PRAGMA user_version = " + std::to_string(schema_version)).c_str());
+}
+
 }  // namespace
 
 std::string why_not_ours(const std::string& path) {
@@ -98,7 +103,15 @@ void create_schema(Database& database) {
     database.execute("BEGIN IMMEDIATE");
     database.execute(tables);
     database.execute(("PRAGMA application_id = " + std::to_string(application_id)).c_str());
-    database.execute(("PRAGMA user_version = " + std::to_string(schema_version)).c_str());
+    set_version(database);
+    database.execute("COMMIT");
+}
+
+void update_schema(Database& database) {
+    if (database.number("PRAGMA user_version") == schema_version) return;
+    database.execute("BEGIN IMMEDIATE");
+    database.execute("ALTER TABLE sessions ADD COLUMN departed INTEGER NOT NULL DEFAULT 0");
+    set_version(database);
     database.execute("COMMIT");
 }
 

@@ -9,7 +9,7 @@
 namespace romano::store {
 
 inline constexpr int application_id = 0x524F4D41;  // "ROMA"
-inline constexpr int schema_version = 1;
+inline constexpr int schema_version = 2;
 
 /// Why a file cannot be used, as the end of a sentence; empty when it can, or when there is none
 /// yet. Reads the file's first octets only: SQLite never sees a file that is not ours.
@@ -17,5 +17,7 @@ inline constexpr int schema_version = 1;
 
 /// Makes the tables in an empty file.
 void create_schema(Database& database);
+/// Brings the tables of an older version up to this one.
+void update_schema(Database& database);
 
 }  // namespace romano::store

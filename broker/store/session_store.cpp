@@ -58,6 +58,7 @@ public:
         database.execute("PRAGMA journal_size_limit = 16777216");
         database.execute("BEGIN IMMEDIATE");  // takes the lock for good, and shows that we can
         database.execute("COMMIT");
+        update_schema(database);
         database.leave_untouched(false);
     }
 

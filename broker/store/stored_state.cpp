@@ -75,7 +75,7 @@ private:
 void Reader::read_sessions() {
     each(
         "SELECT id, client_id, address, wireless_node_id, via, state, clean, keep_alive_s, sleep_s,"
-        " epoch, last_heard, will_topic, will_message, will_qos, will_retain"
+        " epoch, last_heard, will_topic, will_message, will_qos, will_retain, departed"
         " FROM sessions ORDER BY client_id",
         [this](const Row& row) {
             SessionImage image;
@@ -89,6 +89,7 @@ void Reader::read_sessions() {
             header.sleep_s = value<std::uint16_t>(row, 8);
             header.epoch = value<std::uint64_t>(row, 9);
             header.last_heard = {value<std::uint64_t>(row, 10)};
+            header.departed = {value<std::uint64_t>(row, 15)};
             if (!row.is_null(11)) {
                 image.will = {text(row, 11), octets(row, 12), value<mqttsn::Qos>(row, 13),
                               row.number(14) != 0};

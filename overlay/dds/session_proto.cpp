@@ -41,6 +41,7 @@ void to_proto(const broker::SessionHeader& in, SessionHeader& out) {
     out.set_epoch(in.epoch);
     out.set_provisional(in.provisional);
     out.set_last_heard(in.last_heard.value);
+    out.set_departed(in.departed.value);
 }
 
 std::optional<broker::SessionHeader> from_proto(const SessionHeader& in) {
@@ -59,7 +60,8 @@ std::optional<broker::SessionHeader> from_proto(const SessionHeader& in) {
                                  .sleep_s = *sleep,
                                  .epoch = in.epoch(),
                                  .provisional = in.provisional(),
-                                 .last_heard = {in.last_heard()}};
+                                 .last_heard = {in.last_heard()},
+                                 .departed = {in.departed()}};
 }
 
 void to_proto(const broker::Will& in, Will& out) {

@@ -42,6 +42,7 @@ BrokerOptions tight_options() {
     options.limits.retained_messages = 3;
     options.limits.unreleased_per_session = 2;
     options.limits.payload_octets = 64;
+    options.limits.session_expiry_s = 600;
     return options;
 }
 

@@ -211,6 +211,35 @@ TEST_F(SessionStoreTest, RefusesANewerSchemaAndLeavesItAlone) {
     EXPECT_EQ(content(path), before);
 }
 
+TEST_F(SessionStoreTest, BringsAnOlderSchemaUpToDate) {
+    {
+        KeepingBroker broker({.path = path});
+        ScriptedClient{broker.scripted, "robot"}.connects(false);
+        ASSERT_TRUE(broker.keeps());
+    }
+    Database(path).execute("ALTER TABLE sessions DROP COLUMN departed; PRAGMA user_version = 1");
+    EXPECT_EQ(SessionStore({.path = path}).load({}).sessions.size(), 1U);
+    EXPECT_EQ(Database(path).number("PRAGMA user_version"), 2);
+}
+
+TEST_F(SessionStoreTest, TellsWhenASessionWasLeftBehind) {
+    KeepingBroker broker({.path = path});
+    ScriptedClient robot(broker.scripted, "robot");
+    ScriptedClient other(broker.scripted, "other");
+    robot.connects(false);
+    robot.says(Disconnect{});
+    other.connects(false, 10);
+    broker.scripted.waits(15s);
+    ASSERT_TRUE(broker.keeps());
+    const auto at_home = broker.scripted.core.images();
+    const auto stored = broker.store.load({}).sessions;
+    ASSERT_EQ(stored.size(), 2U);
+    for (std::size_t i = 0; i < stored.size(); ++i) {
+        EXPECT_NE(stored[i].header.departed, broker::HybridTime{});
+        EXPECT_EQ(stored[i].header.departed, at_home[i].header.departed);
+    }
+}
+
 TEST_F(SessionStoreTest, RefusesADamagedFileAndLeavesItAlone) {
     {
         KeepingBroker broker({.path = path});

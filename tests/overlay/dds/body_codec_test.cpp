@@ -24,7 +24,7 @@ std::optional<cluster::ClusterMessage> decode(const proto::ClusterMessage& messa
 // and then here.
 static_assert(field_count<Endpoint>() == 4);
 static_assert(field_count<broker::Message>() == 7);
-static_assert(field_count<broker::SessionHeader>() == 10);
+static_assert(field_count<broker::SessionHeader>() == 11);
 static_assert(field_count<broker::Will>() == 4);
 static_assert(field_count<broker::Subscription>() == 4);
 static_assert(field_count<broker::TopicBinding>() == 3);

@@ -82,6 +82,7 @@ broker::SessionHeader header(Random& r) {
             static_cast<std::uint16_t>(r.below(0x10000)),
             wide(r),
             flag(r),
+            {wide(r)},
             {wide(r)}};
 }
 
