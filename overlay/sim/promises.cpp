@@ -30,9 +30,19 @@ std::string describe(const Sent& sent) {
            (sent.acknowledged ? ", acknowledged at " + seconds(*sent.acknowledged) : "") + ")";
 }
 
+bool is_parted(const Judgement& judgement, Instant from, Instant until) {
+    return std::ranges::any_of(judgement.parted, [&](const Span& span) {
+        return span.from <= until && from <= span.until;
+    });
+}
+
 bool is_parted(const Judgement& judgement, Instant at) {
-    return std::ranges::any_of(
-        judgement.parted, [at](const Span& span) { return span.from <= at && at <= span.until; });
+    return is_parted(judgement, at, at);
+}
+
+/// It may have been on its way at any time from the application's wish to the broker's answer.
+bool is_parted(const Judgement& judgement, const Sent& sent) {
+    return is_parted(judgement, sent.at, sent.acknowledged.value_or(never));
 }
 
 /// P3: exactly-once messages come once.
@@ -45,7 +55,7 @@ void judge_duplicates(const Ledger& ledger, const Judgement& judgement, Violatio
         if (is_new) continue;
         const auto sent = ledger.sent.find(message);
         if (is_parted(judgement, r.at) || is_parted(judgement, seen->second) ||
-            (sent != ledger.sent.end() && is_parted(judgement, sent->second.at))) {
+            (sent != ledger.sent.end() && is_parted(judgement, sent->second))) {
             continue;
         }
         out.push_back(
@@ -61,7 +71,7 @@ void judge_order(const Ledger& ledger, const Judgement& judgement, Violations& o
     std::set<DeliveryKey> seen;
     std::map<std::tuple<std::string, std::string, std::string, Qos>, const Sent*> last;
     const auto is_excused = [&](const Sent& sent, Instant at) {
-        return is_parted(judgement, sent.at) || is_parted(judgement, at);
+        return is_parted(judgement, sent) || is_parted(judgement, at);
     };
     for (const Reception& r : ledger.receptions) {
         if (r.retain) continue;

@@ -44,7 +44,8 @@ struct Judgement {
     /// QoS 0 may be overtaken on links whose delay varies.
     bool links_keep_order = false;
     /// Brokers were parted and their clients were not: both sides spoke to a client, so that what
-    /// it got then, or sent then, may come twice and out of order (overlay/cluster, known limits).
+    /// it got then, or had not had an answer to, may come twice and out of order (overlay/cluster,
+    /// known limits).
     std::vector<Span> parted{};
 };
 

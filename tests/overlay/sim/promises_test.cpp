@@ -3,6 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <utility>
+#include <vector>
+
 namespace romano::sim {
 namespace {
 
@@ -36,9 +39,9 @@ protected:
                                      .qos = qos,
                                      .at = Instant{3s}});
     }
-    std::vector<Promise> judged() {
+    std::vector<Promise> judged(std::vector<Span> parted = {}) {
         Violations violations;
-        judge_safety(ledger, {.links_keep_order = true}, violations);
+        judge_safety(ledger, {.links_keep_order = true, .parted = std::move(parted)}, violations);
         judge_completeness(ledger, violations);
         std::vector<Promise> promises;
         for (const Violation& violation : violations) promises.push_back(violation.promise);
@@ -95,6 +98,16 @@ TEST_F(PromisesTest, P5AllowsQos1DuplicatesLate) {
     received(2, Qos::at_least_once);
     received(1, Qos::at_least_once);
     EXPECT_THAT(judged(), testing::IsEmpty());
+}
+
+// Seeds 60194, 70287, 71993: asked for before the cut, said to both sides in it.
+TEST_F(PromisesTest, P5IsNotJudgedForWhatWasUnderWayInACutThatClientsHearThrough) {
+    for (std::uint32_t number : {1U, 2U}) sent(number, Qos::exactly_once);
+    received(2, Qos::exactly_once);
+    received(1, Qos::exactly_once);
+    EXPECT_THAT(judged({{Instant{1500ms}, Instant{2500ms}}}), testing::IsEmpty());
+    EXPECT_THAT(judged({{Instant{2100ms}, Instant{2500ms}}}),
+                testing::ElementsAre(Promise::in_order));
 }
 
 TEST_F(PromisesTest, P7TheWillOfARobotThatLives) {
