@@ -30,10 +30,12 @@ void find_missing_messages(broker::SessionImage& image, const Effects& effects, 
 
 }  // namespace
 
-std::vector<MessagePtr> missed_publishes(const broker::SessionImage& image, const Logs& logs) {
+std::vector<MessagePtr> missed_publishes(const broker::SessionImage& image,
+                                         const broker::BrokerCore& broker, const Logs& logs) {
     std::vector<MessagePtr> missed;
-    const auto take = [&](const LogId& log, const LogHistory& history) {
-        const auto publishes = history.publishes_after(worked_through(image, log));
+    const auto take = [&](const LogHistory& history, const LogId& log, Seq through) {
+        auto publishes = history.publishes_after(worked_through(image, log));
+        while (!publishes.empty() && publishes.back()->position.seq > through) publishes.pop_back();
         const auto middle = static_cast<std::ptrdiff_t>(missed.size());
         missed.insert(missed.end(), publishes.begin(), publishes.end());
         std::inplace_merge(missed.begin(), missed.begin() + middle, missed.end(),
@@ -41,8 +43,8 @@ std::vector<MessagePtr> missed_publishes(const broker::SessionImage& image, cons
                                return a->published_at < b->published_at;
                            });
     };
-    take(logs.own.id(), logs.own.history());
-    for (const auto& [id, log] : logs.peers) take(id, log.history());
+    take(logs.own.history(), logs.own.id(), logs.own.last());
+    for (const auto& [id, log] : logs.peers) take(log.history(), id, broker.cursor(id));
     return missed;
 }
 
@@ -72,13 +74,13 @@ void leave_out_delivered(broker::SessionImage& image, std::vector<MessagePtr>& m
 broker::SessionImage caught_up(const Effects& effects, const Logs& logs,
                                broker::SessionImage image) {
     find_missing_messages(image, effects, logs);
-    const auto missed = missed_publishes(image, logs);
+    const auto missed = missed_publishes(image, effects.broker, logs);
     return effects.broker.caught_up(std::move(image), missed);
 }
 
 bool adopt(Effects& effects, const Logs& logs, broker::SessionImage image) {
     find_missing_messages(image, effects, logs);
-    auto missed = missed_publishes(image, logs);
+    auto missed = missed_publishes(image, effects.broker, logs);
     if (const auto own = effects.broker.image(image.header.client_id)) {
         leave_out_delivered(image, missed, *own);
     }

@@ -19,6 +19,7 @@ struct Logs {
 /// Publishes that we have worked through and the image's home had not: of each log in its order,
 /// the logs merged by time.
 [[nodiscard]] std::vector<MessagePtr> missed_publishes(const broker::SessionImage& image,
+                                                       const broker::BrokerCore& broker,
                                                        const Logs& logs);
 
 /// Of `missed`, and of what waits in the image, what a former home of the session already

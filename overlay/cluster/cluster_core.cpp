@@ -26,6 +26,7 @@ ClusterCore::ClusterCore(const ClusterOptions& options, const Identity& identity
       own_(identity.log, options.log_events_kept),
       membership_(options, identity.log.broker, seed),
       addresses_(identity.home_addresses),
+      publish_order_(4 * membership_.detection_time()),
       watermark_(options.acks),
       view_change_(identity.log, membership_.detection_time(), options.beacon_every),
       take_over_(identity.log.broker, membership_.detection_time()),
@@ -109,6 +110,7 @@ void ClusterCore::after_input(Effects& effects) {
     if (!listening_.is_on()) membership_.send_ballots(effects.peers);
     take_over_.carry_on(effects, logs(), membership_, view(), addresses_);
     last_words_.carry_on(effects, logs_, membership_, view());
+    publish_order_.carry_on(effects, logs_);
     handoffs_.carry_on(effects, safe());
     roaming_.carry_on(effects, logs(), homes_, membership_, view());
     break_silence(effects);
@@ -295,6 +297,7 @@ void ClusterCore::restart(Effects& effects, LogId log) {
     settlement_.restart();
     roaming_.restart();
     for (const Endpoint& address : addresses_.claimed()) addresses_.give_up(effects, address);
+    publish_order_.release_all(effects);
     for (const auto& [id, held] : logs_) effects.broker.advance_cursor({id, held.applied()});
 }
 
@@ -378,6 +381,7 @@ void ClusterCore::on(Effects& effects, BrokerId from, const SnapshotPart& part) 
     if (!snapshot) return;
     for (const auto& message : snapshot->retained) effects.broker.put_retained(message);
     if (snapshot->as_of.seq <= log.applied()) return;
+    publish_order_.release(effects, id);
     log.restart(*snapshot);
     reset_tables(id, log);
     for (const auto& image : snapshot->sessions) mark_taken(image.header.client_id);
@@ -413,6 +417,7 @@ void ClusterCore::apply_event(Effects& effects, const LogId& id, PeerLog& log) {
     broker::ClientId put;
     if (const auto* session = std::get_if<broker::SessionPut>(&event)) {
         put = session->image.header.client_id;
+        publish_order_.on_session(effects, log, session->image, logs_);
     }
     std::optional<LogPosition> routed;
     if (const auto* route = std::get_if<broker::Routed>(&event)) routed = route->message;
@@ -420,7 +425,7 @@ void ClusterCore::apply_event(Effects& effects, const LogId& id, PeerLog& log) {
     log.apply();
     if (published) {
         effects.broker.observe_time(published->published_at);
-        effects.broker.on_peer_message(effects.now, published, effects.clients);
+        publish_order_.on_publish(effects, published);
         learn(published);
     }
     if (routed && log.mirror().is_unresolved(*routed)) {

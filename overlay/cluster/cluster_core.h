@@ -25,6 +25,7 @@
 #include "overlay/cluster/membership.h"
 #include "overlay/cluster/own_log.h"
 #include "overlay/cluster/peer_log.h"
+#include "overlay/cluster/publish_order.h"
 #include "overlay/cluster/roaming.h"
 #include "overlay/cluster/service_addresses.h"
 #include "overlay/cluster/session_handoff.h"
@@ -189,6 +190,7 @@ private:
     std::vector<Endpoint> claimed_;  // addresses_.claimed(), for the surroundings
     PeerLogs logs_;
     LogKeeping keeping_;
+    PublishOrder publish_order_;
     Interest interest_;
     Homes homes_;
     std::map<BrokerId, LogId> in_tables_;  // whose sessions the two tables have, all of them

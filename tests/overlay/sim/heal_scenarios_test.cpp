@@ -93,6 +93,24 @@ TEST_F(HealScenario, ABrokerDiesSoonAfterTheyMetAgain) {
     expect_all_promises_kept();
 }
 
+// Its publishes stand in two logs, and beyond the cut either may be repaired first.
+TEST_F(HealScenario, P5_WhoRoamedBeyondTheCutIsHeardInOrder) {
+    Robot& roamer = add("roamer", 0, "pose", "", {Qos::at_least_once, Qos::exactly_once});
+    add("listener", 2, "", "pose");
+    begin();
+    publish(true);
+    for (const std::size_t next : {1U, 0U, 1U, 0U}) {
+        world.part({{0, 1}, {2}}, true);
+        world.run_for(500ms);
+        roamer.roam_to(World::service_address(next));
+        world.run_for(500ms);
+        heal_brokers_first();
+        ASSERT_TRUE(world.run_until([&] { return !disagreement(world); }, 2s));
+        world.run_for(500ms);
+    }
+    expect_all_promises_kept();
+}
+
 // Each side speaks to all clients: exactly-once and order are not promised, but nothing is lost.
 TEST_F(HealScenario, NothingIsLostWhenBrokersArePartedAndTheirClientsAreNot) {
     add_one_each({Qos::at_least_once, Qos::exactly_once});

@@ -1,0 +1,91 @@
+#include "overlay/cluster/publish_order.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "broker/core/cursors.h"
+
+namespace romano::cluster {
+namespace {
+
+/// How far the writer had worked through `log` for that session.
+Seq worked_through(const PeerLog& writer, const broker::SessionImage& image, const LogId& log) {
+    const auto ahead = std::ranges::find(image.worked_through, log, &LogPosition::log);
+    return std::max(writer.mirror().cursor(log),
+                    ahead == image.worked_through.end() ? 0 : ahead->seq);
+}
+
+}  // namespace
+
+void PublishOrder::on_session(const Effects& effects, const PeerLog& writer,
+                              const broker::SessionImage& image, const PeerLogs& logs) {
+    std::vector<LogPosition> lacking;
+    for (const auto& [id, log] : logs) {
+        const LogPosition position{id, worked_through(writer, image, id)};
+        if (&log != &writer && !is_worked_through(effects, position, logs)) {
+            lacking.push_back(position);
+        }
+    }
+    if (lacking.empty()) return;
+    auto& held = by_log_[writer.mirror().log()];
+    if (held.empty() || !held.back().publishes.empty()) held.emplace_back();
+    held.back().after = broker::later_of(held.back().after, lacking);
+    held.back().until = effects.now + patience_;
+}
+
+bool PublishOrder::is_worked_through(const Effects& effects, const LogPosition& position,
+                                     const PeerLogs& logs) const {
+    if (effects.broker.cursor(position.log) >= position.seq) return true;
+    if (by_log_.contains(position.log)) return false;
+    const auto log = logs.find(position.log);
+    return log == logs.end() || log->second.applied() >= position.seq;
+}
+
+void PublishOrder::on_publish(Effects& effects, const MessagePtr& message) {
+    const auto held = by_log_.find(message->position.log);
+    if (held == by_log_.end()) {
+        return effects.broker.on_peer_message(effects.now, message, effects.clients);
+    }
+    held->second.back().publishes.push_back(message);
+    if (++held_ == held_most) release_all(effects);
+}
+
+void PublishOrder::carry_on(Effects& effects, const PeerLogs& logs) {
+    const auto waits = [&](Held& held) {
+        std::erase_if(held.after, [&](const LogPosition& position) {
+            return is_worked_through(effects, position, logs);
+        });
+        return !held.after.empty() && effects.now < held.until;
+    };
+    // One log may wait for another one that waits.
+    for (auto at = by_log_.begin(); at != by_log_.end();) {
+        auto& held = at->second;
+        if (waits(held.front())) {
+            ++at;
+            continue;
+        }
+        hand_on(effects, held.front());
+        held.pop_front();
+        if (held.empty()) by_log_.erase(at);
+        at = by_log_.begin();
+    }
+}
+
+void PublishOrder::release(Effects& effects, const LogId& log) {
+    const auto held = by_log_.extract(log);
+    if (held.empty()) return;
+    for (const Held& part : held.mapped()) hand_on(effects, part);
+}
+
+void PublishOrder::release_all(Effects& effects) {
+    while (!by_log_.empty()) release(effects, by_log_.begin()->first);
+}
+
+void PublishOrder::hand_on(Effects& effects, const Held& held) {
+    for (const auto& message : held.publishes) {
+        effects.broker.on_peer_message(effects.now, message, effects.clients);
+    }
+    held_ -= held.publishes.size();
+}
+
+}  // namespace romano::cluster

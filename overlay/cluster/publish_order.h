@@ -1,0 +1,52 @@
+// What a client published at its former home comes before what it publishes at the next one.
+//
+// The two stand in two logs, and after a heal, or when a batch is lost, the second may be here
+// first. A log that goes on with a session from elsewhere therefore hands its next publishes on
+// when the other logs are worked through as far as its writer had worked through them then. Their
+// events are applied and acknowledged meanwhile: only subscribers wait. Not in vain: no log waits
+// for what came after it, and none for longer than a tail takes to come.
+#pragma once
+
+#include <deque>
+#include <map>
+#include <vector>
+
+#include "overlay/cluster/effects.h"
+#include "overlay/cluster/peer_log.h"
+
+namespace romano::cluster {
+
+class PublishOrder {
+public:
+    explicit PublishOrder(Duration patience) : patience_(patience) {}
+
+    /// `writer` is about to apply a SessionPut of this image.
+    void on_session(const Effects& effects, const PeerLog& writer,
+                    const broker::SessionImage& image, const PeerLogs& logs);
+    /// Hands the publish of a peer's log on to the broker, now or later.
+    void on_publish(Effects& effects, const MessagePtr& message);
+    /// Hands on what waits no more.
+    void carry_on(Effects& effects, const PeerLogs& logs);
+    /// Hands on all that waits of this log.
+    void release(Effects& effects, const LogId& log);
+    void release_all(Effects& effects);
+
+    static constexpr std::size_t held_most = 20'000;  // publishes; beyond it, nothing waits
+
+private:
+    struct Held {
+        std::vector<LogPosition> after;  // by log
+        Instant until;
+        std::vector<MessagePtr> publishes;
+    };
+
+    [[nodiscard]] bool is_worked_through(const Effects& effects, const LogPosition& position,
+                                         const PeerLogs& logs) const;
+    void hand_on(Effects& effects, const Held& held);
+
+    Duration patience_;
+    std::map<LogId, std::deque<Held>> by_log_;  // mostly empty; no deque is
+    std::size_t held_ = 0;
+};
+
+}  // namespace romano::cluster

@@ -1,0 +1,122 @@
+#include "overlay/cluster/publish_order.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/overlay/cluster/events.h"
+
+namespace romano::cluster {
+namespace {
+
+using namespace std::chrono_literals;
+
+const LogId former = test::log_of("former");
+const LogId next = test::log_of("next");
+const LogId third = test::log_of("third");
+
+/// A member that applies the logs of two homes, and of a third broker.
+class PublishOrderTest : public testing::Test {
+protected:
+    PublishOrderTest() {
+        for (const LogId& log : {former, next, third}) logs.try_emplace(log, log, 1'000);
+    }
+
+    Effects effects() { return {now, broker, clients, peers, local}; }
+    /// The next event of a log is applied.
+    void apply(const LogId& id, const LogEvent& event) {
+        PeerLog& log = logs.at(id);
+        Effects acting = effects();
+        log.offer(log.applied() + 1, {event});
+        if (const auto* put = std::get_if<broker::SessionPut>(&event)) {
+            order.on_session(acting, log, put->image, logs);
+        }
+        log.apply();
+        if (const auto* published = std::get_if<broker::Published>(&event)) {
+            order.on_publish(acting, published->message);
+        }
+        carry_on();
+    }
+    void publish(const LogId& id) { apply(id, test::published(id, logs.at(id).applied() + 1)); }
+    void carry_on() {
+        Effects acting = effects();
+        order.carry_on(acting, logs);
+    }
+    /// The session comes from a home that had worked through `log` so far.
+    void move_session(const LogId& to, const LogId& log, Seq seq) {
+        apply(to, broker::Cursor{{log, seq}});
+        apply(to, test::session("robot"));
+    }
+
+    Instant now{10s};
+    broker::BrokerCore broker{broker::BrokerOptions{}, 1};
+    broker::Actions clients;
+    Outbox peers;
+    std::vector<LocalAction> local;
+    PeerLogs logs;
+    PublishOrder order{400ms};
+};
+
+TEST_F(PublishOrderTest, WhatFollowsAMoveWaitsForWhatTheFormerHomeHad) {
+    publish(former);
+    move_session(next, former, 2);
+    publish(next);
+    EXPECT_EQ(broker.cursor(next), 0U);
+    publish(former);
+    EXPECT_EQ(broker.cursor(next), 3U);
+}
+
+TEST_F(PublishOrderTest, NothingWaitsWhenTheFormerHomesLogIsHere) {
+    publish(former);
+    move_session(next, former, 1);
+    publish(next);
+    EXPECT_EQ(broker.cursor(next), 3U);
+}
+
+TEST_F(PublishOrderTest, ALogThatWaitsIsWaitedFor) {
+    move_session(next, former, 1);
+    publish(next);  // 3
+    move_session(third, next, 3);
+    publish(third);  // 3
+    EXPECT_EQ(broker.cursor(third), 0U);
+    publish(former);
+    EXPECT_EQ(broker.cursor(next), 3U);
+    EXPECT_EQ(broker.cursor(third), 3U);
+}
+
+TEST_F(PublishOrderTest, WhatWasAheadOfItsHomeCountsToo) {
+    broker::SessionPut put{};
+    put.image.header.client_id = "robot";
+    put.image.worked_through = {{former, 1}};
+    apply(next, put);
+    publish(next);
+    EXPECT_EQ(broker.cursor(next), 0U);
+    publish(former);
+    EXPECT_EQ(broker.cursor(next), 2U);
+}
+
+TEST_F(PublishOrderTest, NobodyWaitsLongerThanATailTakes) {
+    move_session(next, former, 7);
+    publish(next);
+    now += 399ms;
+    carry_on();
+    EXPECT_EQ(broker.cursor(next), 0U);
+    now += 1ms;
+    carry_on();
+    EXPECT_EQ(broker.cursor(next), 3U);
+}
+
+TEST_F(PublishOrderTest, NobodyWaitsForALogThatIsNotHeld) {
+    move_session(next, test::log_of("unknown"), 7);
+    publish(next);
+    EXPECT_EQ(broker.cursor(next), 3U);
+}
+
+TEST_F(PublishOrderTest, P8_WhatWaitsIsBounded) {
+    move_session(next, former, 1);
+    for (std::size_t i = 1; i < PublishOrder::held_most; ++i) publish(next);
+    EXPECT_EQ(broker.cursor(next), 0U);
+    publish(next);
+    EXPECT_EQ(broker.cursor(next), logs.at(next).applied());
+}
+
+}  // namespace
+}  // namespace romano::cluster
