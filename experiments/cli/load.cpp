@@ -15,6 +15,7 @@
 #include "experiments/cli/broker_options.h"
 #include "experiments/load/load_run.h"
 #include "experiments/load/mqttsn_clients.h"
+#include "romano/mqttsn/topic.h"
 
 namespace romano::experiments {
 namespace {
@@ -52,6 +53,20 @@ struct LoadOptions {
 
 Duration in_time(double seconds) {
     return std::chrono::duration_cast<Duration>(std::chrono::duration<double>{seconds});
+}
+
+/// Throws CommandError for what could not be measured.
+void check(const LoadPlan& plan) {
+    if (!mqttsn::is_valid_topic_name(plan.topic_name(0))) {
+        throw CommandError("--topic `" + plan.topic_prefix +
+                           "`: must be a topic name: UTF-8, without '+' and '#'");
+    }
+    const bool is_answered = plan.subscribers != 0 || plan.qos != mqttsn::Qos::at_most_once;
+    if (!plan.rate_per_s && !is_answered) {
+        throw CommandError(
+            "--subscribers 0 at QoS 0: nothing comes back that would turn the closed loop; give "
+            "--rate, or -q 1");
+    }
 }
 
 std::vector<Endpoint> brokers_of(const LoadOptions& options) {
@@ -190,6 +205,7 @@ void add_load(CLI::App& program, int& exit_code) {
         chosen.warm_up = in_time(options->warm_up_s);
         chosen.duration = in_time(options->duration_s);
         chosen.drain = in_time(options->drain_s);
+        check(chosen);
         exit_code = run(*options);
     });
 }

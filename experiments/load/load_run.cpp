@@ -88,11 +88,17 @@ void LoadRun::join() {
         }
         const Instant now = net::now();
         turn(now + 50ms);
-        if (!trouble_.empty()) throw LoadError(trouble_);
-        if (is_stopped()) throw LoadError("stopped before all clients had joined");
+        if (!trouble_.empty()) give_up(trouble_);
+        if (is_stopped()) give_up("stopped before all clients had joined");
         tell("joining", static_cast<double>(joined_) / plan_.clients());
     }
     figures_.joined_s = in_seconds(net::now() - began);
+}
+
+/// The next load must not find this one's sessions at the broker.
+void LoadRun::give_up(const std::string& why) {
+    clients_.leave();
+    throw LoadError(why);
 }
 
 void LoadRun::on_joined(Number) {

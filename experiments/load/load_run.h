@@ -57,6 +57,7 @@ private:
     };
 
     void join();
+    [[noreturn]] void give_up(const std::string& why);
     void load();
     void load_until(Instant until, const char* phase);
     void drain();

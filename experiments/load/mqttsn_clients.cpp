@@ -43,6 +43,20 @@ std::string texts_of(const std::vector<Endpoint>& brokers) {
     return text;
 }
 
+std::string words_for(mqttsn::ReturnCode code) {
+    const std::string number = "return code " + std::to_string(static_cast<int>(code));
+    switch (code) {
+        case mqttsn::ReturnCode::congestion:
+            return number + ", congestion: it has no room for more";
+        case mqttsn::ReturnCode::invalid_topic_id:
+            return number + ", invalid topic id";
+        case mqttsn::ReturnCode::not_supported:
+            return number + ", not supported";
+        default:
+            return number;
+    }
+}
+
 bool is_pingreq(Bytes datagram) {
     return datagram.size() >= 2 && datagram[1] == static_cast<std::uint8_t>(MsgType::pingreq);
 }
@@ -160,17 +174,17 @@ void MqttsnClients::on_event(Number number, const client::Event& event) {
                std::holds_alternative<client::Registered>(event)) {
         if (!clients_[number].joined) go_on_joining(number);
     } else if (const auto* failed = std::get_if<client::Failed>(&event)) {
-        const auto code = std::to_string(static_cast<int>(failed->return_code));
         if (clients_[number].joined) {
             listener_->on_published(now_, number, static_cast<PublishId>(failed->operation), false);
         } else {
             listener_->on_trouble(number, "the broker refused a subscription or a topic of " +
-                                              clients_[number].id + " with return code " + code);
+                                              clients_[number].id + ": " +
+                                              words_for(failed->return_code));
         }
     } else if (const auto* refused = std::get_if<client::Refused>(&event)) {
         listener_->on_trouble(number, "the broker refused the connection of " +
-                                          clients_[number].id + " with return code " +
-                                          std::to_string(static_cast<int>(refused->return_code)));
+                                          clients_[number].id + ": " +
+                                          words_for(refused->return_code));
     } else if (std::holds_alternative<client::Lost>(event)) {
         listener_->on_trouble(number, loss(number));
     } else if (const auto* disconnected = std::get_if<client::Disconnected>(&event)) {

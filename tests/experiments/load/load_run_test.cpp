@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <deque>
 #include <functional>
+#include <optional>
 #include <vector>
 
 #include "broker/net/clock.h"
@@ -28,6 +29,8 @@ public:
     };
     /// Gets the number of the message and what it would deliver.
     std::function<void(std::uint64_t, std::deque<Arrival>&)> spoil;
+    std::optional<Number> refused;
+    bool has_left = false;
 
     void attach(Listener& listener) override { listener_ = &listener; }
     void join(Number client) override { joining_.push_back(client); }
@@ -47,7 +50,10 @@ public:
         return id;
     }
     void turn(Instant) override {
-        for (const Number client : std::exchange(joining_, {})) listener_->on_joined(client);
+        for (const Number client : std::exchange(joining_, {})) {
+            if (client == refused) listener_->on_trouble(client, "no room");
+            listener_->on_joined(client);
+        }
         for (const auto& [client, id] : std::exchange(answers_, {})) {
             listener_->on_published(net::now(), client, id, true);
         }
@@ -55,7 +61,7 @@ public:
             listener_->on_message(net::now(), arrival.client, arrival.payload, false);
         }
     }
-    void leave() override {}
+    void leave() override { has_left = true; }
     [[nodiscard]] std::uint64_t retransmissions() const override { return 0; }
     [[nodiscard]] std::uint64_t dropped_here() const override { return 0; }
 
@@ -78,6 +84,14 @@ LoadPlan brief(LoadPlan plan) {
 LoadFigures run(const LoadPlan& plan, ScriptedClients& clients) {
     LoadRun run{plan, clients, {}};
     return run.run();
+}
+
+TEST(LoadRun, ThatCannotBeginLeavesNoSessionBehind) {
+    const LoadPlan plan = brief({.publishers = 2, .subscribers = 2});
+    ScriptedClients clients{plan};
+    clients.refused = 3;
+    EXPECT_THROW((void)run(plan, clients), LoadError);
+    EXPECT_TRUE(clients.has_left);
 }
 
 class LoadRunOverQos : public ::testing::TestWithParam<Qos> {};

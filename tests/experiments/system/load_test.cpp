@@ -59,6 +59,15 @@ TEST_F(Load, TellsPeopleTheSameInAFewLines) {
     }
 }
 
+TEST(LoadThatMakesNoSense, IsRefusedInOneSentence) {
+    const Ran endless = run_romano("load --subscribers 0");
+    EXPECT_EQ(endless.exit_code, 2);
+    EXPECT_THAT(endless.output, HasSubstr("nothing comes back that would turn the closed loop"));
+    const Ran nameless = run_romano("load --topic 'a/#'");
+    EXPECT_EQ(nameless.exit_code, 2);
+    EXPECT_THAT(nameless.output, HasSubstr("--topic `a/#`: must be a topic name"));
+}
+
 TEST(LoadWithoutABroker, SaysSoInOneSentence) {
     const Ran ran = run_romano("load -h 127.40.250.9 -p 9 --broker-timeout 0.2");
     EXPECT_EQ(ran.exit_code, 2);
