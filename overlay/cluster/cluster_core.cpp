@@ -343,6 +343,7 @@ void ClusterCore::on(Effects& effects, BrokerId from, const LogTail& tail) {
     if (log == logs_.end() || (log->second.is_frozen() && from == tail.log.broker)) return;
     log->second.offer(tail.first_seq, tail.events);
     apply(effects, tail.log, log->second);
+    ask_for_gap(effects, *log);
 }
 
 void ClusterCore::on(Effects&, BrokerId, const LogAck& ack) {
@@ -352,9 +353,10 @@ void ClusterCore::on(Effects&, BrokerId, const LogAck& ack) {
 
 void ClusterCore::on(Effects& effects, BrokerId, const TailRequest& request) {
     const auto log = logs_.find(request.after.log);
-    if (log == logs_.end() || !log->second.history().reaches_back_to(request.after.seq)) return;
-    send_tail(log->second.history(), request.after.log, request.after.seq, request.to,
-              effects.peers);
+    if (log == logs_.end()) return;
+    const LogHistory& history = log->second.history();
+    if (!history.reaches_back_to(request.after.seq)) return;
+    send_tail(history, request.after, history.last(), request.to, effects.peers);
 }
 
 void ClusterCore::on(Effects& effects, BrokerId from, const SnapshotRequest& request) {
@@ -476,11 +478,14 @@ void ClusterCore::learn(const MessagePtr& message) {
 }
 
 void ClusterCore::ask_for_gaps(Effects& effects) {
-    for (auto& [id, log] : logs_) {
-        if (!membership_.is_alive(id)) continue;
-        if (const auto request = log.ask(effects.now, 2 * options_.beacon_every)) {
-            effects.peers.push_back({id.broker, *request});
-        }
+    for (auto& log : logs_) ask_for_gap(effects, log);
+}
+
+void ClusterCore::ask_for_gap(Effects& effects, PeerLogs::value_type& held) {
+    auto& [id, log] = held;
+    if (!membership_.is_alive(id)) return;
+    if (const auto request = log.ask(effects.now, 2 * options_.beacon_every)) {
+        effects.peers.push_back({id.broker, *request});
     }
 }
 

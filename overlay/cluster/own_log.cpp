@@ -1,5 +1,6 @@
 #include "overlay/cluster/own_log.h"
 
+#include <algorithm>
 #include <cassert>
 #include <utility>
 
@@ -34,16 +35,18 @@ void OwnLog::flush(Outbox& out) {
 
 bool OwnLog::send_again(BrokerId to, Seq after, Outbox& out) const {
     if (after > history_.last() || !history_.reaches_back_to(after)) return false;
-    send_tail(history_, id_, after, to, out);
+    send_tail(history_, {id_, after}, std::min(after + tail_events_most, history_.last()), to, out);
     return true;
 }
 
-void send_tail(const LogHistory& history, LogId log, Seq after, BrokerId to, Outbox& out) {
-    while (after < history.last()) {
-        LogTail tail{.log = log,
-                     .first_seq = after + 1,
-                     .events = history.events_after(after, events_per_batch)};
-        after += tail.events.size();
+void send_tail(const LogHistory& history, LogPosition after, Seq through, BrokerId to,
+               Outbox& out) {
+    while (after.seq < through) {
+        const std::size_t most = std::min<Seq>(events_per_batch, through - after.seq);
+        LogTail tail{.log = after.log,
+                     .first_seq = after.seq + 1,
+                     .events = history.events_after(after.seq, most)};
+        after.seq += tail.events.size();
         out.push_back({to, std::move(tail)});
     }
 }

@@ -10,6 +10,10 @@
 
 namespace romano::cluster {
 
+/// More than a peer is sent of a tail at once would keep the sender from its beacons; the peer asks
+/// for the next piece when it has applied this one.
+inline constexpr Seq tail_events_most = 4'096;
+
 class OwnLog {
 public:
     OwnLog(LogId id, std::size_t events_kept) : id_(id), history_(events_kept) {}
@@ -17,8 +21,8 @@ public:
     void append(Seq seq, LogEvent event);
     /// Batches of what was appended since the last call: to all.
     void flush(Outbox& out);
-    /// Answers a peer that holds the log up to `after`. False when that is too long ago: it needs
-    /// a snapshot.
+    /// Answers a peer that holds the log up to `after`, with a piece of what follows. False when
+    /// that is too long ago: it needs a snapshot.
     bool send_again(BrokerId to, Seq after, Outbox& out) const;
 
     [[nodiscard]] LogId id() const { return id_; }
@@ -32,7 +36,8 @@ private:
     Seq flushed_ = 0;
 };
 
-/// Sends the events after `after` as LogTails. `history` must reach back to there.
-void send_tail(const LogHistory& history, LogId log, Seq after, BrokerId to, Outbox& out);
+/// Sends the events after `after`, up to and including `through`, as LogTails. `history` must reach
+/// back to there.
+void send_tail(const LogHistory& history, LogPosition after, Seq through, BrokerId to, Outbox& out);
 
 }  // namespace romano::cluster

@@ -256,7 +256,8 @@ void ViewChange::conclude(Instant now, Surroundings around, Outbox& out) {
         } else if (const auto log = around.logs.find(request.after.log);
                    log != around.logs.end() &&
                    log->second.history().reaches_back_to(request.after.seq)) {
-            send_tail(log->second.history(), log->first, request.after.seq, request.to, out);
+            const LogHistory& history = log->second.history();
+            send_tail(history, request.after, history.last(), request.to, out);
         }
     }
     ViewAnnouncement announcement{.view = done.message.view,
