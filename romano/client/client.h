@@ -156,7 +156,7 @@ public:
     [[nodiscard]] Instant next_wakeup() const;
 
     /// The owner talks to another broker of the same cluster from now on: a PINGREQ is due, so that
-    /// the session comes there.
+    /// the session comes there, and the open request once more.
     void on_broker_changed(Instant now);
 
     /// A PINGREQ is due, unless one is out: the owner wants to hear of the broker.

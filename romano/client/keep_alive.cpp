@@ -30,8 +30,11 @@ void ClientCore::tick_keep_alive(const Call& call) {
     call.out.send(mqttsn::MsgType::pingreq, {});
 }
 
-/// Also when no ping would be due for long, or ever: the former broker would go on talking to us.
+/// Pings also when no ping would be due for long, or ever: the former broker would go on talking to
+/// us. What is open is asked again at once, for the former broker's answer may not reach us, and as
+/// often as if it were new.
 void ClientCore::on_broker_changed(Instant now) {
+    if (exchange_.is_running()) exchange_.start(now, Duration{0}, timing_.n_retry);
     if (state_ == State::connected) ping_.stop();
     probe(now);
 }

@@ -107,6 +107,29 @@ TEST(KeepAlive, PingsAtOnceWhenTheOwnerTalksToAnotherBroker) {
     EXPECT_EQ(chart.client().next_wakeup(), never);
 }
 
+TEST(KeepAlive, AsksAnotherBrokerAtOnceWhatTheFormerHasNotAnswered) {
+    SequenceChart chart;
+    chart.connect({.client_id = "c", .keep_alive = 0s});
+    chart.register_name("pose", TopicId{7});
+    chart.publish(topic_name("pose"), "x=1", Qos::exactly_once);
+    chart.sends(Publish{false, Qos::exactly_once, false, TopicIdType::normal, TopicId{7}, MsgId{2},
+                        as_octets("x=1")});
+    chart.gets(Pubrec{MsgId{2}});
+    chart.sends(Pubrel{MsgId{2}});
+    for (int repetition = 0; repetition < n_retry; ++repetition) {
+        chart.after(t_retry);
+        chart.sends(Pubrel{MsgId{2}});
+    }
+    chart.client().on_broker_changed(chart.now());
+    chart.after(0s);
+    chart.sends(Pubrel{MsgId{2}});
+    chart.sends(Pingreq{});
+    chart.gets(Pubcomp{MsgId{2}});
+    chart.tells("published 2");
+    chart.gets(Pingresp{});
+    EXPECT_EQ(chart.client().next_wakeup(), never);
+}
+
 TEST(KeepAlive, PingsOnceWhenTheOwnerWantsToHearOfTheBroker) {
     SequenceChart chart;
     chart.connect({.client_id = "c", .keep_alive = 0s});
