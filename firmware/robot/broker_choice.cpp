@@ -23,7 +23,6 @@ void BrokerChoice::abandon(Instant now, const Endpoint& broker) {
         if (candidates_[i - 1].broker == broker) candidates_.erase_at(i - 1);
     }
     search(now);
-    if (candidates_.empty()) decides_at_ = never;
 }
 
 BrokerChoice::Candidate* BrokerChoice::find(const Endpoint& broker) {
@@ -67,7 +66,10 @@ void BrokerChoice::on_datagram(Instant now, const Endpoint& from, Bytes datagram
 std::size_t BrokerChoice::on_tick(Instant now, MutableBytes out) {
     if (search_at_ <= now) search(now);
     const std::size_t size = discovery_.on_tick(now, out);
-    if (size != 0) asked_at_ = now;
+    if (size != 0) {
+        asked_at_ = now;
+        decides_at_ = never;
+    }
     return size;
 }
 
@@ -82,8 +84,7 @@ bool BrokerChoice::is_clearly_better(const Candidate& a, const Candidate& b) {
 
 std::optional<Endpoint> BrokerChoice::choose(Instant now,
                                              const std::optional<Endpoint>& current) const {
-    if (candidates_.empty()) return current;
-    if (!current && now < decides_at_) return std::nullopt;
+    if (candidates_.empty() || now < decides_at_) return current;
     Candidate best = candidates_[0];
     for (const Candidate& candidate : candidates_) {
         if (candidate.cost < best.cost) best = candidate;

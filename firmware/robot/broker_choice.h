@@ -1,7 +1,8 @@
 // Which broker a robot talks to: the nearest of those that discovery finds, by signal strength
 // where the radio tells, else by the time that an answer takes. A broker is left for a better one
-// only when that is clearly better, so that a robot between two brokers does not swing. A broker
-// that gets weaker makes it look around; one that answers no search any more is forgotten.
+// only when that is clearly better, so that a robot between two brokers does not swing, and once
+// the answers to a search are in, so that it does not move twice. A broker that gets weaker makes
+// it look around; one that answers no search any more is forgotten.
 #pragma once
 
 #include <cstddef>
@@ -40,10 +41,11 @@ public:
     /// The size of a datagram for the discovery group, or 0; `out` holds largest_datagram.
     [[nodiscard]] std::size_t on_tick(Instant now, MutableBytes out);
     [[nodiscard]] Instant next_wakeup() const;
-    /// When a first choice can be made.
+    /// When the answers to the last search are in; `never` before the first, may be in the past.
     [[nodiscard]] Instant decides_at() const { return decides_at_; }
 
-    /// Where to talk to from now on, given where the robot talks to now; empty while unknown.
+    /// Where to talk to from now on, given where the robot talks to now; empty while unknown. As it
+    /// is until decides_at().
     [[nodiscard]] std::optional<Endpoint> choose(Instant now,
                                                  const std::optional<Endpoint>& current) const;
 

@@ -40,7 +40,9 @@ Instant RobotCore::run() {
     if (node_.phase() == node::Phase::stopped) node_.start(now_, *this);
     if (node_.next_wakeup() <= now_) node_.on_tick(now_, *this);
     if (!discovers_) return node_.next_wakeup();
-    return std::min(std::min(node_.next_wakeup(), choice_.next_wakeup()), silence_ends_at());
+    const Instant next =
+        std::min(std::min(node_.next_wakeup(), choice_.next_wakeup()), silence_ends_at());
+    return choice_.decides_at() > now_ ? std::min(next, choice_.decides_at()) : next;
 }
 
 void RobotCore::receive_all() {

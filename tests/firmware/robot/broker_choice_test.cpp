@@ -79,8 +79,25 @@ TEST_F(Choosing, LeavesABrokerOnlyForAClearlyBetterOne) {
     EXPECT_EQ(choice.choose(now, broker(1)), broker(1));
     asks();
     answers(2, -54);
+    now += BrokerChoice::answers_within;
     EXPECT_EQ(choice.choose(now, broker(1)), broker(2));
     EXPECT_EQ(choice.choose(now, broker(2)), broker(2)) << "and does not swing back";
+}
+
+TEST_F(Choosing, MovesOnceWhenTheAnswersToItsSearchAreIn) {
+    choice.search(now);
+    asks();
+    answers(1, -60);
+    now += BrokerChoice::answers_within;
+    asks();
+    answers(1, -80);
+    answers(3, -70);
+    EXPECT_EQ(choice.choose(now, broker(1)), broker(1)) << "somebody nearer may answer yet";
+    answers(2, -50);
+    EXPECT_EQ(choice.choose(now, broker(1)), broker(1));
+    EXPECT_EQ(choice.decides_at(), now + BrokerChoice::answers_within);
+    now = choice.decides_at();
+    EXPECT_EQ(choice.choose(now, broker(1)), broker(2));
 }
 
 TEST_F(Choosing, ABrokerThatDoesNotAnswerAnyMoreIsAbandoned) {
