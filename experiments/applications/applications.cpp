@@ -1,10 +1,13 @@
 #include "experiments/applications/applications.h"
 
+#include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <fstream>
 #include <stdexcept>
 
 #include "experiments/applications/field.h"
+#include "experiments/applications/path_error.h"
 #include "experiments/operator/robot_message.h"
 
 namespace romano::experiments {
@@ -20,7 +23,8 @@ void write_picture(const Field& field, std::size_t robots, const std::string& na
                     .x_label = "x (mm)",
                     .y_label = "y (mm)",
                     .series = {},
-                    .ticks_at_points = false};
+                    .ticks_at_points = false,
+                    .is_map = true};
     for (std::size_t i = 0; i < robots; ++i) panel.series.push_back(field.trail(i));
     std::filesystem::create_directories(folder);
     field.write_csv(folder / (name + ".csv"));
@@ -28,9 +32,11 @@ void write_picture(const Field& field, std::size_t robots, const std::string& na
     if (svg) std::ofstream(folder / (name + ".svg")) << *svg << '\n';
 }
 
-void expect_at(const Field& field, std::size_t robot, double x_mm, double y_mm) {
+/// How far from there it is, in mm. Throws when that is too far.
+double expect_at(const Field& field, std::size_t robot, double x_mm, double y_mm) {
     const firmware::Pose& pose = field.pose(robot);
-    if (std::hypot(pose.x_mm - x_mm, pose.y_mm - y_mm) <= 2) return;
+    const double error = std::hypot(pose.x_mm - x_mm, pose.y_mm - y_mm);
+    if (error <= 2) return error;
     throw std::runtime_error("robot " + std::to_string(robot) + " is at " +
                              std::to_string(pose.x_mm) + ", " + std::to_string(pose.y_mm) +
                              " mm instead of " + std::to_string(x_mm) + ", " +
@@ -81,9 +87,17 @@ void run_group_control(const ApplicationOptions& options) {
     command("common", move("back", "20cm"), all);
     write_picture(field, robots, "group_control",
                   "Movement messages to two teams, to one robot, to all", options.output);
+    std::uint64_t commands = 0;
+    double error = 0;
     for (std::size_t i = 0; i < robots; ++i) {
-        expect_at(field, i, 700.0 * static_cast<double>(i) - (i == 5 ? 100 : 0), -200);
+        commands += field.commands(i);
+        const double x = 700.0 * static_cast<double>(i) - (i == 5 ? 100 : 0);
+        error = std::max(error, expect_at(field, i, x, -200));
     }
+    std::printf(
+        "%zu robots carried out %llu commands and stand within %.1f mm of where they "
+        "should\n",
+        robots, static_cast<unsigned long long>(commands), error);
 }
 
 void run_path_copy(const ApplicationOptions& options) {
@@ -113,6 +127,14 @@ void run_path_copy(const ApplicationOptions& options) {
                   "One robot drives and tells where it is; two copy its path", options.output);
     expect_at(field, 1, 1800 + leader.x_mm, leader.y_mm);
     expect_at(field, 2, 1800 - leader.x_mm, -leader.y_mm);
+    for (const std::size_t copy : {1U, 2U}) {
+        const PathError error = path_error(field.places(0), field.places(copy));
+        std::printf(
+            "robot %zu copied a path of %.0f mm: path error %.1f mm on the mean, %.1f mm "
+            "at most\n",
+            copy, length_mm(field.places(0)), error.mean_mm, error.most_mm);
+        if (error.most_mm > 30) throw std::runtime_error("a copy left the path");
+    }
 }
 
 }  // namespace romano::experiments

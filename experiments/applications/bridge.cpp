@@ -111,6 +111,7 @@ Network::Network(boost::asio::io_context& io, const ApplicationOptions& options,
 void Network::wait_until_ready(boost::asio::io_context& io) {
     const auto wait_for = [&](const auto& done, const char* what) {
         for (const Instant end = net::now() + 20s; !done();) {
+            for (const auto& process : processes_) process->expect_running();
             if (net::now() > end) throw std::runtime_error(name_ + what);
             io.run_one_for(5ms);
         }
@@ -121,7 +122,6 @@ void Network::wait_until_ready(boost::asio::io_context& io) {
     firmware::SimulatedRobotOptions options;
     options.robot.node.id =
         message::RomanoId::parse(number_ == 0 ? "0000e006" : "0000e004").value();
-    options.robot.node.qos = Qos::exactly_once;
     options.robot.timing.t_retry = 1s;
     options.robot.seed = number_;
     if (at.address().is_v6()) {

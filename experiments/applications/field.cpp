@@ -66,7 +66,7 @@ void Field::wait_until_established() {
 
 void Field::send(const std::string& topic, const std::vector<std::uint8_t>& message) {
     operator_.publish(topic, message, mqttsn::Qos::at_least_once);
-    wait_for([this] { return operator_.is_idle(); }, "the broker does not answer");
+    wait_for([this] { return operator_.is_idle(); }, no_answer());
 }
 
 void Field::wait_for(const std::function<bool()>& done, const std::string& what) {
@@ -83,8 +83,13 @@ void Field::run_for(std::chrono::milliseconds time) {
 
 void Field::turn() {
     io_.run_one_for(5ms);
-    if (operator_.has_failed()) throw std::runtime_error("the broker does not answer");
+    if (operator_.has_failed()) throw std::runtime_error(no_answer());
     write_down();
+}
+
+std::string Field::no_answer() const {
+    return "no broker answers at " + broker_.address().to_string() + " port " +
+           std::to_string(broker_.port()) + " (see -h and -p)";
 }
 
 void Field::write_down() {

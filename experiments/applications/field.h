@@ -46,6 +46,10 @@ public:
     [[nodiscard]] std::uint64_t commands(std::size_t robot) const {
         return robots_[robot]->counters().commands;
     }
+    /// Where a robot was so far, from its start.
+    [[nodiscard]] const std::vector<firmware::Pose>& places(std::size_t robot) const {
+        return trails_[robot];
+    }
     /// A robot's way so far, a point every few millimetres.
     [[nodiscard]] PlotSeries trail(std::size_t robot) const;
     /// One line a place: robot, x_mm, y_mm, heading_deg.
@@ -54,6 +58,7 @@ public:
 private:
     void turn();
     void write_down();
+    [[nodiscard]] std::string no_answer() const;
 
     boost::asio::io_context io_{1};
     BrokerAddress broker_;

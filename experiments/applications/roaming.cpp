@@ -44,6 +44,7 @@ struct Outcome {
     Qos qos;
     Way way;
     std::uint64_t sent = 0;
+    std::uint64_t refused = 0;  // the sender's queue was full
     std::uint64_t lost = 0;
     std::uint64_t doubled = 0;
     std::uint64_t worst_move = 0;     // most messages lost in one move
@@ -118,7 +119,6 @@ Run::Run(boost::asio::io_context& io, const RowOfCells& row, std::size_t robots,
         roamer.radio = std::make_unique<RowRadio>(row, seed * 1000 + i);
         firmware::SimulatedRobotOptions options;
         options.robot.node.id = message::RomanoId::parse(id_of(i)).value();
-        options.robot.node.qos = outcome.qos;
         options.robot.timing.t_retry = 1s;
         options.robot.seed = seed * 1000 + i;
         options.local.family = 4;
@@ -166,7 +166,9 @@ void Run::talk(Instant now) {
             taken = static_cast<bool>(station_.publish(
                 client::topic_name(id_of(i)), Bytes{octets}.first(size), {.qos = outcome_.qos}));
         }
-        if (!taken) roamer.book.sent_at.pop_back();
+        if (taken) continue;
+        roamer.book.sent_at.pop_back();
+        ++outcome_.refused;
     }
 }
 
@@ -247,14 +249,33 @@ std::vector<double> times_ms(const std::vector<Move>& moves) {
     return times;
 }
 
+void print_head() {
+    std::puts(
+        "QoS  way          messages  refused  lost  in a move  doubled  moves   move p50     p99   "
+        "  max "
+        "(ms)");
+    std::fflush(stdout);
+}
+
+void print_row(const Outcome& outcome) {
+    const auto samples = times_ms(outcome.moves);
+    const Percentiles move{samples};
+    const auto at = [&](double share) { return move.at(share).value_or(std::nan("")); };
+    std::printf("%3d  %-11s  %8llu  %7llu  %4llu  %9llu  %7llu  %5zu  %9.1f  %6.1f  %6.1f\n",
+                static_cast<int>(outcome.qos), to_text(outcome.way),
+                static_cast<unsigned long long>(outcome.sent),
+                static_cast<unsigned long long>(outcome.refused),
+                static_cast<unsigned long long>(outcome.lost),
+                static_cast<unsigned long long>(outcome.worst_move),
+                static_cast<unsigned long long>(outcome.doubled), outcome.moves.size(), at(0.5),
+                at(0.99), at(1));
+    std::fflush(stdout);  // the next run takes half a minute
+}
+
 void write_results(const std::vector<Outcome>& outcomes, const std::filesystem::path& folder) {
-    std::filesystem::create_directories(folder);
     std::ofstream csv(folder / "roaming.csv");
-    csv << "qos,way,messages,lost,lost_in_one_move_at_most,doubled,moves,unfinished_moves,"
+    csv << "qos,way,messages,refused,lost,lost_in_one_move_at_most,doubled,moves,unfinished_moves,"
            "move_p50_ms,move_p99_ms,move_max_ms,datagrams_lost_by_radio\n";
-    std::printf(
-        "QoS  way          messages  lost  in a move  doubled  moves   move p50     p99     max "
-        "(ms)\n");
     PlotPanel times{.title = "Time of a move",
                     .x_label = "QoS",
                     .y_label = "ms until the new broker is heard",
@@ -265,16 +286,10 @@ void write_results(const std::vector<Outcome>& outcomes, const std::filesystem::
         const Percentiles move{samples};
         const auto at = [&](double share) { return move.at(share).value_or(std::nan("")); };
         const int qos = static_cast<int>(outcome.qos);
-        csv << qos << ',' << to_text(outcome.way) << ',' << outcome.sent << ',' << outcome.lost
-            << ',' << outcome.worst_move << ',' << outcome.doubled << ',' << outcome.moves.size()
-            << ',' << outcome.moves.size() - samples.size() << ',' << at(0.5) << ',' << at(0.99)
-            << ',' << at(1) << ',' << outcome.lost_by_radio << '\n';
-        std::printf("%3d  %-11s  %8llu  %4llu  %9llu  %7llu  %5zu  %9.1f  %6.1f  %6.1f\n", qos,
-                    to_text(outcome.way), static_cast<unsigned long long>(outcome.sent),
-                    static_cast<unsigned long long>(outcome.lost),
-                    static_cast<unsigned long long>(outcome.worst_move),
-                    static_cast<unsigned long long>(outcome.doubled), outcome.moves.size(), at(0.5),
-                    at(0.99), at(1));
+        csv << qos << ',' << to_text(outcome.way) << ',' << outcome.sent << ',' << outcome.refused
+            << ',' << outcome.lost << ',' << outcome.worst_move << ',' << outcome.doubled << ','
+            << outcome.moves.size() << ',' << outcome.moves.size() - samples.size() << ','
+            << at(0.5) << ',' << at(0.99) << ',' << at(1) << ',' << outcome.lost_by_radio << '\n';
         PlotSeries series{.label = to_text(outcome.way), .points = {}, .line = false};
         for (const double time : samples) {
             series.points.push_back(
@@ -326,9 +341,11 @@ void run_roaming(const ApplicationOptions& options) {
     }
     BrokerWatch watch(io, row.broker(0), "roaming-watch", {.t_retry = 100ms, .n_retry = 200}, {});
     for (const Instant end = net::now() + 20s; watch.members_in_view_of("b1") < brokers;) {
+        for (const auto& process : processes) process->expect_running();
         if (net::now() > end) throw std::runtime_error("the brokers did not find each other");
         io.run_one_for(5ms);
     }
+    print_head();
     std::vector<Outcome> outcomes;
     const Duration time = std::chrono::duration_cast<Duration>(
         std::chrono::duration<double>(row.lap_s() * (options.brief ? 1 : 2)));
@@ -339,6 +356,7 @@ void run_roaming(const ApplicationOptions& options) {
             outcome.way = way;
             Run(io, row, options.brief ? 2 : 4, outcome, options.seed + outcomes.size())
                 .drive(time);
+            print_row(outcome);
         }
     }
     write_results(outcomes, options.output);

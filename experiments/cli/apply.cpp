@@ -1,6 +1,7 @@
 #include "experiments/cli/apply.h"
 
 #include <array>
+#include <boost/asio/ip/address_v4.hpp>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -21,7 +22,8 @@ constexpr const char* examples = R"(Applications, at a broker that runs:
   radio-distance  two robots disperse and keep the strength of their radio link (a modelled radio)
 With brokers of their own (--broker, --domain, --network):
   bridge          two networks, IPv6 and IPv4, over MQTT through mosquitto with TLS; a leader dies
-  roaming         robots drive between the cells of three brokers and talk to the nearest
+  roaming         robots drive between the cells of three brokers and talk to the nearest; takes
+                  four minutes (--brief: one)
 
 Examples:
   romano apply group-control                   (group_control.svg, .csv)
@@ -58,6 +60,13 @@ std::vector<std::string> names() {
     return all;
 }
 
+/// Addresses that every machine has.
+std::string check_network(const std::string& network) {
+    boost::system::error_code none;
+    const auto address = boost::asio::ip::make_address_v4(network + ".1", none);
+    return !none && address.is_loopback() ? "" : "--network `" + network + "`: must be 127.A.B";
+}
+
 void add_options(CLI::App& command, ApplyOptions& options) {
     command.set_help_flag("--help", "Show this and examples, and exit");
     command.add_option("application", options.application, "Which one")
@@ -70,13 +79,17 @@ void add_options(CLI::App& command, ApplyOptions& options) {
         ->capture_default_str();
     command.add_option("-o,--output", options.output, "The folder for picture and numbers")
         ->capture_default_str();
-    command.add_option("--broker", options.broker_program,
-                       "The program of brokers that it starts (default: romano-broker beside this "
-                       "program)");
+    command
+        .add_option("--broker", options.broker_program,
+                    "The program of brokers that it starts (default: romano-broker beside this "
+                    "program)")
+        ->check(CLI::ExistingFile);
     command.add_option("--domain", options.run.domain, "Their DDS domain, and the next")
         ->check(CLI::Range(0, 229))
         ->capture_default_str();
-    command.add_option("--network", options.run.network, "The first octets of their addresses")
+    command
+        .add_option("--network", options.run.network, "The first three octets of their addresses")
+        ->check(check_network, "127.A.B")
         ->capture_default_str();
     command.add_option("--seed", options.run.seed, "Of the modelled radio")->capture_default_str();
     command.add_flag("--brief", options.run.brief, "roaming: fewer robots, a shorter way");
@@ -103,7 +116,9 @@ void add_apply(CLI::App& program, int& exit_code) {
             } catch (const std::runtime_error& failed) {
                 throw CommandError(failed.what());
             }
-            std::printf("wrote %s\n", (options->run.output / each.picture).c_str());
+            const auto picture = options->run.output / each.picture;
+            const auto numbers = std::filesystem::path{picture}.replace_extension("csv");
+            std::printf("wrote %s and %s\n", picture.c_str(), numbers.c_str());
         }
         exit_code = 0;
     });

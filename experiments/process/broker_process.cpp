@@ -114,6 +114,10 @@ std::string BrokerProcess::how_it_ended() const {
     return last.empty() ? text : text + ": " + last;
 }
 
+void BrokerProcess::expect_running() {
+    if (has_ended()) throw std::runtime_error("broker " + name_ + " ended: " + how_it_ended());
+}
+
 void BrokerProcess::reap(int options) {
     int status = 0;
     pid_t ended = -1;

@@ -37,6 +37,8 @@ public:
     [[nodiscard]] bool has_ended();
     /// "exit code 2", "signal 11 (Segmentation fault)", with the last line of its trace.
     [[nodiscard]] std::string how_it_ended() const;
+    /// Throws std::runtime_error with that when it has ended.
+    void expect_running();
 
 private:
     void reap(int options);

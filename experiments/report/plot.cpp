@@ -96,6 +96,7 @@ void write_panel(const PlotPanel& panel, std::size_t number, std::ostream& out) 
         << (panel.y_from ? std::to_string(*panel.y_from) : "*") << ':'
         << (panel.y_to ? std::to_string(*panel.y_to) : "*") << "]\n";
     write_x_axis(panel, out);
+    out << (panel.is_map ? "set size ratio -1\n" : "set size noratio\n");
     out << "unset arrow\nunset label\n";
     if (panel.marked_x) {
         out << "set arrow from " << *panel.marked_x << ", graph 0 to " << *panel.marked_x

@@ -30,6 +30,7 @@ struct PlotPanel {
     std::vector<PlotSeries> series;
     bool log_y = false;
     bool ticks_at_points = true;  // of x: where there is something to see
+    bool is_map = false;          // x and y in one unit: one scale for both
     std::optional<double> y_from = std::nullopt;
     std::optional<double> y_to = std::nullopt;
     std::optional<double> marked_x = std::nullopt;  // a vertical line: the fault

@@ -258,6 +258,7 @@ TEST_P(Application, EndsWhereItShouldAndDrawsTheTrails) {
     std::ranges::replace(file, '-', '_');
     EXPECT_TRUE(std::filesystem::exists(folder / (file + ".csv")));
     EXPECT_TRUE(std::filesystem::exists(folder / (file + ".svg"))) << "is gnuplot installed?";
+    EXPECT_THAT(said, testing::AnyOf(HasSubstr(" mm "), HasSubstr(" dBm")));  // how well
 }
 
 /// "group-control" is GroupControl.

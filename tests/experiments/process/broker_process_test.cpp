@@ -84,6 +84,7 @@ TEST_F(BrokerProcesses, ThatCannotBeStartedSayWhy) {
     BrokerProcess process{"b1", "/nowhere/romano-broker", {}, trace_};
     await_end(process);
     EXPECT_EQ(process.how_it_ended(), "exit code 127: No such file or directory");
+    EXPECT_THROW(process.expect_running(), std::runtime_error);
 }
 
 TEST(ProcessUsages, AreReadFromTheKernelsText) {
