@@ -45,7 +45,7 @@ struct RobotCommandOptions {
     std::string second;     // amount, or kind of data
     std::string form = "auto";
     int legacy_speed = 30;
-    int qos = 1;
+    int qos = 2;  // no robot carries a movement out twice
     bool as_json = false;
 };
 

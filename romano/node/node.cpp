@@ -121,7 +121,7 @@ void Node::enter(Phase phase, Instant now, Port& port) {
     }
     const std::string_view topic = phase == Phase::subscribing ? options_.id.text() : common_topic;
     const auto operation =
-        client_.subscribe(now, client::topic_name(topic), options_.qos, scratch_);
+        client_.subscribe(now, client::topic_name(topic), subscription_qos, scratch_);
     if (operation) {
         subscription_ = *operation;
     } else {  // no room: begin anew rather than wait for an answer that nobody owes
@@ -134,7 +134,7 @@ void Node::send_connection_request(Instant now, Port& port) {
     due_ = now + options_.ack_timeout;
     if (!client_.is_idle()) return;  // the broker has not answered the last one yet
     ++counters_.requests_sent;
-    publish_id<message::ConnectionRequest>(now, init_topic, options_.qos, port);
+    publish_id<message::ConnectionRequest>(now, init_topic, Qos::at_least_once, port);
 }
 
 void Node::on_received(Instant now, const client::Received& received, Port& port) {
@@ -181,13 +181,13 @@ bool Node::publish_octets(Instant now, std::string_view topic, Bytes message, Qo
 
 bool Node::subscribe(Instant now, std::string_view topic, Port& port) {
     const auto operation =
-        client_.subscribe(now, client::topic_name(topic), options_.qos, scratch_);
+        client_.subscribe(now, client::topic_name(topic), subscription_qos, scratch_);
     flush(now, port);
     return operation.has_value();
 }
 
 bool Node::request_connected_nodes(Instant now, Port& port) {
-    return publish_id<message::RequestConnectedNodes>(now, init_topic, options_.qos, port);
+    return publish_id<message::RequestConnectedNodes>(now, init_topic, Qos::at_least_once, port);
 }
 
 }  // namespace romano::node

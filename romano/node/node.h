@@ -26,6 +26,9 @@ namespace romano::node {
 inline constexpr std::string_view init_topic = "init-info";
 inline constexpr std::string_view common_topic = "common";
 
+/// A message comes at the QoS that its publisher chose: a movement at QoS 2 is carried out once.
+inline constexpr auto subscription_qos = mqttsn::Qos::exactly_once;
+
 struct NodeOptions {
     message::RomanoId id;
     Duration ack_timeout{
@@ -34,8 +37,6 @@ struct NodeOptions {
     Duration heartbeat_every{0};                      // 0: no heartbeats
     client::KeepAlive keep_alive{30};
     bool keep_session = false;  // the broker keeps messages while the node is away
-    mqttsn::Qos qos = mqttsn::Qos::at_least_once;  // of the node's own
-                                                   // subscriptions and publishes
 };
 
 /// What the node's owner lends it for the time of a call.

@@ -39,7 +39,9 @@ public:
     void on_tick(Instant now) override {
         if (!away && node_->next_wakeup() <= now) node_->on_tick(now, *this);
     }
-    void send(Bytes datagram) override { cell_.from_station(*this, datagram); }
+    void send(Bytes datagram) override {
+        if (!dumb) cell_.from_station(*this, datagram);
+    }
     void on_established() override { ++established; }
     void on_publish_request(std::string_view topic, Bytes kind) override {
         requests.emplace_back(std::string{topic}, std::string{as_text(kind)});
@@ -54,8 +56,9 @@ public:
         }
     }
     Node& node() { return *node_; }
-    void publish(std::string_view topic, const message::Message& message) {
-        ASSERT_TRUE(node_->publish(cell_.now(), topic, message, Qos::at_least_once, *this));
+    void publish(std::string_view topic, const message::Message& message,
+                 Qos qos = Qos::at_least_once) {
+        ASSERT_TRUE(node_->publish(cell_.now(), topic, message, qos, *this));
         cell_.settle();
     }
     std::uint32_t next_amount() {
@@ -64,6 +67,7 @@ public:
     }
 
     bool away = false;  // hears nothing, says nothing
+    bool dumb = false;  // what it says is lost
     romano_mailbox mailbox{};
     int established = 0;
     int heartbeats = 0;
@@ -170,6 +174,20 @@ TEST_F(NodeTest, PutsMovementsIntoTheMailbox) {
     other.publish("abcd1234", message::MovementControl{message::MovementType::front, millimetres});
     EXPECT_EQ(robot.next_amount(), 100U);
     EXPECT_TRUE(robot.data_received.empty());
+}
+
+TEST_F(NodeTest, AMovementAtQos2IsCarriedOutOnceThoughItsAnswerIsLost) {
+    robot.start();
+    other.start();
+    robot.dumb = true;
+    const std::vector<std::uint8_t> millimetres{0, 0, 0, 100};
+    other.publish("abcd1234", message::MovementControl{message::MovementType::front, millimetres},
+                  Qos::exactly_once);
+    cell.run_for(15s);  // the broker repeats it
+    robot.dumb = false;
+    cell.run_for(15s);
+    EXPECT_EQ(robot.next_amount(), 100U);
+    EXPECT_EQ(robot.next_amount(), 0U);
 }
 
 TEST_F(NodeTest, SubscribesAndUnsubscribesOnCommand) {
