@@ -34,6 +34,7 @@ std::vector<std::string> arguments_of(Kind kind) {
         case Kind::narrow:
             add({"--retry-ms", "60000", "--no-romano"});
             add({"--max-sessions", number(Narrow::sessions)});
+            add({"--session-expiry-s", number(Narrow::session_expiry_s)});
             add({"--max-connecting", number(Narrow::connecting)});
             add({"--max-subscriptions", number(Narrow::subscriptions)});
             add({"--max-topics", number(Narrow::topics)});

@@ -35,6 +35,7 @@ enum class Kind {
 
 struct Narrow {  // the limits of Kind::narrow
     static constexpr std::size_t sessions = 6;
+    static constexpr std::size_t session_expiry_s = 1;
     static constexpr std::size_t connecting = 2;
     static constexpr std::size_t subscriptions = 2;
     static constexpr std::size_t topics = 3;

@@ -92,6 +92,27 @@ TEST_P(S6_10_Delivery, d_Puback0DoesNotEndQos2) {  // 6.6a
     robot.says(pubcomp(msg_id));
 }
 
+TEST_P(S6_10_Delivery, d_PubcompBeforePubrecEndsNothing) {
+    Client& robot = connected();
+    const unsigned id = robot.subscribes(topic(), 2);
+    publishes("1", 2);
+    publishes("2", 2);
+    const unsigned msg_id = robot.hears_publish(qos2, id, "1");
+    robot.says(pubcomp(msg_id));
+    hears_nothing(robot);
+    robot.says(pubrec(msg_id));
+    robot.hears(pubrel(msg_id));
+    robot.says(pubcomp(msg_id));
+    robot.takes(qos2, id, "2");
+}
+
+// A client that waits for PUBREL holds the message back, whatever the broker remembers of it.
+TEST_P(S6_10_Delivery, d_APubrecOfNothingIsAnsweredByPubrel) {
+    Client& robot = connected();
+    robot.says(pubrec(999));
+    robot.hears(pubrel(999));
+}
+
 TEST_P(S6_10_Delivery, d_ARepeatedPubrecIsAnsweredAgain) {
     Client& robot = connected();
     const unsigned id = robot.subscribes(topic(), 2);

@@ -1,5 +1,8 @@
 // Sections 5.3.10, 6.2c, 6.5b, 6.6b, 6.9e: a full table is answered, and what is there goes on.
 
+#include <chrono>
+#include <thread>
+
 #include "tests/conformance/suite.h"
 
 namespace romano::conformance {
@@ -17,6 +20,24 @@ TEST_P(S5_3_10_Congestion, s6_2c_AConnectBeyondAllSessionsIsRefused) {
     another.connects();
     all.back()->says(pingreq());
     all.back()->hears(pingresp());
+}
+
+// One that was kept for somebody who does not come makes no room before it has expired.
+TEST_P(S5_3_10_Congestion, s6_3_KeptSessionsMakeRoomOnceTheyExpire) {
+    for (std::size_t n = 0; n < Narrow::sessions; ++n) connected(no_flags).disconnects();
+    std::vector<Client*> others;
+    const auto patience = std::chrono::steady_clock::now() + 20s;
+    while (others.size() < Narrow::sessions && std::chrono::steady_clock::now() < patience) {
+        Client& other = client();
+        other.says(connect(other.id));
+        if (other.next() == connack(accepted)) {
+            others.push_back(&other);
+        } else {
+            std::this_thread::sleep_for(50ms);
+        }
+    }
+    EXPECT_EQ(others.size(), Narrow::sessions);
+    for (Client* other : others) other->disconnects();
 }
 
 TEST_P(S5_3_10_Congestion, g7_OneAddressUnderManyNamesTakesNoRoomFromOthers) {

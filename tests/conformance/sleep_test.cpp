@@ -195,6 +195,20 @@ TEST_P(S6_14_Sleep, ASleeperThatDoesNotComeBackIsLost) {
     robot.hears(disconnect());
 }
 
+TEST_P(S6_14_Sleep, b_AHalfDoneQos2GoesOnWhenItWakesUpAgain) {
+    Client& robot = sleeper();
+    publishes("x", 2);
+    robot.says(pingreq(robot.id));
+    const unsigned msg_id = robot.hears_publish(qos2, id(), "x");
+    robot.says(pubrec(msg_id));
+    robot.hears(pubrel(msg_id));
+    robot.sleeps();
+    robot.says(pingreq(robot.id));
+    robot.hears(pubrel(msg_id));
+    robot.says(pubcomp(msg_id));
+    robot.hears(pingresp());
+}
+
 TEST_P(S6_14_Sleep, RetainedMessagesOfASleepersSubscriptionWaitToo) {
     Client& publisher = connected();
     retains(publisher, topic("kept"), "kept", 1);

@@ -176,6 +176,33 @@ TEST_P(S6_4_Will, b_ATopicWithoutMessageHasAnEmptyOne) {
     heir.hears_publish(no_flags, will_id(), "");
 }
 
+TEST_P(S6_4_Will, b_AMessageWithoutTopicIsNotPublished) {
+    Client& heir = watcher();
+    Client& robot = client();
+    robot.connects_with_will(topic("will"), "gone", no_flags, no_flags);
+    robot.says(empty_willtopicupd());
+    robot.hears(willtopicresp(accepted));
+    robot.says(willmsgupd("a message alone"));
+    robot.hears(willmsgresp(accepted));
+    falls_silent(robot);
+    Client& other = client();
+    other.connects_with_will(topic("will"), "other", no_flags, clean, 1);
+    heir.hears_publish(no_flags, will_id(), "other");
+    hears_nothing(heir);
+}
+
+TEST_P(S6_4_Will, ARetainedOneWithoutMessageDeletesWhatIsRetained) {
+    Client& heir = watcher();
+    retains(heir, topic("will"), "here");
+    heir.hears_publish(no_flags, will_id(), "here");
+    Client& robot = client();
+    robot.connects_with_will(topic("will"), "", retain, clean, 1);
+    heir.hears_publish(no_flags, will_id(), "");
+    Client& late = connected();
+    late.subscribes(topic("will"));
+    hears_nothing(late);
+}
+
 TEST_P(S6_4_Will, b_UpdatesThatAreNotPossibleAreRefused) {
     Client& robot = connected();
     robot.says(willtopicupd("a/#"));

@@ -3,7 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <string>
+#include <vector>
 
 #include "tests/broker/core/scripted_client.h"
 
@@ -50,6 +52,19 @@ TEST_F(Delivering, OverlappingSubscriptionsGiveOneCopyAtTheHighestQos) {  // M-3
     publishes("a/b", "x", Qos::exactly_once);
     robot.hears_publish("x", Qos::exactly_once);
     robot.hears_nothing();
+}
+
+TEST_F(Delivering, MsgIdsGoFrom1To65535AndBeginAgain) {  // G23: never 0
+    robot.subscribes("a");
+    const TopicId topic = publisher.registers("a");
+    std::vector<bool> used(0x10000);
+    for (int i = 0; i < 0x10000 + 10; ++i) {
+        publisher.publishes(topic, "x", Qos::at_least_once);
+        used[static_cast<std::uint16_t>(robot.hears_publish("x", Qos::at_least_once).msg_id)] =
+            true;
+    }
+    EXPECT_EQ(std::ranges::count(used, true), 0xFFFF);
+    EXPECT_FALSE(used[0]);
 }
 
 TEST_F(Delivering, UnansweredPublishIsSentAgainWithDup) {  // 6.13c, G5
