@@ -64,7 +64,7 @@ std::vector<std::string> names() {
 std::string check_network(const std::string& network) {
     boost::system::error_code none;
     const auto address = boost::asio::ip::make_address_v4(network + ".1", none);
-    return !none && address.is_loopback() ? "" : "--network `" + network + "`: must be 127.A.B";
+    return !none && address.is_loopback() ? "" : "`" + network + "` must be 127.A.B";
 }
 
 void add_options(CLI::App& command, ApplyOptions& options) {
