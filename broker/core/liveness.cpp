@@ -85,7 +85,7 @@ void Liveness::look_at(Session& session, Turn& turn) {
         return;
     }
     if (session.late_answer.at <= turn.now) publishes_.answer_what_is_owed(session, turn);
-    if (probed_at(session) <= turn.now) {
+    if (probed_at(session, options) <= turn.now) {
         session.probe_at = turn.now + options.t_retry;
         if (session.reachable) outbox_.send(session, mqttsn::Pingreq{}, Gate::open, turn);
     }

@@ -24,12 +24,15 @@ Instant lost_at(const Session& session, const BrokerOptions& options) {
     return never;
 }
 
-Instant probed_at(const Session& session) {
+Instant probed_at(const Session& session, const BrokerOptions& options) {
     if (session.header.state != SessionState::active || session.header.keep_alive_s == 0) {
         return never;
     }
     const Instant silent_at = session.heard_at + std::chrono::seconds{session.header.keep_alive_s};
-    return session.probe_at == never ? silent_at : std::max(silent_at, session.probe_at);
+    const Instant at =
+        session.probe_at == never ? silent_at : std::max(silent_at, session.probe_at);
+    // One that may be asleep after all, having answered nothing so far, is left alone from then on.
+    return at < session.heard_at + tolerated(session.header.keep_alive_s, options) ? at : never;
 }
 
 Instant forgotten_at(const Session& session, const BrokerOptions& options) {
@@ -40,7 +43,8 @@ Instant forgotten_at(const Session& session, const BrokerOptions& options) {
 }
 
 Instant due_at(const Session& session, const BrokerOptions& options) {
-    Instant due = std::min({lost_at(session, options), probed_at(session), session.late_answer.at});
+    Instant due =
+        std::min({lost_at(session, options), probed_at(session, options), session.late_answer.at});
     if (session.exchange.is_open() && !session.exchange.stalled) {
         due = std::min(due, session.exchange.retry_at);
     }

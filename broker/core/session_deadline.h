@@ -12,7 +12,7 @@ namespace romano::broker {
 [[nodiscard]] Instant lost_at(const Session& session, const BrokerOptions& options);
 
 /// When a client that is silent for its keep-alive is asked for a sign of life first.
-[[nodiscard]] Instant probed_at(const Session& session);
+[[nodiscard]] Instant probed_at(const Session& session, const BrokerOptions& options);
 
 /// When what was left behind is forgotten: a clean session, or a kept one with an expiry.
 [[nodiscard]] Instant forgotten_at(const Session& session, const BrokerOptions& options);

@@ -357,6 +357,18 @@ TEST_F(AdoptionOfASleeper, WhoSleepsAfterAllIsNotLostAndGetsItAll) {  // P7
     heir.expects_mirror_to_agree();
 }
 
+TEST_F(AdoptionOfASleeper, WhoFallsSilentIsProbedForItsKeepAliveOnly) {  // 6.11b
+    robot.says(Pubcomp{MsgId{77}});
+    robot.ignores_what_came();
+    heir.waits(140s);
+    std::size_t probes = 0;
+    while (const MqttsnMessage* message = robot.next()) {
+        if (std::holds_alternative<Pingreq>(*message)) ++probes;
+    }
+    EXPECT_EQ(probes, 1U);  // after 10 s; not once a Tretry for the whole of its sleep
+    EXPECT_EQ(state(), SessionState::active);
+}
+
 TEST_F(AdoptionOfASleeper, WhoCollectsItsMessagesSleepsOn) {  // 6.14b
     robot.says(Pingreq{"robot"});
     const auto first = robot.hears<Publish>();
