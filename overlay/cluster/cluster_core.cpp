@@ -341,9 +341,13 @@ void ClusterCore::on(Effects& effects, BrokerId from, const LogBatch& batch) {
 void ClusterCore::on(Effects& effects, BrokerId from, const LogTail& tail) {
     const auto log = logs_.find(tail.log);
     if (log == logs_.end() || (log->second.is_frozen() && from == tail.log.broker)) return;
+    const Seq before = log->second.applied();
     log->second.offer(tail.first_seq, tail.events);
     apply(effects, tail.log, log->second);
-    ask_for_gap(effects, *log);
+    const Seq applied = log->second.applied();
+    if (applied > before && applied < tail.end) {
+        effects.peers.push_back({from, TailRequest{{tail.log, applied}, own_.id().broker}});
+    }
 }
 
 void ClusterCore::on(Effects&, BrokerId, const LogAck& ack) {
@@ -352,11 +356,13 @@ void ClusterCore::on(Effects&, BrokerId, const LogAck& ack) {
 }
 
 void ClusterCore::on(Effects& effects, BrokerId, const TailRequest& request) {
-    const auto log = logs_.find(request.after.log);
-    if (log == logs_.end()) return;
-    const LogHistory& history = log->second.history();
-    if (!history.reaches_back_to(request.after.seq)) return;
-    send_tail(history, request.after, history.last(), request.to, effects.peers);
+    const auto& [id, after] = request.after;
+    const auto log = logs_.find(id);
+    if (id == own_.id()) {
+        send_tail(own_.history(), id, after, request.to, effects.peers);
+    } else if (log != logs_.end()) {
+        send_tail(log->second.history(), id, after, request.to, effects.peers);
+    }
 }
 
 void ClusterCore::on(Effects& effects, BrokerId from, const SnapshotRequest& request) {
@@ -365,7 +371,10 @@ void ClusterCore::on(Effects& effects, BrokerId from, const SnapshotRequest& req
         if (log == logs_.end() || !log->second.is_frozen()) return;
         return send_last_words(*log, request.after, from, effects.peers);
     }
-    if (request.after != 0 && own_.send_again(from, request.after, effects.peers)) return;
+    if (request.after != 0 &&
+        send_tail(own_.history(), own_.id(), request.after, from, effects.peers)) {
+        return;
+    }
     send_snapshot(effects.broker, logs(), from, effects.peers);
 }
 
@@ -478,14 +487,11 @@ void ClusterCore::learn(const MessagePtr& message) {
 }
 
 void ClusterCore::ask_for_gaps(Effects& effects) {
-    for (auto& log : logs_) ask_for_gap(effects, log);
-}
-
-void ClusterCore::ask_for_gap(Effects& effects, PeerLogs::value_type& held) {
-    auto& [id, log] = held;
-    if (!membership_.is_alive(id)) return;
-    if (const auto request = log.ask(effects.now, 2 * options_.beacon_every)) {
-        effects.peers.push_back({id.broker, *request});
+    for (auto& [id, log] : logs_) {
+        if (!membership_.is_alive(id)) continue;
+        if (const auto request = log.ask(effects.now, 2 * options_.beacon_every)) {
+            effects.peers.push_back({id.broker, *request});
+        }
     }
 }
 

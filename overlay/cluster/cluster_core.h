@@ -176,7 +176,6 @@ private:
     /// Tries again for addresses that should be served here and are served by nobody.
     void seek_addresses(Effects& effects);
     void ask_for_gaps(Effects& effects);
-    void ask_for_gap(Effects& effects, PeerLogs::value_type& held);
     void trim(Effects& effects);
     void forget_old_lives(Effects& effects);
     [[nodiscard]] Surroundings surroundings(const Effects& effects);

@@ -4,6 +4,8 @@
 #include <optional>
 #include <set>
 
+#include "overlay/cluster/own_log.h"
+
 namespace romano::cluster {
 namespace {
 
@@ -14,11 +16,12 @@ std::optional<Seq> held_of(const ViewHoldings& holdings, const LogId& log) {
     return std::nullopt;
 }
 
-/// Holds some of it, so that a tail completes it. One that has just started knows that the log is
-/// there, and no more.
-bool knows(const ViewHoldings& holdings, const LogId& log, Seq end) {
+/// Holds it, but for a last batch perhaps, which comes at once. One that has just started knows
+/// that the log is there, and no more; one that was cut off lacks what the others do not keep for
+/// it.
+bool holds(const ViewHoldings& holdings, const LogId& log, Seq end) {
     const auto held = held_of(holdings, log);
-    return held && (*held > 0 || end == 0);
+    return held && (*held > 0 || end == 0) && *held + events_per_batch >= end;
 }
 
 /// The member that answers on the address now, or was told to.
@@ -58,12 +61,12 @@ std::map<BrokerId, std::uint64_t> loads(const Answers& answers, const Membership
     return load;
 }
 
-/// The least loaded member that knows the log.
+/// The least loaded member that holds the log.
 std::optional<BrokerId> least_loaded(const Answers& answers, const LogId& log, Seq end,
                                      const std::map<BrokerId, std::uint64_t>& load) {
     std::optional<BrokerId> best;
     for (const auto& [member, holdings] : answers.holdings) {
-        if (!knows(holdings, log, end)) continue;
+        if (!holds(holdings, log, end)) continue;
         if (!best || load.at(member.broker) < load.at(*best)) best = member.broker;
     }
     return best;
@@ -99,9 +102,9 @@ std::vector<Assignment> assign(const Answers& answers, const std::map<LogId, Seq
         std::optional<BrokerId> heir = present_server(answers, membership, address);
         if (!heir && chosen.contains(address)) heir = chosen.at(address);
         if (!heir) heir = owner(answers, membership, address);
-        // One that serves the address but does not know the log gets the sessions from an heir.
+        // One that serves the address but does not hold the log gets the sessions from an heir.
         if (!heir || std::ranges::none_of(answers.holdings, [&](const auto& entry) {
-                return entry.first.broker == *heir && knows(entry.second, log, end->second);
+                return entry.first.broker == *heir && holds(entry.second, log, end->second);
             })) {
             heir = least_loaded(answers, log, end->second, load);
         }
@@ -125,9 +128,8 @@ std::vector<std::pair<BrokerId, TailRequest>> missing_tails(const Answers& answe
         for (const auto& [member, holdings] : answers.holdings) {
             const auto held = held_of(holdings, log);
             if (!held || *held == end) continue;
-            requests.emplace_back(best->first.broker, TailRequest{.number = answers.view.number,
-                                                                  .after = {log, *held},
-                                                                  .to = member.broker});
+            requests.emplace_back(best->first.broker,
+                                  TailRequest{.after = {log, *held}, .to = member.broker});
         }
     }
     return requests;

@@ -23,14 +23,19 @@ void LastWords::on_view(const ViewAnnouncement& announcement) {
 
 void LastWords::carry_on(Effects& effects, const PeerLogs& logs, const Membership& membership,
                          const View& view) {
+    const auto applied = [&logs](const LogId& log) {
+        const auto held = logs.find(log);
+        return held == logs.end() ? 0 : held->second.applied();
+    };
     std::erase_if(awaited_, [&](const auto& entry) {
         const auto& [log, awaited] = entry;
-        const auto held = logs.find(log);
-        const bool is_held = held != logs.end() && held->second.applied() > 0;
-        return is_held || effects.broker.cursor(log) >= awaited.end;
+        return applied(log) >= awaited.end || effects.broker.cursor(log) >= awaited.end;
     });
     for (auto& [log, awaited] : awaited_) {
-        if (effects.now < awaited.asked_at + patience_ / 4) continue;
+        const bool may_be_completed = applied(log) > 0;  // a tail is on its way, if there is one
+        if (may_be_completed && awaited.asked_at == Instant::min()) awaited.asked_at = effects.now;
+        const Duration patience = may_be_completed ? patience_ : patience_ / 4;
+        if (effects.now < awaited.asked_at + patience) continue;
         const LogPosition end{log, awaited.end};
         const auto holder = std::ranges::find_if(view.members, [&](const LogId& member) {
             const Peer* peer = membership.find(member.broker);

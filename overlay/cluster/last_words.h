@@ -1,6 +1,7 @@
 // What removed brokers published last and this member never heard. A newcomer may be home to
-// subscribers already when a broker dies of whose log it holds nothing yet: it asks a member that
-// holds that log for the publishes. For its sessions alone: it never adopts from such a log.
+// subscribers already when a broker dies of whose log it holds nothing yet; and one that was cut
+// off may lack more of it than others keep. It asks a member that holds that log for the publishes.
+// For its sessions alone: it never adopts from such a log.
 #pragma once
 
 #include <map>

@@ -112,16 +112,18 @@ struct ViewHoldings {
     std::vector<LogPosition> holds{};
     std::vector<LeftAddress> addresses{};  // the leader itself may be too new to know
 };
-/// Leader to the member that holds most: send the tail of that log to those that lack it.
+/// "Send it the events of that log": the leader to the member that holds most of a removed one, and
+/// who was sent a piece, for the next.
 struct TailRequest {
-    ViewNumber number{};
     LogPosition after{};  // exclusive
     BrokerId to{};
 };
+/// A piece of what the receiver lacks of a log.
 struct LogTail {
     LogId log{};
     Seq first_seq = 0;
     std::vector<broker::LogEvent> events{};
+    Seq end = 0;  // how far the sender holds it
 };
 /// What becomes of a removed broker's service address and of the sessions that use it.
 struct Assignment {

@@ -10,10 +10,6 @@
 
 namespace romano::cluster {
 
-/// More than a peer is sent of a tail at once would keep the sender from its beacons; the peer asks
-/// for the next piece when it has applied this one.
-inline constexpr Seq tail_events_most = 4'096;
-
 class OwnLog {
 public:
     OwnLog(LogId id, std::size_t events_kept) : id_(id), history_(events_kept) {}
@@ -21,10 +17,6 @@ public:
     void append(Seq seq, LogEvent event);
     /// Batches of what was appended since the last call: to all.
     void flush(Outbox& out);
-    /// Answers a peer that holds the log up to `after`, with a piece of what follows. False when
-    /// that is too long ago: it needs a snapshot.
-    bool send_again(BrokerId to, Seq after, Outbox& out) const;
-
     [[nodiscard]] LogId id() const { return id_; }
     [[nodiscard]] Seq last() const { return history_.last(); }
     [[nodiscard]] const LogHistory& history() const { return history_; }
@@ -36,8 +28,12 @@ private:
     Seq flushed_ = 0;
 };
 
-/// Sends the events after `after`, up to and including `through`, as LogTails. `history` must reach
-/// back to there.
-void send_tail(const LogHistory& history, LogPosition after, Seq through, BrokerId to, Outbox& out);
+/// A batch of small events fills a few UDP datagrams; larger ones only add latency.
+inline constexpr std::size_t events_per_batch = 256;
+
+/// Sends the first events after `after`, when they are kept: one batch. Who applied it asks for the
+/// next, so that neither side is busy with a long tail for longer than its peers are patient.
+/// False when `history` does not reach back to there.
+bool send_tail(const LogHistory& history, LogId log, Seq after, BrokerId to, Outbox& out);
 
 }  // namespace romano::cluster

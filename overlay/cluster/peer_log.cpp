@@ -4,8 +4,6 @@
 #include <cassert>
 #include <utility>
 
-#include "overlay/cluster/own_log.h"
-
 namespace romano::cluster {
 namespace {
 
@@ -65,18 +63,15 @@ std::optional<SnapshotRequest> PeerLog::ask(Instant now, Duration patience) {
     if (frozen_ || known_end_ <= applied()) {
         asked_at_ = now;
         asked_after_ = applied();
-        piece_end_ = no_piece;
         return std::nullopt;
     }
-    const bool piece_is_here = applied() >= piece_end_;
     if (asked_after_ != applied()) {  // it moves: no need to ask yet
         asked_at_ = now;
         asked_after_ = applied();
-        if (applied() != 0 && !piece_is_here) return std::nullopt;
+        if (applied() != 0) return std::nullopt;
     }
-    if (now < asked_at_ + patience && !piece_is_here) return std::nullopt;
+    if (now < asked_at_ + patience) return std::nullopt;
     asked_at_ = now;
-    piece_end_ = applied() + tail_events_most;
     return SnapshotRequest{.log = id_, .after = applied()};
 }
 
@@ -109,7 +104,6 @@ void PeerLog::restart(const SnapshotPart& snapshot) {
     mirror_ = broker::Mirror(snapshot.as_of, snapshot.sessions, snapshot.cursors);
     history_.restart(snapshot.as_of.seq, snapshot.publishes);
     ready_.clear();
-    piece_end_ = no_piece;
     heard_end(snapshot.as_of.seq);
     while (!early_.empty()) {
         auto next = early_.extract(early_.begin());

@@ -7,7 +7,6 @@
 #pragma once
 
 #include <deque>
-#include <limits>
 #include <map>
 #include <optional>
 #include <set>
@@ -38,7 +37,7 @@ public:
     /// The writer says that its log ends there.
     void heard_end(Seq last) { known_end_ = std::max(known_end_, last); }
     /// A request for what is missing, at most one in `patience` and not before it was missing for
-    /// as long; or for the next piece of a long tail, when one is here.
+    /// as long.
     [[nodiscard]] std::optional<SnapshotRequest> ask(Instant now, Duration patience);
 
     // --- snapshots
@@ -73,8 +72,6 @@ public:
     [[nodiscard]] std::vector<Endpoint> addresses_left() const;
 
 private:
-    static constexpr Seq no_piece = std::numeric_limits<Seq>::max();
-
     void follow_in_tail(const LogEvent& event);
 
     LogId id_;
@@ -86,7 +83,6 @@ private:
     Seq known_end_ = 0;
     Instant asked_at_ = Instant::min();
     Seq asked_after_ = 0;
-    Seq piece_end_ = no_piece;              // of what was asked for
     std::optional<SnapshotPart> snapshot_;  // what has come of it
 
     bool frozen_ = false;

@@ -91,9 +91,8 @@ void TakeOver::ask_for(Effects& effects, Pending& pending, const LogPosition& af
     for (const LogId& member : view.members) {
         const Peer* peer = membership.find(member.broker);
         if (peer == nullptr) continue;
-        const auto applied = std::ranges::find(peer->beacon.applied, after.log, &LogPosition::log);
-        if (applied == peer->beacon.applied.end() || applied->seq <= after.seq) continue;
-        effects.peers.push_back({member.broker, TailRequest{view.number, after, self_}});
+        if (peer->beacon.applied_through(after.log) <= after.seq) continue;
+        effects.peers.push_back({member.broker, TailRequest{after, self_}});
         break;
     }
 }

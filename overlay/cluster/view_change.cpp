@@ -253,11 +253,8 @@ void ViewChange::conclude(Instant now, Surroundings around, Outbox& out) {
     for (const auto& [holder, request] : missing_tails(answers, ends)) {
         if (holder != self_.broker) {
             out.push_back({holder, request});
-        } else if (const auto log = around.logs.find(request.after.log);
-                   log != around.logs.end() &&
-                   log->second.history().reaches_back_to(request.after.seq)) {
-            const LogHistory& history = log->second.history();
-            send_tail(history, request.after, history.last(), request.to, out);
+        } else if (const auto log = around.logs.find(request.after.log); log != around.logs.end()) {
+            send_tail(log->second.history(), log->first, request.after.seq, request.to, out);
         }
     }
     ViewAnnouncement announcement{.view = done.message.view,

@@ -53,11 +53,24 @@ void events_to_proto(const Log& in, LogEvents& out) {
 }
 
 template <typename Log>
-Maybe read_events(const LogEvents& in) {
+bool read_events(const LogEvents& in, Log& out) {
     const auto log = from_proto(in.log());
-    if (!log) return std::nullopt;
-    Log out{*log, in.first_seq(), {}};
-    if (!all_from_proto(in.events(), out.events)) return std::nullopt;
+    if (!log) return false;
+    out.log = *log;
+    out.first_seq = in.first_seq();
+    return all_from_proto(in.events(), out.events);
+}
+
+Maybe read_log_batch(const LogEvents& in) {
+    cluster::LogBatch out{};
+    if (!read_events(in, out)) return std::nullopt;
+    return out;
+}
+
+Maybe read_log_tail(const LogTail& in) {
+    cluster::LogTail out{};
+    if (!read_events(in.events(), out)) return std::nullopt;
+    out.end = in.end();
     return out;
 }
 
@@ -139,12 +152,12 @@ struct Writer {
     }
     void operator()(const cluster::TailRequest& m) const {
         auto& to = *out.mutable_tail_request();
-        to_proto(m.number, *to.mutable_number());
         to_proto(m.after, *to.mutable_after());
         to.set_to(static_cast<std::uint64_t>(m.to));
     }
     void operator()(const cluster::LogTail& m) const {
-        events_to_proto(m, *out.mutable_log_tail());
+        events_to_proto(m, *out.mutable_log_tail()->mutable_events());
+        out.mutable_log_tail()->set_end(m.end);
     }
     void operator()(const cluster::ViewAnnouncement& m) const {
         auto& to = *out.mutable_view_announcement();
@@ -298,7 +311,7 @@ Maybe from_proto(const ClusterMessage& in) {
         case ClusterMessage::kBeacon:
             return read_beacon(in.beacon());
         case ClusterMessage::kLogBatch:
-            return read_events<cluster::LogBatch>(in.log_batch());
+            return read_log_batch(in.log_batch());
         case ClusterMessage::kLogAck:
             return read_log_ack(in.log_ack());
         case ClusterMessage::kForwardBatch:
@@ -311,12 +324,11 @@ Maybe from_proto(const ClusterMessage& in) {
             return read_view_holdings(in.view_holdings());
         case ClusterMessage::kTailRequest:
             if (const auto after = from_proto(in.tail_request().after())) {
-                return cluster::TailRequest{number_from(in.tail_request().number()), *after,
-                                            broker::BrokerId{in.tail_request().to()}};
+                return cluster::TailRequest{*after, broker::BrokerId{in.tail_request().to()}};
             }
             break;
         case ClusterMessage::kLogTail:
-            return read_events<cluster::LogTail>(in.log_tail());
+            return read_log_tail(in.log_tail());
         case ClusterMessage::kViewAnnouncement:
             return read_view_announcement(in.view_announcement());
         case ClusterMessage::kSnapshotRequest:

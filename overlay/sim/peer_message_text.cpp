@@ -159,7 +159,8 @@ std::string line(const TailRequest& m) {
     return "TailRequest after " + text(m.after);
 }
 std::string line(const LogTail& m) {
-    return "LogTail " + text(LogPosition{m.log, m.first_seq}) + text(m.events);
+    return "LogTail " + text(LogPosition{m.log, m.first_seq}) + text(m.events) + " of " +
+           std::to_string(m.end);
 }
 std::string line(const ViewAnnouncement& m) {
     std::string all = "ViewAnnouncement " + text(m.view) + " ends" + text(m.ends);

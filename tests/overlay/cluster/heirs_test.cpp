@@ -87,6 +87,18 @@ TEST_F(Heirs, TheLeastLoadedInherits) {
     EXPECT_EQ(heir_of(address(9)), b3.broker);
 }
 
+// What it lacks may be kept by nobody.
+TEST_F(Heirs, P2_WhoWasCutOffAndIsFarBehindInheritsNothing) {
+    beacon(b2, {}, 3);
+    beacon(b3, {}, 1);
+    holds(b1, 1'000, {address(9)});
+    holds(b2, 1'000);
+    holds(b3, 700);
+    EXPECT_EQ(heir_of(address(9)), b2.broker);
+    beacon(b3, {address(9)});
+    EXPECT_EQ(heir_of(address(9)), b2.broker) << "though it serves the address";
+}
+
 TEST_F(Heirs, SeveralAddressesAreSharedOut) {
     beacon(b2, {}, 5);
     beacon(b3, {}, 5);

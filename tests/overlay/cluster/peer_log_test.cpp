@@ -2,7 +2,6 @@
 
 #include <gmock/gmock.h>
 
-#include "overlay/cluster/own_log.h"
 #include "tests/overlay/cluster/events.h"
 
 namespace romano::cluster {
@@ -63,27 +62,6 @@ TEST(PeerLog, AGapThatLastsIsAskedFor) {
     EXPECT_EQ(request->after, 1U);
     EXPECT_FALSE(held.log.ask(start + 21ms, 20ms)) << "not again at once";
     EXPECT_TRUE(held.log.ask(start + 45ms, 20ms));
-}
-
-// A whole tail of a busy log would keep its sender from its beacons.
-TEST(PeerLog, ALongTailComesInPiecesEachAskedForAsSoonAsTheFormerOneIsHere) {
-    OwnLog own(test::log_of("b1"), 10'000);
-    for (Seq seq = 1; seq <= 10'000; ++seq) own.append(seq, test::unsubscribed("a", "pose"));
-    Held held;
-    held.log.heard_end(10'000);
-    (void)held.log.ask(start, 20ms);
-    std::vector<Seq> ends;
-    for (auto request = held.log.ask(start + 20ms, 20ms); request;
-         request = held.log.ask(start + 20ms, 20ms)) {
-        Outbox out;
-        ASSERT_TRUE(own.send_again(BrokerId{2}, request->after, out));
-        for (const Outgoing& sent : out) {
-            const auto& tail = std::get<LogTail>(sent.message);
-            held.take(tail.first_seq, tail.events);
-        }
-        ends.push_back(held.log.applied());
-    }
-    EXPECT_THAT(ends, ElementsAre(tail_events_most, 2 * tail_events_most, 10'000));
 }
 
 TEST(PeerLog, ABeaconThatNamesALaterEndIsAGap) {

@@ -220,9 +220,9 @@ cluster::ClusterMessage random_message(std::size_t kind, Random& r) {
         case 6:
             return cluster::ViewHoldings{view_number(r), some(r, position), some(r, left_address)};
         case 7:
-            return cluster::TailRequest{view_number(r), position(r), broker_id(r)};
+            return cluster::TailRequest{position(r), broker_id(r)};
         case 8:
-            return cluster::LogTail{log_id(r), wide(r), one_event_of_each_kind(r)};
+            return cluster::LogTail{log_id(r), wide(r), one_event_of_each_kind(r), wide(r)};
         case 9:
             return cluster::ViewAnnouncement{view(r), some(r, assignment), some(r, position)};
         case 10:

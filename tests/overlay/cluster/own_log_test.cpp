@@ -1,0 +1,55 @@
+#include "overlay/cluster/own_log.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/overlay/cluster/events.h"
+
+namespace romano::cluster {
+namespace {
+
+const LogId self = test::log_of("b1");
+const BrokerId peer = test::log_of("b2").broker;
+
+OwnLog log_of(Seq events, std::size_t events_kept = 100'000) {
+    OwnLog log(self, events_kept);
+    for (Seq seq = 1; seq <= events; ++seq) log.append(seq, test::published(self, seq));
+    return log;
+}
+
+TEST(OwnLog, ATailIsSentPieceByPiece) {
+    const OwnLog log = log_of(10'000);
+    Seq after = 17;
+    std::size_t pieces = 0;
+    while (after < log.last()) {
+        Outbox out;
+        ASSERT_TRUE(send_tail(log.history(), self, after, peer, out));
+        ASSERT_EQ(out.size(), 1U);
+        EXPECT_EQ(out[0].to, peer);
+        const auto& tail = std::get<LogTail>(out[0].message);
+        EXPECT_EQ(tail.first_seq, after + 1);
+        EXPECT_EQ(tail.end, log.last());
+        ASSERT_FALSE(tail.events.empty());
+        EXPECT_LE(tail.events.size(), 256U);
+        after += tail.events.size();
+        ++pieces;
+    }
+    EXPECT_GE(pieces, 10'000U / 256);
+}
+
+TEST(OwnLog, WhoHoldsAllIsSentNothing) {
+    Outbox out;
+    EXPECT_TRUE(send_tail(log_of(5).history(), self, 5, peer, out));
+    EXPECT_TRUE(out.empty());
+}
+
+TEST(OwnLog, WhoLagsByMoreThanIsKeptNeedsASnapshot) {
+    const OwnLog log = log_of(20, 10);
+    Outbox out;
+    EXPECT_FALSE(send_tail(log.history(), self, 9, peer, out));
+    EXPECT_FALSE(send_tail(log.history(), self, 21, peer, out)) << "more than there is";
+    EXPECT_TRUE(send_tail(log.history(), self, 10, peer, out));
+    EXPECT_EQ(out.size(), 1U);
+}
+
+}  // namespace
+}  // namespace romano::cluster
