@@ -1,5 +1,6 @@
 #include "broker/core/connect_flow.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "broker/core/session_deadline.h"
@@ -165,7 +166,10 @@ void ConnectFlow::accept(const Origin& origin, const Prompt& prompt, WillAnswer 
     session->probe_at = never;
     session->exchange = {};
     session->paused_until = {};
-    if (prompt.clean) lifecycle_.wipe(*session);
+    if (prompt.clean) {
+        lifecycle_.wipe(*session);
+        header.epoch = std::max(header.epoch + 1, header.last_heard.value);
+    }
 
     if (prompt.clean || is_new) {
         if (answer == WillAnswer::given) session->will = prompt.will;

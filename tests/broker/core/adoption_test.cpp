@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <chrono>
 #include <map>
 #include <memory>
 #include <string>
@@ -305,6 +306,19 @@ TEST_F(Adoption, TheCopyWhoseClientWasHeardWins) {
     home.drain();
     EXPECT_EQ(home.core.image("robot")->header.epoch, 2u);
     home.expects_mirror_to_agree();
+}
+
+// Beyond a cut: it knows nothing of the session that the heir has.
+TEST_F(Adoption, ASessionThatIsBegunAnewOutranksOneThatItsBrokerNeverSaw) {
+    robot.connects();
+    SessionImage older = image_of(home, "robot");
+    older.header.epoch += 3;  // heard at so many homes since
+    ScriptedBroker stranger{options_of("stranger")};
+    stranger.now = home.now + std::chrono::seconds{1};
+    ScriptedClient anew{stranger, "robot"};
+    anew.connects();
+    EXPECT_FALSE(stranger.core.adopt(stranger.now, older, {}, stranger.actions));
+    EXPECT_TRUE(outranks(stranger.core.image("robot")->header, older.header));
 }
 
 TEST_F(Adoption, KeepAliveStartsAgain) {
