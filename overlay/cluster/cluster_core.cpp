@@ -47,7 +47,7 @@ void ClusterCore::on_message(Effects& effects, const Envelope& envelope) {
 void ClusterCore::on_tick(Effects& effects, const std::set<Endpoint>& pending_output) {
     membership_.on_tick(effects.now);
     view_change_.on_tick(effects.now, surroundings(effects), effects.peers);
-    hand_back_.compare(effects.now, membership_, addresses_);
+    hand_back_.compare(effects.now, membership_, view(), addresses_);
     hand_back_.carry_on(effects, membership_, view(), addresses_, pending_output);
     settlement_.carry_on(effects, logs(), membership_, hand_back_);
     after_input(effects);
@@ -144,7 +144,7 @@ void ClusterCore::listen_only(Duration away) {
 }
 
 void ClusterCore::heed_news_of_peers(Effects& effects) {
-    hand_back_.compare(effects.now, membership_, addresses_);
+    hand_back_.compare(effects.now, membership_, view(), addresses_);
     if (!listening_.is_on())
         view_change_.on_tick(effects.now, surroundings(effects), effects.peers);
 }

@@ -1,5 +1,6 @@
 #include "overlay/cluster/hand_back.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "overlay/cluster/session_handoff.h"
@@ -28,15 +29,16 @@ std::optional<LogId> HandBack::owner_of(const Endpoint& address, const Membershi
     return highest;
 }
 
-void HandBack::compare(Instant now, const Membership& membership,
+void HandBack::compare(Instant now, const Membership& membership, const View& view,
                        const ServiceAddresses& addresses) {
     contested_.clear();
     for (const Endpoint& address : addresses.serving()) {
         bool has_rival = false;
         for (const auto& [id, peer] : membership.peers()) {
-            if (!membership.is_heard(id) || !peer.is_serving(address)) continue;
+            const bool is_member = std::ranges::binary_search(view.members, peer.beacon.log);
+            if (!peer.is_serving(address) || (!is_member && !membership.is_heard(id))) continue;
             if (addresses.is_home(address)) {
-                has_rival = has_rival || (peer.alive && !peer.is_home_of(address));
+                has_rival = has_rival || ((is_member || peer.alive) && !peer.is_home_of(address));
             } else if (peer.is_home_of(address) || id > self_) {
                 contested_.insert(address);
             }

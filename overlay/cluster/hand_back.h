@@ -40,8 +40,10 @@ public:
     void on_bound(Instant now, BrokerId from, const AddressBound& bound);
     void on_ack(Effects& effects, BrokerId from, const HandoffAck& ack,
                 ServiceAddresses& addresses);
-    /// Looks who else serves our addresses.
-    void compare(Instant now, const Membership& membership, const ServiceAddresses& addresses);
+    /// Looks who else serves our addresses. Whoever did when it was heard last, and is a member
+    /// still, may serve them now: that it fell silent here is no proof of its death.
+    void compare(Instant now, const Membership& membership, const View& view,
+                 const ServiceAddresses& addresses);
     /// The address's sessions are on their way, or it belongs to another broker that serves it:
     /// nothing is heard for them here.
     [[nodiscard]] bool is_deaf(const Endpoint& address) const;

@@ -1,0 +1,70 @@
+#include "overlay/cluster/hand_back.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/overlay/cluster/events.h"
+
+namespace romano::cluster {
+namespace {
+
+using namespace std::chrono_literals;
+
+const LogId self = test::log_of("b1");
+const LogId rival = test::log_of("b2");
+const Endpoint ours = test::address(1);
+const Endpoint theirs = test::address(2);
+
+/// After a heal: broker b1 serves its own address and b2's, and so does b2.
+struct AfterAHeal {
+    Membership membership{ClusterOptions{}, self.broker, 1};
+    ServiceAddresses addresses{{ours}};
+    HandBack hand_back{self.broker, 100ms};
+    View view{.members = {self, rival}};
+    Instant now{1s};
+
+    AfterAHeal() {
+        std::ranges::sort(view.members);
+        addresses.on_address(ours, true);
+        addresses.on_address(theirs, true);
+        membership.on_beacon(now, Beacon{.log = rival,
+                                         .tick = 1,
+                                         .hears = {self.broker},
+                                         .home_addresses = {theirs},
+                                         .serving = {ours, theirs}});
+        compare();
+    }
+    void compare() { hand_back.compare(now, membership, view, addresses); }
+    void hear_nothing_for(Duration time) {
+        for (const Instant end = now + time; now < end; compare()) {
+            now += 10ms;
+            membership.on_tick(now);
+        }
+    }
+};
+
+TEST(HandBack, P3_TwoThatServeAnAddressAreBothSilent) {
+    AfterAHeal healed;
+    EXPECT_TRUE(healed.hand_back.is_silent(theirs));
+    EXPECT_TRUE(healed.hand_back.is_silent(ours));
+}
+
+TEST(HandBack, P3_WhoIsOnlySuspectedMaySpeakStill) {
+    AfterAHeal healed;
+    healed.hear_nothing_for(200ms);
+    ASSERT_FALSE(healed.membership.is_heard(rival.broker));
+    EXPECT_TRUE(healed.hand_back.is_silent(theirs));
+    EXPECT_TRUE(healed.hand_back.is_silent(ours));
+    healed.view.members = {self};
+    healed.compare();
+    EXPECT_FALSE(healed.hand_back.is_silent(theirs));
+    EXPECT_FALSE(healed.hand_back.is_silent(ours));
+}
+
+TEST(HandBack, AnOwnAddressIsSilentForARivalForSomeTimeOnly) {
+    AfterAHeal healed;
+    healed.hear_nothing_for(500ms);
+    EXPECT_FALSE(healed.hand_back.is_silent(ours)) << "what the rival has does not come";
+}
+
+}  // namespace
+}  // namespace romano::cluster
