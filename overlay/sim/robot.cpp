@@ -49,6 +49,7 @@ void Robot::start() {
 
 void Robot::connect(bool clean) {
     ++connects_;
+    connecting_since_ = events_.now();
     trace_.note(events_.now(), options_.name, clean ? "connects anew" : "connects");
     client::ConnectOptions connect{
         .client_id = options_.name, .clean_session = clean, .keep_alive = options_.keep_alive};
@@ -200,6 +201,12 @@ void Robot::on_event(const client::Event& event) {
                 if (options_.will_topic) {
                     ledger_.will_topics.emplace(options_.name, *options_.will_topic);
                 }
+                // One that called for long in vain may have been given up meanwhile.
+                if (events_.now() > connecting_since_ + options_.timing.t_retry) lapse();
+                for (const SubscriptionSpan& lapsed : std::exchange(lapsed_, {})) {
+                    ledger_.subscriptions.push_back(lapsed);
+                    ledger_.subscriptions.back().from = events_.now();
+                }
                 if (std::exchange(subscribed_, true)) return;
                 for (const auto& [filter, qos] : options_.subscriptions) subscribe(filter, qos);
             },
@@ -218,11 +225,22 @@ void Robot::on_event(const client::Event& event) {
 void Robot::connect_again() {
     trace_.note(events_.now(), options_.name, "has lost its broker");
     if (std::exchange(reconnect_pending_, true)) return;
+    lapse();
     events_.after(random_.between(std::chrono::milliseconds{10}, std::chrono::milliseconds{200}),
                   [this] {
                       reconnect_pending_ = false;
                       if (on_) connect(false);
                   });
+}
+
+/// A clean session has a right to nothing between the end of its connection and the next one.
+void Robot::lapse() {
+    if (!options_.clean_session) return;
+    for (SubscriptionSpan& span : ledger_.subscriptions) {
+        if (span.subscriber != options_.name || span.until) continue;
+        lapsed_.push_back(span);
+        span.until = events_.now();
+    }
 }
 
 void Robot::on_published(client::OperationId operation, bool accepted) {

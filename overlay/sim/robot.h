@@ -3,7 +3,8 @@
 //
 // A conforming client. It talks to one address until it roams to another one, which it does not
 // tell anybody; when the broker counts as lost or says DISCONNECT it connects again without clean
-// session, and relies on its subscriptions being kept. Asleep, it publishes nothing.
+// session, and relies on its subscriptions being kept (and on its messages, when the session never
+// was a clean one). Asleep, it publishes nothing.
 #pragma once
 
 #include <chrono>
@@ -100,6 +101,7 @@ private:
     void on_published(client::OperationId operation, bool accepted);
     void on_subscribed(const client::Subscribed& subscribed);
     void connect_again();
+    void lapse();
     void publish_next();
     void end_spans(const std::string* filter);
 
@@ -114,11 +116,13 @@ private:
     std::string will_;  // what the client sends when asked for it
     ClientNetwork::Binding binding_{};
     std::map<client::OperationId, Asked> asked_;
+    std::vector<SubscriptionSpan> lapsed_;  // to be had again when connected
     bool on_ = false;
     bool subscribed_ = false;
     bool publishing_ = false;
     bool reconnect_pending_ = false;
     std::uint32_t connects_ = 0;
+    Instant connecting_since_{};
     std::uint32_t last_number_ = 0;
     Instant timer_ = never;
 };
