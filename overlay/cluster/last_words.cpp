@@ -8,12 +8,6 @@ namespace {
 
 constexpr std::size_t messages_per_part = 64;
 
-bool holds(const Peer& peer, const LogPosition& end) {
-    return std::ranges::any_of(peer.beacon.applied, [&](const LogPosition& applied) {
-        return applied.log == end.log && applied.seq >= end.seq;
-    });
-}
-
 }  // namespace
 
 void LastWords::on_view(const ViewAnnouncement& announcement) {
@@ -39,7 +33,8 @@ void LastWords::carry_on(Effects& effects, const PeerLogs& logs, const Membershi
         const LogPosition end{log, awaited.end};
         const auto holder = std::ranges::find_if(view.members, [&](const LogId& member) {
             const Peer* peer = membership.find(member.broker);
-            return peer != nullptr && peer->alive && holds(*peer, end);
+            return peer != nullptr && peer->alive &&
+                   peer->beacon.applied_through(end.log) >= end.seq;
         });
         if (holder == view.members.end()) continue;
         awaited.asked_at = effects.now;

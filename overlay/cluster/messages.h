@@ -141,9 +141,9 @@ struct ViewAnnouncement {
 // --- joining and healing
 // --------------------------------------------------------------------------
 
-/// "I hold your log up to `after`: send the rest (LogTail), or where you do not have it any more,
-/// and to a newcomer (after 0), all that is yours (SnapshotPart); I continue your log from there."
-/// Or of a removed broker's log: its publishes after `after` (SnapshotPart; last_words.h).
+/// "I hold your log up to `after`: send what follows (LogTail), or where you do not have it any
+/// more, and to a newcomer (after 0), all that is yours (SnapshotPart); I continue your log from
+/// there." Or of a removed broker's log: its publishes after `after` (SnapshotPart; last_words.h).
 struct SnapshotRequest {
     LogId log{};
     Seq after = 0;

@@ -4,6 +4,7 @@
 #include <utility>
 
 namespace romano::cluster {
+
 void OwnLog::append(Seq seq, LogEvent event) {
     assert(seq == history_.last() + 1);
     (void)seq;

@@ -17,6 +17,7 @@ public:
     void append(Seq seq, LogEvent event);
     /// Batches of what was appended since the last call: to all.
     void flush(Outbox& out);
+
     [[nodiscard]] LogId id() const { return id_; }
     [[nodiscard]] Seq last() const { return history_.last(); }
     [[nodiscard]] const LogHistory& history() const { return history_; }

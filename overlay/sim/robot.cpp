@@ -1,6 +1,7 @@
 #include "overlay/sim/robot.h"
 
 #include <algorithm>
+#include <iterator>
 #include <utility>
 #include <variant>
 
@@ -236,11 +237,11 @@ void Robot::connect_again() {
 /// A clean session has a right to nothing between the end of its connection and the next one.
 void Robot::lapse() {
     if (!options_.clean_session) return;
-    for (SubscriptionSpan& span : ledger_.subscriptions) {
-        if (span.subscriber != options_.name || span.until) continue;
-        lapsed_.push_back(span);
-        span.until = events_.now();
-    }
+    std::ranges::copy_if(ledger_.subscriptions, std::back_inserter(lapsed_),
+                         [this](const SubscriptionSpan& span) {
+                             return span.subscriber == options_.name && !span.until;
+                         });
+    end_spans(nullptr);
 }
 
 void Robot::on_published(client::OperationId operation, bool accepted) {
