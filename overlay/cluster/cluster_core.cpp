@@ -26,7 +26,7 @@ ClusterCore::ClusterCore(const ClusterOptions& options, const Identity& identity
       own_(identity.log, options.log_events_kept),
       membership_(options, identity.log.broker, seed),
       addresses_(identity.home_addresses),
-      publish_order_(4 * membership_.detection_time()),
+      publish_order_(identity.log.broker, 4 * membership_.detection_time()),
       watermark_(options.acks),
       view_change_(identity.log, membership_.detection_time(), options.beacon_every),
       take_over_(identity.log.broker, membership_.detection_time()),
@@ -110,7 +110,7 @@ void ClusterCore::after_input(Effects& effects) {
     if (!listening_.is_on()) membership_.send_ballots(effects.peers);
     take_over_.carry_on(effects, logs(), membership_, view(), addresses_);
     last_words_.carry_on(effects, logs_, membership_, view());
-    publish_order_.carry_on(effects, logs_);
+    publish_order_.carry_on(effects, logs_, view());
     handoffs_.carry_on(effects, safe());
     roaming_.carry_on(effects, logs(), homes_, membership_, view());
     break_silence(effects);
@@ -428,7 +428,7 @@ void ClusterCore::apply_event(Effects& effects, const LogId& id, PeerLog& log) {
     broker::ClientId put;
     if (const auto* session = std::get_if<broker::SessionPut>(&event)) {
         put = session->image.header.client_id;
-        publish_order_.on_session(effects, log, session->image, logs_);
+        publish_order_.on_session(effects, log, session->image, logs_, view());
     }
     std::optional<LogPosition> routed;
     if (const auto* route = std::get_if<broker::Routed>(&event)) routed = route->message;

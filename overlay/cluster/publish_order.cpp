@@ -1,6 +1,7 @@
 #include "overlay/cluster/publish_order.h"
 
 #include <algorithm>
+#include <set>
 #include <utility>
 
 #include "broker/core/cursors.h"
@@ -18,13 +19,15 @@ Seq worked_through(const PeerLog& writer, const broker::SessionImage& image, con
 }  // namespace
 
 void PublishOrder::on_session(const Effects& effects, const PeerLog& writer,
-                              const broker::SessionImage& image, const PeerLogs& logs) {
+                              const broker::SessionImage& image, const PeerLogs& logs,
+                              const View& view) {
+    std::set<LogId> others{view.members.begin(), view.members.end()};
+    for (const auto& [id, log] : logs) others.insert(id);
+    others.erase(writer.mirror().log());
     std::vector<LogPosition> lacking;
-    for (const auto& [id, log] : logs) {
+    for (const LogId& id : others) {
         const LogPosition position{id, worked_through(writer, image, id)};
-        if (&log != &writer && !is_worked_through(effects, position, logs)) {
-            lacking.push_back(position);
-        }
+        if (!is_worked_through(effects, position, logs, view)) lacking.push_back(position);
     }
     if (lacking.empty()) return;
     auto& held = by_log_[writer.mirror().log()];
@@ -34,11 +37,12 @@ void PublishOrder::on_session(const Effects& effects, const PeerLog& writer,
 }
 
 bool PublishOrder::is_worked_through(const Effects& effects, const LogPosition& position,
-                                     const PeerLogs& logs) const {
+                                     const PeerLogs& logs, const View& view) const {
     if (effects.broker.cursor(position.log) >= position.seq) return true;
     if (by_log_.contains(position.log)) return false;
     const auto log = logs.find(position.log);
-    return log == logs.end() || log->second.applied() >= position.seq;
+    if (log != logs.end()) return log->second.applied() >= position.seq;
+    return position.log.broker == self_ || !std::ranges::binary_search(view.members, position.log);
 }
 
 void PublishOrder::on_publish(Effects& effects, const MessagePtr& message) {
@@ -50,10 +54,10 @@ void PublishOrder::on_publish(Effects& effects, const MessagePtr& message) {
     if (++held_ == held_most) release_all(effects);
 }
 
-void PublishOrder::carry_on(Effects& effects, const PeerLogs& logs) {
+void PublishOrder::carry_on(Effects& effects, const PeerLogs& logs, const View& view) {
     const auto waits = [&](Held& held) {
         std::erase_if(held.after, [&](const LogPosition& position) {
-            return is_worked_through(effects, position, logs);
+            return is_worked_through(effects, position, logs, view);
         });
         return !held.after.empty() && effects.now < held.until;
     };

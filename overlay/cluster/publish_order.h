@@ -4,7 +4,8 @@
 // first. A log that goes on with a session from elsewhere therefore hands its next publishes on
 // when the other logs are worked through as far as its writer had worked through them then. Their
 // events are applied and acknowledged meanwhile: only subscribers wait. Not in vain: no log waits
-// for what came after it, and none for longer than a tail takes to come.
+// for what came after it, none for one that is neither held nor a member's who was not met yet, and
+// none for longer than a tail takes to come.
 #pragma once
 
 #include <deque>
@@ -18,15 +19,15 @@ namespace romano::cluster {
 
 class PublishOrder {
 public:
-    explicit PublishOrder(Duration patience) : patience_(patience) {}
+    PublishOrder(BrokerId self, Duration patience) : self_(self), patience_(patience) {}
 
     /// `writer` is about to apply a SessionPut of this image.
     void on_session(const Effects& effects, const PeerLog& writer,
-                    const broker::SessionImage& image, const PeerLogs& logs);
+                    const broker::SessionImage& image, const PeerLogs& logs, const View& view);
     /// Hands the publish of a peer's log on to the broker, now or later.
     void on_publish(Effects& effects, const MessagePtr& message);
     /// Hands on what waits no more.
-    void carry_on(Effects& effects, const PeerLogs& logs);
+    void carry_on(Effects& effects, const PeerLogs& logs, const View& view);
     /// Hands on all that waits of this log.
     void release(Effects& effects, const LogId& log);
     void release_all(Effects& effects);
@@ -41,9 +42,10 @@ private:
     };
 
     [[nodiscard]] bool is_worked_through(const Effects& effects, const LogPosition& position,
-                                         const PeerLogs& logs) const;
+                                         const PeerLogs& logs, const View& view) const;
     void hand_on(Effects& effects, const Held& held);
 
+    BrokerId self_;
     Duration patience_;
     std::map<LogId, std::deque<Held>> by_log_;  // mostly empty; no deque is
     std::size_t held_ = 0;

@@ -9,6 +9,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
+const LogId self = test::log_of("self");
 const LogId former = test::log_of("former");
 const LogId next = test::log_of("next");
 const LogId third = test::log_of("third");
@@ -27,7 +28,7 @@ protected:
         Effects acting = effects();
         log.offer(log.applied() + 1, {event});
         if (const auto* put = std::get_if<broker::SessionPut>(&event)) {
-            order.on_session(acting, log, put->image, logs);
+            order.on_session(acting, log, put->image, logs, view);
         }
         log.apply();
         if (const auto* published = std::get_if<broker::Published>(&event)) {
@@ -38,7 +39,7 @@ protected:
     void publish(const LogId& id) { apply(id, test::published(id, logs.at(id).applied() + 1)); }
     void carry_on() {
         Effects acting = effects();
-        order.carry_on(acting, logs);
+        order.carry_on(acting, logs, view);
     }
     /// The session comes from a home that had worked through `log` so far.
     void move_session(const LogId& to, const LogId& log, Seq seq) {
@@ -52,7 +53,8 @@ protected:
     Outbox peers;
     std::vector<LocalAction> local;
     PeerLogs logs;
-    PublishOrder order{400ms};
+    View view;
+    PublishOrder order{self.broker, 400ms};
 };
 
 TEST_F(PublishOrderTest, WhatFollowsAMoveWaitsForWhatTheFormerHomeHad) {
@@ -106,6 +108,26 @@ TEST_F(PublishOrderTest, NobodyWaitsLongerThanATailTakes) {
 
 TEST_F(PublishOrderTest, NobodyWaitsForALogThatIsNotHeld) {
     move_session(next, test::log_of("unknown"), 7);
+    publish(next);
+    EXPECT_EQ(broker.cursor(next), 3U);
+}
+
+TEST_F(PublishOrderTest, AMemberThatWasNotMetYetIsWaitedFor) {
+    const LogId unmet = test::log_of("unmet");
+    view.members = {unmet};
+    move_session(next, unmet, 1);
+    publish(next);
+    EXPECT_EQ(broker.cursor(next), 0U);
+    logs.try_emplace(unmet, unmet, 1'000);
+    carry_on();
+    EXPECT_EQ(broker.cursor(next), 0U);
+    publish(unmet);
+    EXPECT_EQ(broker.cursor(next), 3U);
+}
+
+TEST_F(PublishOrderTest, NobodyWaitsForTheOwnLog) {
+    view.members = {self};
+    move_session(next, self, 7);
     publish(next);
     EXPECT_EQ(broker.cursor(next), 3U);
 }
