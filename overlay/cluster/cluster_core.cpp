@@ -418,6 +418,10 @@ void ClusterCore::apply(Effects& effects, const LogId& id, PeerLog& log) {
 void ClusterCore::apply_event(Effects& effects, const LogId& id, PeerLog& log) {
     const LogEvent& event = *log.next();
     if (!log.is_frozen()) {
+        if (const auto* erased = std::get_if<broker::SessionErased>(&event)) {
+            const auto* session = log.session(erased->client_id);
+            if (session != nullptr) roaming_.on_let_go(effects.now, *session);
+        }
         interest_.on_event(id.broker, event);
         homes_.on_event(id.broker, event);
     } else if (is_in_tables(id)) {

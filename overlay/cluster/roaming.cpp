@@ -9,6 +9,7 @@ namespace romano::cluster {
 namespace {
 
 constexpr std::size_t fetching_most = 1'000;
+constexpr std::size_t let_go_most = 1'000;
 
 /// The client id that a CONNECT or a sleeping client's PINGREQ names.
 std::optional<broker::ClientId> named_client(Bytes datagram) {
@@ -46,18 +47,34 @@ bool is_of_session(Bytes datagram) {
 
 bool Roaming::on_datagram(Effects& effects, const Endpoint& from, Bytes datagram,
                           const Homes& homes, const Membership& membership, const View& view) {
-    const auto named = named_client(datagram);
-    const auto home = named ? homes.of(*named) : homes.at({from, {}});
-    if (!home || fetching_.size() >= fetching_most) return false;
+    auto client = client_of(from, named_client(datagram), homes);
+    if (!client || fetching_.size() >= fetching_most) return false;
     if (!is_of_session(datagram) || effects.broker.serves(from, datagram)) return false;
-    Fetching fetching{.client = home->client_id, .since = effects.now, .asked = std::nullopt};
+    Fetching fetching{.client = *std::move(client), .since = effects.now, .asked = std::nullopt};
     ask(effects, fetching, homes, membership, view);
     fetching_.insert_or_assign(from, std::move(fetching));
     return true;
 }
 
+std::optional<broker::ClientId> Roaming::client_of(const Endpoint& from,
+                                                   const std::optional<broker::ClientId>& named,
+                                                   const Homes& homes) const {
+    if (const auto home = named ? homes.of(*named) : homes.at({from, {}})) return home->client_id;
+    const auto is_it = [&](const LetGo& it) {
+        return named ? it.client == *named : it.from == from;
+    };
+    const auto found = std::ranges::find_if(let_go_, is_it);
+    return found == let_go_.end() ? std::nullopt : std::optional{found->client};
+}
+
+void Roaming::on_let_go(Instant now, const broker::SessionHeader& session) {
+    if (let_go_.size() == let_go_most) let_go_.pop_front();
+    let_go_.push_back({session.client_id, session.address.endpoint, now + 2 * patience_});
+}
+
 void Roaming::carry_on(Effects& effects, const Logs& logs, const Homes& homes,
                        const Membership& membership, const View& view) {
+    while (!let_go_.empty() && let_go_.front().until < effects.now) let_go_.pop_front();
     std::erase_if(fetching_, [&](const auto& entry) {
         const Fetching& fetching = entry.second;
         if (effects.broker.header(fetching.client) != nullptr) return true;

@@ -1,12 +1,15 @@
 // A client whose session is homed at a peer talks to us: fetch the session, one round trip, and let
 // its datagrams wait meanwhile (design section 3, "Roaming"). Has the home died, they wait for the
-// heir's word, and the session is fetched from there. Comes none, because others hear the home and
-// we do not, it is adopted from the copy that is held here; settlement.h does the rest.
+// heir's word, and the session is fetched from there. Has the home just let it go to another
+// broker, because the client roams faster than a round trip, they wait for that one's word. Comes
+// none, because others hear the home and we do not, it is adopted from the copy that is held here;
+// settlement.h does the rest.
 //
 // Bounded: so many clients at a time, and each for so long; without an answer of the home the
 // datagram is handled as that of a stranger.
 #pragma once
 
+#include <deque>
 #include <map>
 #include <optional>
 
@@ -25,11 +28,16 @@ public:
     /// True when the datagram shall wait: its session is asked for.
     bool on_datagram(Effects& effects, const Endpoint& from, Bytes datagram, const Homes& homes,
                      const Membership& membership, const View& view);
+    /// A peer's log says that it is no longer home to the client.
+    void on_let_go(Instant now, const broker::SessionHeader& session);
     /// Looks again who is home to those whose sessions are awaited.
     void carry_on(Effects& effects, const Logs& logs, const Homes& homes,
                   const Membership& membership, const View& view);
     [[nodiscard]] bool is_fetching(const Endpoint& from) const { return fetching_.contains(from); }
-    void restart() { fetching_.clear(); }
+    void restart() {
+        fetching_.clear();
+        let_go_.clear();
+    }
 
 private:
     struct Fetching {
@@ -38,6 +46,15 @@ private:
         std::optional<BrokerId> asked;  // none: its home cannot answer
     };
 
+    struct LetGo {
+        broker::ClientId client;
+        Endpoint from;
+        Instant until;
+    };
+
+    [[nodiscard]] std::optional<broker::ClientId> client_of(
+        const Endpoint& from, const std::optional<broker::ClientId>& named,
+        const Homes& homes) const;
     static void adopt_copy(Effects& effects, const Logs& logs, const broker::ClientId& client,
                            const Homes& homes);
     static void ask(Effects& effects, Fetching& fetching, const Homes& homes,
@@ -45,6 +62,7 @@ private:
 
     Duration patience_;
     std::map<Endpoint, Fetching> fetching_;
+    std::deque<LetGo> let_go_;  // in order of time
 };
 
 }  // namespace romano::cluster

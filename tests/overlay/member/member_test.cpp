@@ -11,6 +11,7 @@ namespace {
 
 using namespace std::chrono_literals;
 using mqttsn::Qos;
+using testing::Contains;
 using testing::ElementsAre;
 using testing::IsEmpty;
 using testing::SizeIs;
@@ -297,6 +298,24 @@ TEST(Member, ARoamingClientIsServedWithoutAnyConnect) {
     start(brokers, {1, 2, 3});
     Robot& robot = subscriber(brokers, "robot", 1, Qos::exactly_once);
     goes_on_at(brokers, robot, 2);
+}
+
+TEST(Member, WhoRoamsOnBeforeItsSessionFollowedIsNoStranger) {
+    for (const auto stay : {0ms, 1ms, 2ms, 3ms, 4ms, 5ms}) {
+        SCOPED_TRACE(stay.count());
+        Brokers brokers;
+        start(brokers, {1, 2, 3});
+        Robot& robot = subscriber(brokers, "robot", 1, Qos::exactly_once);
+        robot.move_to(broker_address(2));
+        robot.publish("pose", "on the way", Qos::at_most_once);
+        brokers.run_for(stay);
+        robot.move_to(broker_address(3));
+        robot.publish("pose", "there", Qos::exactly_once);
+        brokers.run_for(500ms);
+        EXPECT_THAT(robot.received(), Contains("there"));
+        EXPECT_THAT(brokers.sessions_at(3), ElementsAre("robot"));
+        expect_unnoticed(robot);
+    }
 }
 
 TEST(Member, StrictAcknowledgementRefusesWhatALoneBrokerCannotKeep) {
