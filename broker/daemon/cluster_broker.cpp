@@ -54,7 +54,8 @@ ClusterBroker::ClusterBroker(boost::asio::io_context& io, const Settings& settin
       udp_(io, *this),
       moved_(io, [this](const Endpoint& a) { return !member_ || member_->may_announce(a); }),
       timer_(io, [this] { on_core_wakeup(); }),
-      heap_limit_(settings.limits.memory_mib) {
+      heap_limit_(settings.limits.memory_mib),
+      standstill_(settings.cluster->options.detection_timeout) {
     if (make_uplink != nullptr) open_uplink(make_uplink);
     open_addresses();
     open_transport();
@@ -227,7 +228,9 @@ void ClusterBroker::on_link(const broker::LogId& process, election::Link link) {
 }
 
 void ClusterBroker::on_core_wakeup() {
-    member_->on_tick(net::now(), actions_);
+    const Instant now = net::now();
+    standstill_.look(now, thread_processor_time());
+    member_->on_tick(now, actions_);
     carry_out();
 }
 
@@ -297,6 +300,7 @@ void ClusterBroker::say_when_serving() {
 void ClusterBroker::add_metrics(metrics::Page& page) const {
     metrics::add_datagrams(page, udp_.counters());
     heap_limit_.add_metrics(page);
+    metrics::add_wakeups(page, timer_);
     add_transport(page, transport_->counters());
     if (!member_) return;
     metrics::add_messages(page, member_->broker().counters());

@@ -13,6 +13,7 @@
 #include "broker/daemon/bad_senders.h"
 #include "broker/daemon/heap_limit.h"
 #include "broker/daemon/running_broker.h"
+#include "broker/daemon/standstill.h"
 #include "broker/net/core_timer.h"
 #include "broker/net/moved_addresses.h"
 #include "broker/net/udp_service.h"
@@ -76,6 +77,7 @@ private:
     net::CoreTimer timer_;
     BadSenders bad_senders_;
     HeapLimit heap_limit_;
+    Standstill standstill_;
 
     struct Answer {
         Endpoint address;

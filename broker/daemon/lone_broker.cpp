@@ -116,6 +116,7 @@ void LoneBroker::add_metrics(metrics::Page& page) const {
     metrics::add_census(page, core_.census());
     metrics::add_datagrams(page, udp_.counters());
     heap_limit_.add_metrics(page);
+    metrics::add_wakeups(page, core_timer_);
     if (persistence_) persistence_->add_metrics(page);
 }
 

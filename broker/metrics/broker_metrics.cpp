@@ -97,4 +97,11 @@ void add_datagrams(Page& page, const net::NetCounters& counters) {
                    counters.handling);
 }
 
+void add_wakeups(Page& page, const net::CoreTimer& timer) {
+    page.histogram("romano_wakeup_delay_seconds",
+                   "How much later than it asked for the core was woken: by long work, or because "
+                   "other programs had the processor.",
+                   timer.delays());
+}
+
 }  // namespace romano::metrics

@@ -3,6 +3,7 @@
 
 #include "broker/core/counters.h"
 #include "broker/metrics/page.h"
+#include "broker/net/core_timer.h"
 #include "broker/net/net_counters.h"
 
 namespace romano::metrics {
@@ -10,5 +11,6 @@ namespace romano::metrics {
 void add_messages(Page& page, const broker::Counters& counters);
 void add_census(Page& page, const broker::Census& census);
 void add_datagrams(Page& page, const net::NetCounters& counters);
+void add_wakeups(Page& page, const net::CoreTimer& timer);
 
 }  // namespace romano::metrics

@@ -23,7 +23,9 @@ void CoreTimer::wait() {
     timer_.async_wait([this](const boost::system::error_code& error) {
         if (error || armed_for_ == never) return;
         // A wait that was replaced just as it ended may bring an old wake-up: wait on.
-        if (now() < armed_for_) return;
+        const Instant woken = now();
+        if (woken < armed_for_) return;
+        delays_.add(woken - armed_for_, 1);
         armed_for_ = never;
         on_wakeup_();
     });

@@ -9,6 +9,7 @@
 #include <functional>
 #include <utility>
 
+#include "broker/net/latency_histogram.h"
 #include "romano/base/time.h"
 
 namespace romano::net {
@@ -22,12 +23,16 @@ public:
     void arm(Instant deadline);
     void stop();
 
+    /// How much later than asked for it woke.
+    [[nodiscard]] const LatencyHistogram& delays() const { return delays_; }
+
 private:
     void wait();
 
     boost::asio::steady_timer timer_;
     std::function<void()> on_wakeup_;
     Instant armed_for_ = never;
+    LatencyHistogram delays_;
 };
 
 }  // namespace romano::net

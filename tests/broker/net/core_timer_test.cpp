@@ -53,6 +53,14 @@ TEST(CoreTimer, CanBeArmedAgainFromItsWakeUp) {
     EXPECT_EQ(wakeups, 3);
 }
 
+TEST(CoreTimer, CountsHowLateItWoke) {
+    boost::asio::io_context io;
+    CoreTimer timer(io, [] {});
+    timer.arm(now() - 30ms);
+    io.run();
+    EXPECT_GE(timer.delays().sum(), 30ms);
+}
+
 TEST(CoreTimer, NeverIsNoDeadline) {
     boost::asio::io_context io;
     CoreTimer timer(io, [] { FAIL(); });
