@@ -61,6 +61,12 @@ void check(const LoadPlan& plan) {
         throw CommandError("--topic `" + plan.topic_prefix +
                            "`: must be a topic name: UTF-8, without '+' and '#'");
     }
+    if (plan.topic_prefix.starts_with('$')) {
+        throw CommandError(
+            "--topic `" + plan.topic_prefix +
+            "`: topics that begin with '$' are the broker's own, and clients may not "
+            "publish there");
+    }
     const bool is_answered = plan.subscribers != 0 || plan.qos != mqttsn::Qos::at_most_once;
     if (!plan.rate_per_s && !is_answered) {
         throw CommandError(

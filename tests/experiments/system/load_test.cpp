@@ -66,6 +66,9 @@ TEST(LoadThatMakesNoSense, IsRefusedInOneSentence) {
     const Ran nameless = run_romano("load --topic 'a/#'");
     EXPECT_EQ(nameless.exit_code, 2);
     EXPECT_THAT(nameless.output, HasSubstr("--topic `a/#`: must be a topic name"));
+    const Ran reserved = run_romano("load --topic '$SYS/a'");
+    EXPECT_EQ(reserved.exit_code, 2);
+    EXPECT_THAT(reserved.output, HasSubstr("--topic `$SYS/a`: topics that begin with '$'"));
 }
 
 TEST(LoadWithoutABroker, SaysSoInOneSentence) {
