@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "broker/net/clock.h"
+#include "experiments/load/ready_sockets.h"
 
 namespace romano::bench {
 
@@ -126,13 +127,9 @@ std::optional<experiments::LoadClients::PublishId> MosquittoClients::publish(Ins
 
 void MosquittoClients::turn(Instant until) {
     write_rest();
-    const Duration patience = std::max(until - net::now(), Duration{0});
-    const timespec wait{.tv_sec = patience / std::chrono::seconds{1},
-                        .tv_nsec = (patience % std::chrono::seconds{1}).count()};
-    std::array<epoll_event, 64> ready{};
-    const int count = ::epoll_pwait2(epoll_, ready.data(), ready.size(), &wait, nullptr);
-    for (int i = 0; i < count; ++i) {
-        serve(*clients_[ready[static_cast<std::size_t>(i)].data.u32], true);
+    std::array<epoll_event, 64> room{};
+    for (const epoll_event& event : experiments::wait_for_sockets(epoll_, until, room)) {
+        serve(*clients_[event.data.u32], true);
     }
     write_rest();
 }

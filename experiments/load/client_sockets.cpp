@@ -15,6 +15,7 @@
 
 #include "broker/net/clock.h"
 #include "broker/net/socket_address.h"
+#include "experiments/load/ready_sockets.h"
 
 namespace romano::experiments {
 namespace {
@@ -144,13 +145,8 @@ void ClientSockets::flush() {
 }
 
 void ClientSockets::receive(Instant until, Listener& listener) {
-    const Duration patience = std::max(until - net::now(), Duration{0});
-    const timespec wait{.tv_sec = patience / std::chrono::seconds{1},
-                        .tv_nsec = (patience % std::chrono::seconds{1}).count()};
-    std::array<epoll_event, 64> ready{};
-    const int count = ::epoll_pwait2(epoll_, ready.data(), ready.size(), &wait, nullptr);
-    for (int i = 0; i < count; ++i) {
-        const epoll_event& event = ready[static_cast<std::size_t>(i)];
+    std::array<epoll_event, 64> room{};
+    for (const epoll_event& event : wait_for_sockets(epoll_, until, room)) {
         if ((event.events & EPOLLERR) != 0) {
             int error = 0;
             socklen_t size = sizeof error;
