@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -35,8 +36,10 @@ Octets body_of(std::size_t size) {
 }
 
 Octets message_of(MsgType type, const Octets& body) {
-    Octets octets{static_cast<std::uint8_t>(2 + body.size()), static_cast<std::uint8_t>(type)};
-    octets.insert(octets.end(), body.begin(), body.end());
+    Octets octets(2 + body.size());
+    octets[0] = static_cast<std::uint8_t>(octets.size());
+    octets[1] = static_cast<std::uint8_t>(type);
+    std::ranges::copy(body, octets.begin() + 2);
     return octets;
 }
 
