@@ -59,11 +59,8 @@ boost::system::error_code ServiceSocket::create(const Endpoint& address) {
     if (v6) return set_option(fd, IPPROTO_IPV6, IPV6_V6ONLY, 1);
     // A datagram that may not be cut up needs no id from the kernel's table of destinations, which
     // costs more than all that the broker does with a message. SendBatch sends the longer ones.
-    error = set_option(fd, IPPROTO_IP, IP_MTU_DISCOVER, IP_PMTUDISC_DO);
-    if (error) return error;
-    // Multicasts leave by the interface of the address, not by the default route.
-    if (wildcard_ || is_multicast(address)) return {};
-    return set_option(fd, IPPROTO_IP, IP_MULTICAST_IF, to_socket_address(address).v4.sin_addr);
+    // (Multicasts need no option: Linux sends them by the interface of the socket's address.)
+    return set_option(fd, IPPROTO_IP, IP_MTU_DISCOVER, IP_PMTUDISC_DO);
 }
 
 boost::system::error_code ServiceSocket::bind(const Endpoint& address, Bind how) {
