@@ -157,6 +157,22 @@ TEST_F(Delivering, UnknownIdAtQos0IsToldBeforeTheNextMessage) {  // G21
     broker.expects_mirror_to_agree();
 }
 
+/// The message overtook its SUBACK; the client learnt the id meanwhile, and ignores REGISTER.
+TEST_F(Delivering, UnknownIdAtQos0CostsWhoIgnoresRegisterASecondOnce) {  // G14, G21: RIOT's emcute
+    const TopicId id = robot.subscribes("a", Qos::at_most_once);
+    publishes("a", "1", Qos::at_most_once);
+    robot.hears_publish("1");
+    robot.says(Puback{id, no_msg_id, ReturnCode::invalid_topic_id});
+    publishes("a", "2", Qos::at_least_once);
+    EXPECT_EQ(robot.hears<Register>().topic_id, id);
+    broker.waits(1s);
+    EXPECT_EQ(robot.hears_publish("2").topic, id);
+    publishes("a", "3", Qos::at_most_once);
+    robot.hears_publish("3");
+    robot.hears_nothing();
+    broker.expects_mirror_to_agree();
+}
+
 TEST_F(Delivering, RefusedQos2FallsBackToQos1) {  // G25: RIOT's emcute
     robot.subscribes("a");
     publishes("a", "x", Qos::exactly_once);

@@ -56,6 +56,28 @@ TEST_F(Living, SilenceIsToleratedForHalfAKeepAliveMore) {  // G6
     EXPECT_EQ(state_of(robot), SessionState::lost);
 }
 
+/// emcute ignores DISCONNECT and never connects anew. Nothing that it says names it, so it is back
+/// only when it is restarted.
+TEST_F(Living, WhoWasLostAndDoesNotConnectAnewStaysLost) {  // 6.12, G8
+    robot.connects(true, 360);
+    robot.subscribes("cmd", Qos::at_most_once);
+    const TopicId pose = robot.registers("pose");
+    publisher.connects();
+    publisher.subscribes("pose");
+    broker.waits(9min);
+    ASSERT_EQ(state_of(robot), SessionState::lost);
+    robot.ignores_what_came();
+    for (int i = 0; i < 3; ++i) {
+        robot.publishes(pose, "x=1");
+        robot.hears<Disconnect>();
+        robot.says(Pingreq{});
+        robot.hears<Disconnect>();
+        publishes("go", Qos::at_least_once);
+        robot.hears_nothing();
+        publisher.hears_nothing();
+    }
+}
+
 TEST_F(Living, ALossAndTheWillAreOneEvent) {  // P7: no heir knows of one without the other
     for (const Qos qos : {Qos::at_least_once, Qos::exactly_once}) {
         Connect connect = robot.connect(false, 20);
