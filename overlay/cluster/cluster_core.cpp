@@ -529,7 +529,7 @@ void ClusterCore::on(Effects& effects, BrokerId from, const AddressBound& bound)
 
 void ClusterCore::on(Effects& effects, BrokerId from, const SessionHandoff& part) {
     if (!handoffs_.on_handoff(effects, logs(), from, part)) return;
-    hand_back_.on_handed_over(part.address);
+    hand_back_.on_handed_over(from, part.address);
 }
 
 void ClusterCore::on(Effects& effects, BrokerId from, const HandoffAck& ack) {

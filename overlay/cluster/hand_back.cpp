@@ -33,22 +33,23 @@ void HandBack::compare(Instant now, const Membership& membership, const View& vi
                        const ServiceAddresses& addresses) {
     contested_.clear();
     for (const Endpoint& address : addresses.serving()) {
-        bool has_rival = false;
+        std::set<BrokerId> rivals;
         for (const auto& [id, peer] : membership.peers()) {
             const bool is_member = std::ranges::binary_search(view.members, peer.beacon.log);
             if (!peer.is_serving(address) || (!is_member && !membership.is_heard(id))) continue;
             if (addresses.is_home(address)) {
-                has_rival = has_rival || ((is_member || peer.alive) && !peer.is_home_of(address));
+                if ((is_member || peer.alive) && !peer.is_home_of(address)) rivals.insert(id);
             } else if (peer.is_home_of(address) || id > self_) {
                 contested_.insert(address);
             }
         }
-        if (!has_rival) {
+        if (rivals.empty()) {
             rivals_.erase(address);
             continue;
         }
-        Rival& rival = rivals_.try_emplace(address, Rival{now, false}).first->second;
-        if (now > rival.since + 4 * patience_) rival.is_settled = true;
+        Rivalry& rivalry = rivals_.try_emplace(address, Rivalry{{}, now, false}).first->second;
+        rivalry.with = std::move(rivals);
+        if (now > rivalry.since + 4 * patience_) rivalry.is_settled = true;
     }
 }
 
@@ -170,11 +171,14 @@ void HandBack::expect(Instant now, const Endpoint& address, BrokerId from) {
     expected_.insert_or_assign(address, Getting{from, now});
 }
 
-void HandBack::on_handed_over(const Endpoint& address) {
+void HandBack::on_handed_over(BrokerId from, const Endpoint& address) {
     expected_.erase(address);
     // The former holder's next beacons may still name the address; it is silent there by now.
-    const auto rival = rivals_.find(address);
-    if (rival != rivals_.end()) rival->second.is_settled = true;
+    // Another heir's word says nothing of what the rival has.
+    const auto rivalry = rivals_.find(address);
+    if (rivalry != rivals_.end() && rivalry->second.with.contains(from)) {
+        rivalry->second.is_settled = true;
+    }
 }
 
 void HandBack::restart() {

@@ -57,7 +57,7 @@ public:
     void on_address(Effects& effects, const Endpoint& address, bool served);
     /// The sessions of an own address are somewhere else and will come from there.
     void expect(Instant now, const Endpoint& address, BrokerId from);
-    void on_handed_over(const Endpoint& address);
+    void on_handed_over(BrokerId from, const Endpoint& address);
     /// Another broker served our address as well, and has not handed its sessions over yet.
     [[nodiscard]] bool is_unsettled(const Endpoint& address) const;
     /// Datagrams to the address shall wait.
@@ -92,11 +92,12 @@ private:
     Duration patience_;
     std::set<Endpoint> contested_;  // served by another broker, to whom they belong
     std::map<Endpoint, Giving> giving_;
-    struct Rival {
+    struct Rivalry {
+        std::set<BrokerId> with;
         Instant since;
         bool is_settled;  // handed over, or waited for in vain
     };
-    std::map<Endpoint, Rival> rivals_;      // of own addresses, that others serve as well
+    std::map<Endpoint, Rivalry> rivals_;    // for own addresses, that others serve as well
     std::map<Endpoint, Getting> taking_;    // offered to us, being bound
     std::map<Endpoint, Getting> expected_;  // bound, the sessions not here yet
 };

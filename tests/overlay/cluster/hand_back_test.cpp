@@ -60,6 +60,17 @@ TEST(HandBack, P3_WhoIsOnlySuspectedMaySpeakStill) {
     EXPECT_FALSE(healed.hand_back.is_silent(ours));
 }
 
+// An heir that had nothing left to hand over; the rival was heir before it (simulator, seed 116938).
+TEST(HandBack, OnlyTheRivalsOwnWordEndsTheWaitForIt) {
+    AfterAHeal healed;
+    healed.hand_back.on_handed_over(test::log_of("b3").broker, ours);
+    EXPECT_TRUE(healed.hand_back.is_expecting(ours));
+    healed.hand_back.on_handed_over(rival.broker, ours);
+    EXPECT_FALSE(healed.hand_back.is_expecting(ours));
+    healed.compare();
+    EXPECT_FALSE(healed.hand_back.is_expecting(ours)) << "its next beacons still name the address";
+}
+
 TEST(HandBack, AnOwnAddressIsSilentForARivalForSomeTimeOnly) {
     AfterAHeal healed;
     healed.hear_nothing_for(500ms);
