@@ -30,6 +30,7 @@ bool CutOff::on_view(Instant now, const cluster::View& view, const Judgement& ha
 
 void CutOff::see(Instant now, const cluster::View& view, const Judgement& has_ended) {
     seen_ = view.number;
+    const bool is_first = members_.empty();
     const bool was_possible = is_possible();
     missing_.merge(members_);
     members_ = {view.members.begin(), view.members.end()};
@@ -41,7 +42,7 @@ void CutOff::see(Instant now, const cluster::View& view, const Judgement& has_en
     served_from_.clear();
     if (is_possible()) return awaited_.clear();
     missing_.clear();
-    if (!was_possible) return;
+    if (!was_possible && !is_first) return;
     awaited_ = members_;
     awaited_until_ = now + others_come_within;
 }

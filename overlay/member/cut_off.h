@@ -9,9 +9,10 @@
 // theirs. They come within a moment, or else it is served: in a part of the network that is cut off
 // indeed, clients are served.
 //
-// Back in a view with the others it says nothing and lets clients wait until it hears all of them,
-// for a moment at most: whoever took over may be one that it does not hear yet, while the logs of
-// the others bring messages that its clients have had from there.
+// Back in a view with the others, or in its first one, it says nothing and lets clients wait until
+// it hears all of them, for a moment at most: whoever took over may be one that it does not hear
+// yet, while the logs of the others bring messages that its clients have had from there; and to one
+// that has just started again, its own clients would be strangers.
 #pragma once
 
 #include <chrono>
@@ -54,7 +55,7 @@ private:
     cluster::ViewNumber seen_;
     std::set<broker::LogId> members_;  // of the view that was seen last
     std::set<broker::LogId> missing_;  // that fell silent in it or before
-    std::set<broker::LogId> awaited_;  // in the view that took us back, and not heard yet
+    std::set<broker::LogId> awaited_;  // in the view that took us in, and not heard yet
     Instant awaited_until_{};
     std::map<Endpoint, Instant> served_from_;  // the clients that were heard since
 };

@@ -97,6 +97,25 @@ TEST(CutOff, LastsUntilAllOfTheViewThatTakesItBackAreHeard) {
     EXPECT_FALSE(cut_off.must_wait(Instant{2s}, client(1)));
 }
 
+TEST(CutOff, WhoIsNewLetsClientsWaitUntilAllOfItsFirstViewAreHeard) {
+    const Instant now{1s};
+    const auto fell_silent = [](const auto&) { return false; };
+    std::set<broker::LogId> heard{member(1), member(2)};
+    const auto is_heard = [&](const broker::LogId& id) { return heard.contains(id); };
+    const cluster::View first = view(1, {member(1), member(2), member(3)});
+    CutOff cut_off;
+    cut_off.on_view(now, first, fell_silent, is_heard);
+    EXPECT_TRUE(cut_off.must_wait(now, client(1)));
+    heard.insert(member(3));
+    EXPECT_TRUE(cut_off.on_view(now, first, fell_silent, is_heard)) << "it is over now";
+    EXPECT_FALSE(cut_off.must_wait(now, client(1)));
+
+    heard.erase(member(3));
+    const cluster::View second = view(2, {member(1), member(2), member(3), member(4)});
+    cut_off.on_view(now, second, fell_silent, is_heard);
+    EXPECT_FALSE(cut_off.must_wait(now, client(1))) << "it is new no more";
+}
+
 TEST(CutOff, IsOverAfterAMomentThoughOneOfTheViewIsNotHeard) {
     CutOff cut_off;
     see(cut_off, view(1, {member(1), member(2), member(3)}));
