@@ -23,6 +23,17 @@ Qos granted_to(const SessionImage& image, const Message& message) {
     return most;
 }
 
+/// What the client was told of topic ids where it was heard last stays true where its session goes
+/// on, in place of what contradicts it.
+void learn(std::vector<TopicBinding>& topics, const TopicBinding& told) {
+    const auto at = std::ranges::lower_bound(topics, told.id, {}, &TopicBinding::id);
+    if (at != topics.end() && at->id == told.id) {
+        *at = told;
+    } else {
+        topics.insert(at, told);
+    }
+}
+
 /// The msg ids go on where no other home has been lately: one that is cut off from us may speak to
 /// the client as well, and a QoS 2 receiver takes a second message under an id that it has not
 /// released for the first one.
@@ -37,7 +48,15 @@ bool Adoption::adopt(SessionImage image, std::span<const MessagePtr> missed, Tur
     tables_.clock.observe(image.header.last_heard);
     Session* session = tables_.sessions.find(image.header.client_id);
     if (session != nullptr) {
-        if (!outranks(image.header, session->header)) return false;
+        if (!outranks(image.header, session->header)) {
+            if (image.header.last_heard > session->header.last_heard) {
+                learn_topics(*session, image.topics, turn);
+            }
+            return false;
+        }
+        if (session->header.last_heard > image.header.last_heard) {
+            for (const TopicBinding& told : session->topics.bindings()) learn(image.topics, told);
+        }
         tables_.sessions.come_back(*session);
         tables_.sessions.unmap(*session);
         lifecycle_.wipe(*session);
@@ -51,6 +70,16 @@ bool Adoption::adopt(SessionImage image, std::span<const MessagePtr> missed, Tur
     schedule(tables_, *session);
     deliveries_.go_on(*session, turn);
     return true;
+}
+
+void Adoption::learn_topics(Session& session, const std::vector<TopicBinding>& told, Turn& turn) {
+    std::vector<TopicBinding> topics = session.topics.bindings();
+    for (const TopicBinding& binding : told) {
+        if (std::ranges::find(topics, binding) != topics.end()) continue;
+        learn(topics, binding);
+        tables_.log.append(turn.out, [&] { return TopicBound{session.header.client_id, binding}; });
+    }
+    session.topics.restore(topics);
 }
 
 void Adoption::restore(Session& session, SessionImage& image, Turn& turn) {

@@ -392,6 +392,53 @@ TEST_F(AdoptionOfASleeper, WhoCollectsItsMessagesSleepsOn) {  // 6.14b
     EXPECT_EQ(state(), SessionState::asleep);
 }
 
+/// A kept session in two halves: the robot's home is out of sight, and its next broker, to whom it
+/// is a stranger, gives the same topic id to another topic (simulator, seed 82022).
+class AdoptionOfTwoHalves : public Adoption {
+protected:
+    AdoptionOfTwoHalves() {
+        robot.connects(false);
+        robot.registers("older");
+        older = image_of(home, "robot");
+        older.header.epoch = 5;
+        heir.waits(1s);
+        robot.moves_to(heir);
+        robot.connects(false);
+        robot.registers("newer");
+        newer = image_of(heir, "robot");
+    }
+
+    SessionImage older, newer;
+};
+
+TEST_F(AdoptionOfTwoHalves, TheHalfThatWinsKeepsWhatTheClientWasToldLater) {
+    const auto told = newer.topics;
+    ASSERT_NE(told, older.topics);
+    EXPECT_TRUE(heir.core.adopt(heir.now, older, {}, heir.actions));
+    heir.drain();
+    EXPECT_EQ(image_of(heir, "robot").topics, told);
+}
+
+TEST_F(AdoptionOfTwoHalves, TheHalfThatStaysLearnsWhatTheClientWasToldLater) {
+    const auto told = newer.topics;
+    ScriptedBroker third{options_of("third")};
+    third.waits(1s);
+    EXPECT_TRUE(third.core.adopt(third.now, older, {}, third.actions));
+    EXPECT_FALSE(third.core.adopt(third.now, newer, {}, third.actions));
+    third.drain();
+    EXPECT_EQ(image_of(third, "robot").topics, told);
+}
+
+TEST_F(AdoptionOfTwoHalves, WhatWasToldBeforeContradictsNothing) {
+    const auto told = newer.topics;
+    newer.header.epoch = 6;
+    ScriptedBroker third{options_of("third")};
+    EXPECT_TRUE(third.core.adopt(third.now, newer, {}, third.actions));
+    EXPECT_FALSE(third.core.adopt(third.now, older, {}, third.actions));
+    third.drain();
+    EXPECT_EQ(image_of(third, "robot").topics, told);
+}
+
 TEST_F(Adoption, ReleasePublishesNoWillAndForgets) {  // P7
     robot.says(robot.connect(false, 10, true));
     robot.hears<Willtopicreq>();
