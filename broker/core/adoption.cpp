@@ -23,15 +23,34 @@ Qos granted_to(const SessionImage& image, const Message& message) {
     return most;
 }
 
-/// What the client was told of topic ids where it was heard last stays true where its session goes
-/// on, in place of what contradicts it.
-void learn(std::vector<TopicBinding>& topics, const TopicBinding& told) {
-    const auto at = std::ranges::lower_bound(topics, told.id, {}, &TopicBinding::id);
-    if (at != topics.end() && at->id == told.id) {
-        *at = told;
-    } else {
-        topics.insert(at, told);
+/// Two homes had the session, and the client was heard last by the one that gives way: what it was
+/// told there, of topic ids and subscriptions, stays true. False when that is nothing new.
+bool learn(SessionImage& image, const SessionImage& told) {
+    bool is_new = false;
+    for (const TopicBinding& binding : told.topics) {
+        const auto at = std::ranges::lower_bound(image.topics, binding.id, {}, &TopicBinding::id);
+        if (at == image.topics.end() || at->id != binding.id) {
+            image.topics.insert(at, binding);
+        } else if (*at != binding) {
+            *at = binding;
+        } else {
+            continue;
+        }
+        is_new = true;
     }
+    for (const Subscription& subscription : told.subscriptions) {
+        const auto same =
+            std::ranges::find(image.subscriptions, subscription.filter, &Subscription::filter);
+        if (same == image.subscriptions.end()) {
+            image.subscriptions.push_back(subscription);
+        } else if (*same != subscription) {
+            *same = subscription;
+        } else {
+            continue;
+        }
+        is_new = true;
+    }
+    return is_new;
 }
 
 /// The msg ids go on where no other home has been lately: one that is cut off from us may speak to
@@ -47,16 +66,14 @@ std::uint16_t far_from(std::uint16_t msg_id, Random& random) {
 bool Adoption::adopt(SessionImage image, std::span<const MessagePtr> missed, Turn& turn) {
     tables_.clock.observe(image.header.last_heard);
     Session* session = tables_.sessions.find(image.header.client_id);
+    bool comes = true;
     if (session != nullptr) {
-        if (!outranks(image.header, session->header)) {
-            if (image.header.last_heard > session->header.last_heard) {
-                learn_topics(*session, image.topics, turn);
-            }
-            return false;
-        }
-        if (session->header.last_heard > image.header.last_heard) {
-            for (const TopicBinding& told : session->topics.bindings()) learn(image.topics, told);
-        }
+        SessionImage other = image_of(*session, tables_);
+        comes = outranks(image.header, other.header);
+        if (!comes) std::swap(image, other);
+        const bool learns =
+            other.header.last_heard > image.header.last_heard && learn(image, other);
+        if (!comes && !learns) return false;
         tables_.sessions.come_back(*session);
         tables_.sessions.unmap(*session);
         lifecycle_.wipe(*session);
@@ -64,22 +81,12 @@ bool Adoption::adopt(SessionImage image, std::span<const MessagePtr> missed, Tur
         session = &tables_.sessions.create(image.header.client_id);
         session->read_by_owner = image.header.client_id == tables_.options.read_by_owner;
     }
-    image = caught_up(std::move(image), missed);
+    if (comes) image = caught_up(std::move(image), missed);
     restore(*session, image, turn);
     tables_.log.append(turn.out, [&] { return SessionPut{bare_image_of(*session)}; });
     schedule(tables_, *session);
     deliveries_.go_on(*session, turn);
-    return true;
-}
-
-void Adoption::learn_topics(Session& session, const std::vector<TopicBinding>& told, Turn& turn) {
-    std::vector<TopicBinding> topics = session.topics.bindings();
-    for (const TopicBinding& binding : told) {
-        if (std::ranges::find(topics, binding) != topics.end()) continue;
-        learn(topics, binding);
-        tables_.log.append(turn.out, [&] { return TopicBound{session.header.client_id, binding}; });
-    }
-    session.topics.restore(topics);
+    return comes;
 }
 
 void Adoption::restore(Session& session, SessionImage& image, Turn& turn) {

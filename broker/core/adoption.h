@@ -34,7 +34,6 @@ public:
 private:
     [[nodiscard]] bool is_to_come(const Delivery& delivery) const;
     void restore(Session& session, SessionImage& image, Turn& turn);
-    void learn_topics(Session& session, const std::vector<TopicBinding>& told, Turn& turn);
 
     Tables& tables_;
     DeliveryFlow& deliveries_;
