@@ -1,5 +1,5 @@
-// The ROMANO authors' firmware, emulated octet by octet, at three brokers: established, subscribed
-// and moved by the operator, and none the wiser when its home is killed.
+// The ROMANO authors' firmware, emulated octet by octet, at three brokers and at a lone one:
+// established, subscribed and moved by the operator, and none the wiser when its broker is killed.
 
 #include "tests/system/legacy_robot.h"
 
@@ -12,6 +12,7 @@
 #include "tests/system/broker_process.h"
 #include "tests/system/test_addresses.h"
 #include "tests/system/test_client.h"
+#include "tests/temporary_folder.h"
 
 namespace romano::system {
 namespace {
@@ -20,15 +21,12 @@ using namespace std::chrono_literals;
 using testing::Contains;
 using testing::HasSubstr;
 
-struct LegacyFirmware : testing::Test {
-    LegacyFirmware() {
-        for (const int n : {1, 2, 3}) {
-            brokers.push_back(std::make_unique<BrokerProcess>(std::vector<std::string>{
-                "--listen", addresses.service(n), "--name", "r" + std::to_string(n), "--domain",
-                std::to_string(addresses.domain()), "--interface", "lo", "--rank",
-                std::to_string(n), "--detection-timeout-ms", "300"}));
-            brokers.back()->wait_until_serving();
-        }
+struct OldRobot : testing::Test {
+    void start(int n, std::vector<std::string> more) {
+        std::vector<std::string> arguments = {"--listen", addresses.service(n)};
+        arguments.insert(arguments.end(), more.begin(), more.end());
+        brokers.push_back(std::make_unique<BrokerProcess>(arguments));
+        brokers.back()->wait_until_serving();
     }
     /// `romano COMMAND` at that broker; its exit code. The robot goes on meanwhile.
     int romano(int broker, std::vector<std::string> arguments) {
@@ -49,12 +47,36 @@ struct LegacyFirmware : testing::Test {
             ASSERT_EQ(romano(broker, {"robots"}), 0) << said;
         }
     }
+    /// It subscribes at QoS 0: what comes to its broker's address while nobody is there is lost.
+    void is_moved_by_its_id(int broker) {
+        firmware.movements.clear();
+        for (int tries = 0; tries < 5 && firmware.movements.empty(); ++tries) {
+            EXPECT_EQ(romano(broker, {"move", id, "front", "500ms"}), 0) << said;
+            firmware.run_until([&] { return !firmware.movements.empty(); }, 2s);
+        }
+        EXPECT_EQ(firmware.movements.size(), 1U);
+    }
+    void notices_nothing() const {
+        EXPECT_EQ(firmware.connects, 1);
+        EXPECT_EQ(firmware.refusals, 0) << "it was sent what it does not understand";
+        EXPECT_EQ(firmware.disconnects_ignored, 0);
+    }
 
     std::string id = "0433ed81";
     TestAddresses addresses;
     std::vector<std::unique_ptr<BrokerProcess>> brokers;
     std::string said;
     LegacyRobot firmware{addresses.client(), addresses.service_endpoint(1), "0433ed81"};
+};
+
+struct LegacyFirmware : OldRobot {
+    LegacyFirmware() {
+        for (const int n : {1, 2, 3}) {
+            start(n, {"--name", "r" + std::to_string(n), "--domain",
+                      std::to_string(addresses.domain()), "--interface", "lo", "--rank",
+                      std::to_string(n), "--detection-timeout-ms", "300"});
+        }
+    }
 };
 
 TEST_F(LegacyFirmware, GoesThroughEverythingThoughItsHomeIsKilled) {
@@ -69,21 +91,15 @@ TEST_F(LegacyFirmware, GoesThroughEverythingThoughItsHomeIsKilled) {
     for (const bool home_is_dead : {false, true}) {
         if (home_is_dead) brokers[0]->kill_9();
         const std::string team = home_is_dead ? "team/red" : "team/blue";
-        firmware.movements.clear();
-        // It subscribes at QoS 0: what comes to its home's address before the heir is there is
-        // lost.
-        for (int tries = 0; tries < 5 && firmware.movements.empty(); ++tries) {
-            EXPECT_EQ(romano(2, {"move", id, "front", "500ms"}), 0) << said;
-            firmware.run_until([&] { return !firmware.movements.empty(); }, 2s);
-        }
-        ASSERT_EQ(firmware.movements.size(), 1U) << "by its id; home is dead: " << home_is_dead;
+        SCOPED_TRACE(home_is_dead ? "its home is dead" : "its home lives");
+        is_moved_by_its_id(2);
 
         EXPECT_EQ(romano(3, {"subscribe-robot", id, team}), 0) << said;
         EXPECT_TRUE(
             firmware.run_until([&] { return std::ranges::count(firmware.subscribed, team) == 1; }));
         EXPECT_EQ(romano(2, {"move", team, "back", "200ms", "--form", "legacy"}), 0) << said;
         EXPECT_TRUE(firmware.run_until([&] { return firmware.movements.size() == 2; }))
-            << "by its team; home is dead: " << home_is_dead;
+            << "by its team";
 
         EXPECT_EQ(romano(2, {"request", id, "telemetry", home_is_dead ? "b" : "a"}), 0) << said;
         const std::size_t before = listener.received.size();
@@ -91,9 +107,7 @@ TEST_F(LegacyFirmware, GoesThroughEverythingThoughItsHomeIsKilled) {
             return listener.run_until([&] { return listener.received.size() > before; }, 20ms);
         }));
     }
-    EXPECT_EQ(firmware.connects, 1);
-    EXPECT_EQ(firmware.refusals, 0) << "it was sent what it does not understand";
-    EXPECT_EQ(firmware.disconnects_ignored, 0);
+    notices_nothing();
 }
 
 TEST_F(LegacyFirmware, WhoseHomeDiesBeforeTheAcknowledgementIsAnsweredByTheHeir) {
@@ -110,6 +124,31 @@ TEST_F(LegacyFirmware, WhoseHomeDiesBeforeTheAcknowledgementIsAnsweredByTheHeir)
     (void)firmware.run_until([] { return false; }, 300ms);
     EXPECT_LE(firmware.delivered.size(), static_cast<std::size_t>(firmware.hellos));
     EXPECT_EQ(firmware.connects, 1);
+}
+
+TEST_F(OldRobot, GoesOnWithALoneBrokerThatIsKilledAndStartedAgainOnItsStore) {
+    const tests::TemporaryFolder folder;
+    const std::vector<std::string> store = {"--store", folder / "store.db"};
+    start(1, store);
+    ASSERT_TRUE(firmware.establish());
+    TestClient listener{addresses.client(), addresses.service_endpoint(1), "listener"};
+    ASSERT_TRUE(listener.connect());
+    ASSERT_TRUE(listener.subscribe("telemetry", mqttsn::Qos::at_least_once));
+    for (const bool was_killed : {false, true}) {
+        SCOPED_TRACE(was_killed ? "started again" : "at first");
+        if (was_killed) {
+            brokers.front()->kill_9();
+            brokers.clear();
+            start(1, store);
+        }
+        is_moved_by_its_id(1);
+        EXPECT_EQ(romano(1, {"request", id, "telemetry", "a"}), 0) << said;
+        const std::size_t before = listener.received.size();
+        EXPECT_TRUE(firmware.run_until([&] {
+            return listener.run_until([&] { return listener.received.size() > before; }, 20ms);
+        }));
+    }
+    notices_nothing();
 }
 
 }  // namespace
