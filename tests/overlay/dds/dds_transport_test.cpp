@@ -257,7 +257,7 @@ public:
     void signal(int number) const { kill(pid_, number); }
     [[nodiscard]] bool said_something() const {
         pollfd ready{.fd = output_, .events = POLLIN, .revents = 0};
-        return poll(&ready, 1, 0) == 1;
+        return poll(&ready, 1, 0) == 1 && (ready.revents & POLLIN) != 0;
     }
 
 private:
