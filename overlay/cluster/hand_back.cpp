@@ -96,7 +96,9 @@ void HandBack::begin(Effects& effects, const Endpoint& address, const Membership
                      const View& view) {
     const auto owner = owner_of(address, membership, view);
     if (!owner) return;
-    const bool contested = membership.find(owner->broker)->is_serving(address);
+    const Peer& peer = *membership.find(owner->broker);
+    if (!peer.hears(self_)) return;  // what it is sent would be lost
+    const bool contested = peer.is_serving(address);
     giving_.emplace(address, Giving{.owner = *owner,
                                     .stage = contested ? Stage::draining : Stage::offered,
                                     .since = effects.now,

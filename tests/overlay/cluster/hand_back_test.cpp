@@ -21,17 +21,30 @@ struct AfterAHeal {
     HandBack hand_back{self.broker, 100ms};
     View view{.members = {self, rival}};
     Instant now{1s};
+    std::uint64_t tick = 0;
 
     AfterAHeal() {
         std::ranges::sort(view.members);
         addresses.on_address(ours, true);
         addresses.on_address(theirs, true);
+        hear({self.broker});
+    }
+    void hear(std::vector<BrokerId> whom_it_hears) {
         membership.on_beacon(now, Beacon{.log = rival,
-                                         .tick = 1,
-                                         .hears = {self.broker},
+                                         .tick = ++tick,
+                                         .hears = std::move(whom_it_hears),
                                          .home_addresses = {theirs},
                                          .serving = {ours, theirs}});
         compare();
+    }
+    [[nodiscard]] std::size_t handed_over() {
+        broker::BrokerCore broker{broker::BrokerOptions{}, 1};
+        broker::Actions clients;
+        Outbox peers;
+        std::vector<LocalAction> local;
+        Effects effects{now, broker, clients, peers, local};
+        hand_back.carry_on(effects, membership, view, addresses, {});
+        return peers.size();
     }
     void compare() { hand_back.compare(now, membership, view, addresses); }
     void hear_nothing_for(Duration time) {
@@ -60,7 +73,8 @@ TEST(HandBack, P3_WhoIsOnlySuspectedMaySpeakStill) {
     EXPECT_FALSE(healed.hand_back.is_silent(ours));
 }
 
-// An heir that had nothing left to hand over; the rival was heir before it (simulator, seed 116938).
+// An heir that had nothing left to hand over; the rival was heir before it (simulator, seed
+// 116938).
 TEST(HandBack, OnlyTheRivalsOwnWordEndsTheWaitForIt) {
     AfterAHeal healed;
     healed.hand_back.on_handed_over(test::log_of("b3").broker, ours);
@@ -69,6 +83,19 @@ TEST(HandBack, OnlyTheRivalsOwnWordEndsTheWaitForIt) {
     EXPECT_FALSE(healed.hand_back.is_expecting(ours));
     healed.compare();
     EXPECT_FALSE(healed.hand_back.is_expecting(ours)) << "its next beacons still name the address";
+}
+
+// Its beacons come here before anything of ours gets there (simulator, seed 138174).
+TEST(HandBack, NothingIsHandedToWhoDoesNotHearUsYet) {
+    AfterAHeal healed;
+    healed.hear({});
+    EXPECT_EQ(healed.handed_over(), 0U);
+    healed.now += 50ms;
+    EXPECT_EQ(healed.handed_over(), 0U);
+    healed.hear({self.broker});
+    EXPECT_EQ(healed.handed_over(), 0U) << "what is on its way to clients leaves first";
+    healed.now += 50ms;
+    EXPECT_EQ(healed.handed_over(), 1U);
 }
 
 TEST(HandBack, AnOwnAddressIsSilentForARivalForSomeTimeOnly) {
