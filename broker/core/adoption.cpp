@@ -53,12 +53,28 @@ bool learn(SessionImage& image, const SessionImage& told) {
     return is_new;
 }
 
+/// The store of a lone broker has only those of open exchanges.
+mqttsn::MsgId last_msg_id(const SessionImage& image) {
+    mqttsn::MsgId last = image.last_msg_id;
+    if (last != mqttsn::no_msg_id) return last;
+    for (const Delivery& delivery : image.deliveries) {
+        if (delivery.msg_id != mqttsn::no_msg_id) last = delivery.msg_id;
+    }
+    return last;
+}
+
 /// The msg ids go on where no other home has been lately: one that is cut off from us may speak to
-/// the client as well, and a QoS 2 receiver takes a second message under an id that it has not
-/// released for the first one.
-std::uint16_t far_from(std::uint16_t msg_id, Random& random) {
-    constexpr std::uint16_t least = 0x1000;
-    return static_cast<std::uint16_t>(msg_id + least + random.below(0x10000 - 2 * least));
+/// the client as well, and a QoS 2 receiver takes a message for the one that it has not released
+/// under the same id.
+std::uint16_t far_from(mqttsn::MsgId one, mqttsn::MsgId other, Random& random) {
+    constexpr std::uint32_t least = 0x1000;
+    for (;;) {
+        const std::uint32_t step = least + random.below(0x10000 - 2 * least);
+        const auto id = static_cast<std::uint16_t>(static_cast<std::uint32_t>(one) + step);
+        const auto ahead =
+            static_cast<std::uint16_t>(std::uint32_t{id} - static_cast<std::uint32_t>(other));
+        if (ahead >= least && ahead <= 0x10000 - least) return id;
+    }
 }
 
 }  // namespace
@@ -67,10 +83,12 @@ bool Adoption::adopt(SessionImage image, std::span<const MessagePtr> missed, Tur
     tables_.clock.observe(image.header.last_heard);
     Session* session = tables_.sessions.find(image.header.client_id);
     bool comes = true;
+    auto elsewhere = mqttsn::no_msg_id;
     if (session != nullptr) {
         SessionImage other = image_of(*session, tables_);
         comes = outranks(image.header, other.header);
         if (!comes) std::swap(image, other);
+        elsewhere = other.last_msg_id;
         const bool learns =
             other.header.last_heard > image.header.last_heard && learn(image, other);
         if (!comes && !learns) return false;
@@ -82,6 +100,7 @@ bool Adoption::adopt(SessionImage image, std::span<const MessagePtr> missed, Tur
         session->read_by_owner = image.header.client_id == tables_.options.read_by_owner;
     }
     if (comes) image = caught_up(std::move(image), missed);
+    session->last_msg_id = far_from(last_msg_id(image), elsewhere, tables_.random);
     restore(*session, image, turn);
     tables_.log.append(turn.out, [&] { return SessionPut{bare_image_of(*session)}; });
     schedule(tables_, *session);
@@ -111,11 +130,7 @@ void Adoption::restore(Session& session, SessionImage& image, Turn& turn) {
     std::stable_partition(image.deliveries.begin(), image.deliveries.end(), [](const Delivery& d) {
         return d.stage != DeliveryStage::queued;  // the open exchange is about the front
     });
-    std::uint16_t last_msg_id = 0;
     for (Delivery& delivery : image.deliveries) {
-        if (delivery.msg_id != mqttsn::no_msg_id) {
-            last_msg_id = static_cast<std::uint16_t>(delivery.msg_id);
-        }
         if (delivery.message) {
             session.queue.push(std::move(delivery));
         } else if (is_to_come(delivery)) {
@@ -125,7 +140,6 @@ void Adoption::restore(Session& session, SessionImage& image, Turn& turn) {
                                        .retain = delivery.retain});
         }
     }
-    session.last_msg_id = far_from(last_msg_id, tables_.random);
     for (const LogPosition& position : image.worked_through) {
         const bool is_own = position.log == tables_.log.id();
         const Seq ours = is_own ? tables_.log.last() : tables_.cursors.at(position.log);

@@ -147,7 +147,7 @@ void Mirror::on(const DeliveryStarted& event) {
     const auto delivery = delivery_at(*image, event.message);
     if (delivery == image->deliveries.end()) return;
     delivery->stage = DeliveryStage::published;
-    delivery->msg_id = event.msg_id;
+    delivery->msg_id = image->last_msg_id = event.msg_id;
     delivery->qos = event.qos;
 }
 

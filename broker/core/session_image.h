@@ -104,10 +104,11 @@ struct SessionImage {
     /// How far the home had worked through each log, its own included, sorted by log: what was
     /// published up to there is in `deliveries`, done, or was not for this session.
     std::vector<LogPosition> worked_through;
+    mqttsn::MsgId last_msg_id = mqttsn::no_msg_id;  // that the home gave; a mirror knows PUBLISH's
 };
 
 /// True when both describe the same session in the same state, apart from when it was heard last
-/// and departed; messages are compared by their positions.
+/// and departed, and the last msg id; messages are compared by their positions.
 [[nodiscard]] bool same_state(const SessionImage& a, const SessionImage& b);
 
 /// Which of two copies of one session counts when brokers meet: the higher epoch, then one whose

@@ -9,7 +9,8 @@ SessionImage bare_image_of(const Session& session) {
                        .topics = session.topics.bindings(),
                        .deliveries = session.awaited,
                        .unreleased = session.unreleased,
-                       .worked_through = session.worked_ahead};
+                       .worked_through = session.worked_ahead,
+                       .last_msg_id = mqttsn::MsgId{session.last_msg_id}};
     for (const Delivery& delivery : session.queue) {
         if (delivery.qos != mqttsn::Qos::at_most_once) image.deliveries.push_back(delivery);
     }

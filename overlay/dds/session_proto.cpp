@@ -138,6 +138,7 @@ void to_proto(const broker::SessionImage& in, SessionImage& out) {
         out.add_unreleased(static_cast<std::uint32_t>(id));
     }
     all_to_proto(in.worked_through, *out.mutable_worked_through());
+    out.set_last_msg_id(static_cast<std::uint32_t>(in.last_msg_id));
 }
 
 std::optional<broker::SessionImage> from_proto(const SessionImage& in) {
@@ -158,6 +159,9 @@ std::optional<broker::SessionImage> from_proto(const SessionImage& in) {
         out.unreleased.push_back(*id);
     }
     if (!all_from_proto(in.worked_through(), out.worked_through)) return std::nullopt;
+    const auto last_msg_id = narrow<mqttsn::MsgId>(in.last_msg_id());
+    if (!last_msg_id) return std::nullopt;
+    out.last_msg_id = *last_msg_id;
     return out;
 }
 

@@ -1,6 +1,6 @@
 // Sessions change their home and their clients do not notice (design: take-over, hand-off).
 
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
 
 #include <algorithm>
 #include <chrono>
@@ -446,6 +446,42 @@ TEST_F(AdoptionOfTwoHalves, WhatWasToldBeforeIsOver) {
     third.drain();
     EXPECT_EQ(image_of(third, "robot").topics, newer.topics);
     EXPECT_EQ(image_of(third, "robot").subscriptions, newer.subscriptions);
+}
+
+// A QoS 2 receiver takes a message for the one that it has not released under the same msg id
+// (simulator, seed 145609).
+TEST_F(Adoption, MsgIdsGoOnFarFromWhereBothHomesWere) {
+    constexpr std::uint16_t far = 0x1000;
+    const auto distance = [](MsgId a, MsgId b) {
+        const auto ahead =
+            static_cast<std::uint16_t>(static_cast<unsigned>(a) - static_cast<unsigned>(b));
+        return std::min<int>(ahead, 0x10000 - ahead);
+    };
+    publisher.connects();
+    robot.connects();
+    robot.subscribes("cmd");
+    publisher.publishes(publisher.registers("cmd"), "go", Qos::at_least_once);
+    const MsgId idle = robot.hears<Publish>().msg_id;
+    robot.says(Puback{mqttsn::TopicId{1}, idle, ReturnCode::accepted});
+    SessionImage image = image_of(home, "robot");
+    ASSERT_THAT(image.deliveries, testing::IsEmpty());
+    for (const unsigned elsewhere : {0x2000U, 0x5000U, 0x8000U, 0xB000U, 0xE000U}) {
+        for (std::uint64_t seed = 1; seed <= 200; ++seed) {
+            BrokerOptions options = options_of("heir");
+            BrokerCore core{options, seed};
+            Actions actions;
+            image.header.epoch = 1;
+            image.last_msg_id = MsgId{static_cast<std::uint16_t>(elsewhere)};
+            ASSERT_TRUE(core.adopt(Instant{1s}, image, {}, actions));
+            const MsgId there = core.image("robot")->last_msg_id;
+            image.header.epoch = 2;
+            image.last_msg_id = idle;
+            ASSERT_TRUE(core.adopt(Instant{1s}, image, {}, actions));
+            const MsgId here = core.image("robot")->last_msg_id;
+            ASSERT_GE(distance(here, idle), far);
+            ASSERT_GE(distance(here, there), far);
+        }
+    }
 }
 
 TEST_F(Adoption, ReleasePublishesNoWillAndForgets) {  // P7

@@ -29,7 +29,7 @@ static_assert(field_count<broker::Will>() == 4);
 static_assert(field_count<broker::Subscription>() == 4);
 static_assert(field_count<broker::TopicBinding>() == 3);
 static_assert(field_count<broker::Delivery>() == 6);
-static_assert(field_count<broker::SessionImage>() == 7);
+static_assert(field_count<broker::SessionImage>() == 8);
 static_assert(field_count<broker::SessionChanged>() == 2);
 static_assert(field_count<broker::Published>() == 5);
 static_assert(field_count<broker::Routed>() == 2);
@@ -124,6 +124,7 @@ TEST(BodyCodec, ASessionImageKeepsItsFields) {
             EXPECT_EQ(a.topics, b.topics);
             EXPECT_EQ(a.unreleased, b.unreleased);
             EXPECT_EQ(a.worked_through, b.worked_through);
+            EXPECT_EQ(a.last_msg_id, b.last_msg_id);
             ASSERT_EQ(a.deliveries.size(), b.deliveries.size());
             for (std::size_t j = 0; j < a.deliveries.size(); ++j) {
                 const auto& x = a.deliveries[j];

@@ -110,7 +110,8 @@ broker::SessionImage image(Random& r) {
             some(r, binding),
             some(r, delivery),
             some(r, msg_id),
-            some(r, position)};
+            some(r, position),
+            msg_id(r)};
 }
 
 broker::Route route(Random& r) {
