@@ -1,5 +1,7 @@
 #include "broker/net/core_timer.h"
 
+#include <utility>
+
 #include "broker/net/clock.h"
 
 namespace romano::net {
@@ -25,8 +27,9 @@ void CoreTimer::wait() {
         // A wait that was replaced just as it ended may bring an old wake-up: wait on.
         const Instant woken = now();
         if (woken < armed_for_) return;
-        delays_.add(woken - armed_for_, 1);
-        armed_for_ = never;
+        const Instant deadline = std::exchange(armed_for_, never);
+        const bool at_once = deadline == Instant::min();
+        delays_.add(at_once ? Duration{0} : woken - deadline, 1);
         on_wakeup_();
     });
 }

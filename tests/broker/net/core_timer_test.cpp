@@ -61,6 +61,14 @@ TEST(CoreTimer, CountsHowLateItWoke) {
     EXPECT_GE(timer.delays().sum(), 30ms);
 }
 
+TEST(CoreTimer, AtOnceIsNeverLate) {
+    boost::asio::io_context io;
+    CoreTimer timer(io, [] {});
+    timer.arm(Instant::min());
+    io.run();
+    EXPECT_EQ(timer.delays().sum(), 0ms);
+}
+
 TEST(CoreTimer, NeverIsNoDeadline) {
     boost::asio::io_context io;
     CoreTimer timer(io, [] { FAIL(); });
