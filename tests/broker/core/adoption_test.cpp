@@ -1,6 +1,6 @@
 // Sessions change their home and their clients do not notice (design: take-over, hand-off).
 
-#include <gmock/gmock.h>
+#include <gtest/gtest.h>
 
 #include <algorithm>
 #include <chrono>
@@ -10,46 +10,12 @@
 #include <vector>
 
 #include "romano/base/random.h"
-#include "tests/broker/core/scripted_client.h"
+#include "tests/broker/core/adopting_brokers.h"
 
 namespace romano::broker {
 namespace {
 
-BrokerOptions options_of(std::string_view name) {
-    BrokerOptions options = logging_options();
-    options.log = {broker_id_of(name), 1};
-    return options;
-}
-
-/// The session of `client` as a peer of its home would take it over.
-SessionImage image_of(ScriptedBroker& home, std::string_view client) {
-    home.expects_mirror_to_agree();
-    return *home.mirror.image(client);
-}
-
-/// What another broker published on `cmd`.
-MessagePtr published_at(const LogPosition& position, std::string_view data,
-                        Qos qos = Qos::exactly_once) {
-    return MessagePtr{Message{.topic = "cmd",
-                              .payload = octets_of(data),
-                              .qos = qos,
-                              .position = position,
-                              .published_at = {}}};
-}
-
-class Adoption : public ::testing::Test {
-protected:
-    void takes_over(ScriptedClient& client, const std::vector<MessagePtr>& missed = {}) {
-        EXPECT_TRUE(heir.core.adopt(heir.now, image_of(home, client.id), missed, heir.actions));
-        heir.drain();
-        client.moves_to(heir);
-    }
-
-    ScriptedBroker home{options_of("home")};
-    ScriptedBroker heir{options_of("heir")};
-    ScriptedClient robot{home, "robot"};
-    ScriptedClient publisher{home, "publisher"};
-};
+using Adoption = AdoptingBrokers;
 
 TEST_F(Adoption, InFlightPublishIsSentAgainWithDupUnderItsMsgId) {
     publisher.connects();
@@ -83,23 +49,6 @@ TEST_F(Adoption, ReleasedQos2GoesOnWithPubrel) {
     EXPECT_EQ(robot.hears<Pubrel>().msg_id, msg_id);
     robot.says(Pubcomp{msg_id});
     robot.hears_nothing();
-}
-
-TEST_F(Adoption, TwoHomesOfAPartedClusterDoNotUseTheSameMsgIds) {  // P2
-    publisher.connects();
-    robot.connects(false);
-    robot.subscribes("cmd");
-    const auto topic = publisher.registers("cmd");
-    publisher.publishes(topic, "go", Qos::exactly_once);
-    const auto in_flight = static_cast<std::uint16_t>(robot.hears<Publish>().msg_id);
-    publisher.publishes(topic, "stop", Qos::exactly_once);
-    takes_over(robot);
-    robot.says(Pubrec{robot.hears<Publish>().msg_id});
-    robot.says(Pubcomp{robot.hears<Pubrel>().msg_id});
-    // The old home, cut off, may go on with the ids that follow. This one does not.
-    const auto next = static_cast<std::uint16_t>(robot.hears<Publish>().msg_id);
-    EXPECT_GT(static_cast<std::uint16_t>(next - in_flight), 0x1000);
-    EXPECT_LT(static_cast<std::uint16_t>(next - in_flight), 0xF000);
 }
 
 TEST_F(Adoption, RefusedDupFallsBackToANewMsgIdWithoutDup) {  // G25
@@ -295,32 +244,6 @@ TEST_F(Adoption, EpochRisesWhenTheClientIsHeardAndNotBefore) {
     heir.expects_mirror_to_agree();
 }
 
-TEST_F(Adoption, TheCopyWhoseClientWasHeardWins) {
-    robot.connects(false);
-    const SessionImage stale = image_of(home, "robot");
-    takes_over(robot);
-    robot.says(Pingreq{});
-    robot.hears<Pingresp>();
-    EXPECT_FALSE(heir.core.adopt(heir.now, stale, {}, heir.actions));
-    EXPECT_TRUE(home.core.adopt(home.now, *heir.core.image("robot"), {}, home.actions));
-    home.drain();
-    EXPECT_EQ(home.core.image("robot")->header.epoch, 2u);
-    home.expects_mirror_to_agree();
-}
-
-// Beyond a cut: it knows nothing of the session that the heir has.
-TEST_F(Adoption, ASessionThatIsBegunAnewOutranksOneThatItsBrokerNeverSaw) {
-    robot.connects();
-    SessionImage older = image_of(home, "robot");
-    older.header.epoch += 3;  // heard at so many homes since
-    ScriptedBroker stranger{options_of("stranger")};
-    stranger.now = home.now + std::chrono::seconds{1};
-    ScriptedClient anew{stranger, "robot"};
-    anew.connects();
-    EXPECT_FALSE(stranger.core.adopt(stranger.now, older, {}, stranger.actions));
-    EXPECT_TRUE(outranks(stranger.core.image("robot")->header, older.header));
-}
-
 TEST_F(Adoption, KeepAliveStartsAgain) {
     robot.connects(true, 10);
     robot.ignores_what_came();
@@ -390,98 +313,6 @@ TEST_F(AdoptionOfASleeper, WhoCollectsItsMessagesSleepsOn) {  // 6.14b
     robot.says(Pubcomp{robot.hears<Pubrel>().msg_id});
     robot.hears<Pingresp>();
     EXPECT_EQ(state(), SessionState::asleep);
-}
-
-/// A kept session in two halves: the robot's home is out of sight, and its next broker, to whom it
-/// is a stranger, gives the same topic id to another topic (simulator, seed 82022).
-class AdoptionOfTwoHalves : public Adoption {
-protected:
-    AdoptionOfTwoHalves() {
-        publisher.connects();
-        robot.connects(false);
-        robot.subscribes("older");
-        older = image_of(home, "robot");
-        older.header.epoch = 5;
-        heir.waits(1s);
-        robot.moves_to(heir);
-        robot.connects(false);
-        robot.subscribes("newer");
-        newer = image_of(heir, "robot");
-    }
-    /// The robot is subscribed to both, and hears what it subscribed to last under the id of then.
-    void hears_what_it_was_told_last(ScriptedBroker& at) {
-        robot.moves_to(at);
-        EXPECT_EQ(image_of(at, "robot").subscriptions.size(), 2U);
-        publisher.moves_to(at);
-        publisher.connects();
-        publisher.publishes(publisher.registers("newer"), "go");
-        EXPECT_EQ(robot.hears<Publish>().topic, newer.topics.front().id);
-        publisher.publishes(publisher.registers("older"), "go");
-        EXPECT_NE(robot.hears<Register>().topic_id, newer.topics.front().id);
-    }
-
-    SessionImage older, newer;
-    ScriptedBroker third{options_of("third")};
-};
-
-TEST_F(AdoptionOfTwoHalves, TheHalfThatWinsKeepsWhatTheClientWasToldLater) {
-    EXPECT_TRUE(heir.core.adopt(heir.now, older, {}, heir.actions));
-    heir.drain();
-    hears_what_it_was_told_last(heir);
-}
-
-TEST_F(AdoptionOfTwoHalves, TheHalfThatStaysLearnsWhatTheClientWasToldLater) {
-    third.waits(1s);
-    EXPECT_TRUE(third.core.adopt(third.now, older, {}, third.actions));
-    EXPECT_FALSE(third.core.adopt(third.now, newer, {}, third.actions));
-    third.drain();
-    EXPECT_EQ(image_of(third, "robot").header.epoch, 5U);
-    hears_what_it_was_told_last(third);
-}
-
-TEST_F(AdoptionOfTwoHalves, WhatWasToldBeforeIsOver) {
-    newer.header.epoch = 6;
-    EXPECT_TRUE(third.core.adopt(third.now, newer, {}, third.actions));
-    EXPECT_FALSE(third.core.adopt(third.now, older, {}, third.actions));
-    third.drain();
-    EXPECT_EQ(image_of(third, "robot").topics, newer.topics);
-    EXPECT_EQ(image_of(third, "robot").subscriptions, newer.subscriptions);
-}
-
-// A QoS 2 receiver takes a message for the one that it has not released under the same msg id
-// (simulator, seed 145609).
-TEST_F(Adoption, MsgIdsGoOnFarFromWhereBothHomesWere) {
-    constexpr std::uint16_t far = 0x1000;
-    const auto distance = [](MsgId a, MsgId b) {
-        const auto ahead =
-            static_cast<std::uint16_t>(static_cast<unsigned>(a) - static_cast<unsigned>(b));
-        return std::min<int>(ahead, 0x10000 - ahead);
-    };
-    publisher.connects();
-    robot.connects();
-    robot.subscribes("cmd");
-    publisher.publishes(publisher.registers("cmd"), "go", Qos::at_least_once);
-    const MsgId idle = robot.hears<Publish>().msg_id;
-    robot.says(Puback{mqttsn::TopicId{1}, idle, ReturnCode::accepted});
-    SessionImage image = image_of(home, "robot");
-    ASSERT_THAT(image.deliveries, testing::IsEmpty());
-    for (const unsigned elsewhere : {0x2000U, 0x5000U, 0x8000U, 0xB000U, 0xE000U}) {
-        for (std::uint64_t seed = 1; seed <= 200; ++seed) {
-            BrokerOptions options = options_of("heir");
-            BrokerCore core{options, seed};
-            Actions actions;
-            image.header.epoch = 1;
-            image.last_msg_id = MsgId{static_cast<std::uint16_t>(elsewhere)};
-            ASSERT_TRUE(core.adopt(Instant{1s}, image, {}, actions));
-            const MsgId there = core.image("robot")->last_msg_id;
-            image.header.epoch = 2;
-            image.last_msg_id = idle;
-            ASSERT_TRUE(core.adopt(Instant{1s}, image, {}, actions));
-            const MsgId here = core.image("robot")->last_msg_id;
-            ASSERT_GE(distance(here, idle), far);
-            ASSERT_GE(distance(here, there), far);
-        }
-    }
 }
 
 TEST_F(Adoption, ReleasePublishesNoWillAndForgets) {  // P7

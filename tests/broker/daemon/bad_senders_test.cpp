@@ -3,36 +3,27 @@
 #include "broker/daemon/bad_senders.h"
 
 #include <gtest/gtest.h>
-#include <spdlog/sinks/ostream_sink.h>
-#include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <array>
-#include <memory>
-#include <sstream>
+
+#include "tests/broker/daemon/captured_trace.h"
 
 namespace romano::daemon {
 namespace {
 
 class NamingBadSenders : public testing::Test {
 protected:
-    NamingBadSenders() : before_(spdlog::default_logger()) {
-        spdlog::set_default_logger(std::make_shared<spdlog::logger>(
-            "test", std::make_shared<spdlog::sinks::ostream_sink_st>(trace_)));
-    }
-    ~NamingBadSenders() override { spdlog::set_default_logger(before_); }
-
     void says_nonsense(std::uint16_t port) {
         const std::array<std::uint8_t, 2> octets{9, 9};
         const Endpoint from{
             .address = {127, 0, 0, 1}, .port = port, .family = Endpoint::Family::ipv4};
         senders_.look(++malformed_, from, octets);
     }
-    [[nodiscard]] std::ptrdiff_t lines() const { return std::ranges::count(trace_.str(), '\n'); }
+    [[nodiscard]] std::ptrdiff_t lines() const { return std::ranges::count(trace_.text(), '\n'); }
 
 private:
-    std::shared_ptr<spdlog::logger> before_;
-    std::ostringstream trace_;
+    CapturedTrace trace_;
     BadSenders senders_;
     std::uint64_t malformed_ = 0;
 };

@@ -1,12 +1,10 @@
 #include "broker/daemon/standstill.h"
 
 #include <gmock/gmock.h>
-#include <spdlog/sinks/ostream_sink.h>
-#include <spdlog/spdlog.h>
 
-#include <memory>
-#include <sstream>
 #include <string>
+
+#include "tests/broker/daemon/captured_trace.h"
 
 namespace romano::daemon {
 namespace {
@@ -17,25 +15,19 @@ using testing::IsEmpty;
 
 class SayingOfStandstills : public testing::Test {
 protected:
-    SayingOfStandstills() : before_(spdlog::default_logger()) {
-        spdlog::set_default_logger(std::make_shared<spdlog::logger>(
-            "test", std::make_shared<spdlog::sinks::ostream_sink_st>(trace_)));
-        standstill_.look(now_, worked_);
-    }
-    ~SayingOfStandstills() override { spdlog::set_default_logger(before_); }
+    SayingOfStandstills() { standstill_.look(now_, worked_); }
 
     /// What is said after that time, and that much work in it.
     std::string after(Duration time, Duration work) {
-        trace_.str({});
+        trace_.clear();
         now_ += time;
         worked_ += work;
         standstill_.look(now_, worked_);
-        return trace_.str();
+        return trace_.text();
     }
 
 private:
-    std::shared_ptr<spdlog::logger> before_;
-    std::ostringstream trace_;
+    CapturedTrace trace_;
     Standstill standstill_{50ms};
     Instant now_{100s};
     Duration worked_ = 3s;
