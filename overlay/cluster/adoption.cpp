@@ -13,22 +13,27 @@ Seq worked_through(const broker::SessionImage& image, const LogId& log) {
     return found == image.worked_through.end() ? 0 : found->seq;
 }
 
-MessagePtr find_message(const LogPosition& position, const Logs& logs) {
-    if (position.log == logs.own.id()) return logs.own.history().publish_at(position.seq);
-    const auto log = logs.peers.find(position.log);
-    return log == logs.peers.end() ? MessagePtr{} : log->second.history().publish_at(position.seq);
-}
-
 /// A mirror knows queued messages by position; what it has not seen itself may be here.
 void find_missing_messages(broker::SessionImage& image, const Effects& effects, const Logs& logs) {
     for (broker::Delivery& delivery : image.deliveries) {
         if (delivery.message) continue;
-        delivery.message = find_message(delivery.position, logs);
+        delivery.message = logs.publish_at(delivery.position);
         if (!delivery.message) delivery.message = effects.broker.retained_at(delivery.position);
     }
 }
 
 }  // namespace
+
+const LogHistory* Logs::history_of(const LogId& log) const {
+    if (log == own.id()) return &own.history();
+    const auto peer = peers.find(log);
+    return peer == peers.end() ? nullptr : &peer->second.history();
+}
+
+MessagePtr Logs::publish_at(const LogPosition& position) const {
+    const LogHistory* history = history_of(position.log);
+    return history == nullptr ? MessagePtr{} : history->publish_at(position.seq);
+}
 
 std::vector<MessagePtr> missed_publishes(const broker::SessionImage& image,
                                          const broker::BrokerCore& broker, const Logs& logs) {

@@ -14,6 +14,11 @@ namespace romano::cluster {
 struct Logs {
     PeerLogs& peers;
     OwnLog& own;
+
+    /// Null when that log is not held.
+    [[nodiscard]] const LogHistory* history_of(const LogId& log) const;
+    /// Null when it is not kept.
+    [[nodiscard]] MessagePtr publish_at(const LogPosition& position) const;
 };
 
 /// Publishes that we have worked through and the image's home had not: of each log in its order,

@@ -5,8 +5,6 @@
 #include <chrono>
 #include <utility>
 
-#include "overlay/cluster/snapshot.h"
-
 namespace romano::cluster {
 namespace {
 
@@ -50,6 +48,7 @@ void ClusterCore::on_tick(Effects& effects, const std::set<Endpoint>& pending_ou
     hand_back_.compare(effects.now, membership_, view(), addresses_);
     hand_back_.carry_on(effects, membership_, view(), addresses_, pending_output);
     settlement_.carry_on(effects, logs(), membership_, hand_back_);
+    catch_up(effects);
     after_input(effects);
     if (effects.now < next_tick_) return;
     next_tick_ = effects.now + options_.beacon_every;
@@ -67,6 +66,14 @@ void ClusterCore::on_tick(Effects& effects, const std::set<Endpoint>& pending_ou
     }
     ask_for_gaps(effects);
     send_beacon(effects);
+}
+
+Instant ClusterCore::next_wakeup() const {
+    const bool is_behind =
+        publish_order_.is_behind() ||
+        std::ranges::any_of(logs_, [](const auto& log) { return log.second.next() != nullptr; });
+    if (is_behind) return Instant::min();
+    return std::min(next_beat(), snapshots_.next_wakeup());
 }
 
 void ClusterCore::seek_addresses(Effects& effects) {
@@ -113,6 +120,7 @@ void ClusterCore::after_input(Effects& effects) {
     publish_order_.carry_on(effects, logs_, view());
     handoffs_.carry_on(effects, safe());
     roaming_.carry_on(effects, logs(), homes_, membership_, view());
+    snapshots_.carry_on(effects.now, logs(), membership_, effects.peers);
     break_silence(effects);
     // Others wait for these news.
     const bool news = leadership() != last_leadership_ || view().number != last_view_;
@@ -296,6 +304,7 @@ void ClusterCore::restart(Effects& effects, LogId log) {
     handoffs_.restart();
     settlement_.restart();
     roaming_.restart();
+    snapshots_.restart();
     for (const Endpoint& address : addresses_.claimed()) addresses_.give_up(effects, address);
     publish_order_.release_all(effects);
     for (const auto& [id, held] : logs_) effects.broker.advance_cursor({id, held.applied()});
@@ -335,18 +344,18 @@ void ClusterCore::on(Effects& effects, BrokerId from, const LogBatch& batch) {
     const auto log = logs_.find(batch.log);
     if (batch.log.broker != from || log == logs_.end() || log->second.is_frozen()) return;
     log->second.offer(batch.first_seq, batch.events);
-    apply(effects, batch.log, log->second);
+    apply(effects, batch.log, log->second, 2 * batch.events.size());
 }
 
 void ClusterCore::on(Effects& effects, BrokerId from, const LogTail& tail) {
     const auto log = logs_.find(tail.log);
     if (log == logs_.end() || (log->second.is_frozen() && from == tail.log.broker)) return;
-    const Seq before = log->second.applied();
+    const Seq before = log->second.received();
     log->second.offer(tail.first_seq, tail.events);
-    apply(effects, tail.log, log->second);
-    const Seq applied = log->second.applied();
-    if (applied > before && applied < tail.end) {
-        effects.peers.push_back({from, TailRequest{{tail.log, applied}, own_.id().broker}});
+    const Seq received = log->second.received();
+    apply(effects, tail.log, log->second, 2 * tail.events.size());
+    if (received > before && received < tail.end) {
+        effects.peers.push_back({from, TailRequest{{tail.log, received}, own_.id().broker}});
     }
 }
 
@@ -366,16 +375,20 @@ void ClusterCore::on(Effects& effects, BrokerId, const TailRequest& request) {
 }
 
 void ClusterCore::on(Effects& effects, BrokerId from, const SnapshotRequest& request) {
+    const Peer* peer = membership_.find(from);
+    if (peer == nullptr) return;
+    const LogId& to = peer->beacon.log;
+    if (snapshots_.is_sending(to, request.log)) return;
     if (request.log != own_.id()) {
         const auto log = logs_.find(request.log);
         if (log == logs_.end() || !log->second.is_frozen()) return;
-        return send_last_words(*log, request.after, from, effects.peers);
+        return snapshots_.send(to, Snapshot(*log, request.after));
     }
     if (request.after != 0 &&
         send_tail(own_.history(), own_.id(), request.after, from, effects.peers)) {
         return;
     }
-    send_snapshot(effects.broker, logs(), from, effects.peers);
+    snapshots_.send(to, Snapshot(effects.broker, logs()));
 }
 
 void ClusterCore::on(Effects& effects, BrokerId from, const SnapshotPart& part) {
@@ -388,29 +401,37 @@ void ClusterCore::on(Effects& effects, BrokerId from, const SnapshotPart& part) 
     const auto found = logs_.find(id);
     if (found == logs_.end() || found->second.is_frozen()) return;
     PeerLog& log = found->second;
-    const auto snapshot = log.offer(part);
-    if (!snapshot) return;
-    for (const auto& message : snapshot->retained) effects.broker.put_retained(message);
-    if (snapshot->as_of.seq <= log.applied()) return;
+    for (const auto& message : part.retained) effects.broker.put_retained(message);
+    if (part.as_of.seq <= log.applied() || !log.offer(effects.now, part)) return;
     publish_order_.release(effects, id);
-    log.restart(*snapshot);
-    reset_tables(id, log);
-    for (const auto& image : snapshot->sessions) mark_taken(image.header.client_id);
-    for (const auto& message : snapshot->publishes) {
+    for (const auto& message : part.publishes) {
         if (message->position.seq > effects.broker.cursor(id)) {
             effects.broker.on_peer_message(effects.now, message, effects.clients);
         }
         learn(message);
     }
+    const auto snapshot = log.take_snapshot();
+    if (!snapshot) return;
+    log.restart(*snapshot);
+    for (const LogPosition& position : log.mirror().unresolved()) {
+        if (const auto message = logs().publish_at(position)) log.mirror().resolve(message);
+    }
+    reset_tables(id, log);
+    for (const auto& image : snapshot->sessions) mark_taken(image.header.client_id);
     effects.broker.advance_cursor(snapshot->as_of);
     settlement_.compare(effects, logs_, view());
-    apply(effects, id, log);
+    apply(effects, id, log, options_.events_per_turn);
     effects.peers.push_back({from, LogAck{{id, log.applied()}, own_.id()}});
 }
 
-void ClusterCore::apply(Effects& effects, const LogId& id, PeerLog& log) {
+void ClusterCore::catch_up(Effects& effects) {
+    publish_order_.allow(options_.events_per_turn);
+    for (auto& [id, log] : logs_) apply(effects, id, log, options_.events_per_turn);
+}
+
+void ClusterCore::apply(Effects& effects, const LogId& id, PeerLog& log, std::size_t most) {
     const Seq before = log.applied();
-    while (log.next() != nullptr) apply_event(effects, id, log);
+    for (; most > 0 && log.next() != nullptr; --most) apply_event(effects, id, log);
     if (log.applied() == before || log.is_frozen()) return;
     effects.peers.push_back({id.broker, LogAck{{id, log.applied()}, own_.id()}});
 }
@@ -444,11 +465,8 @@ void ClusterCore::apply_event(Effects& effects, const LogId& id, PeerLog& log) {
         learn(published);
     }
     if (routed && log.mirror().is_unresolved(*routed)) {
-        const auto writer = logs_.find(routed->log);
-        const MessagePtr message = routed->log == own_.id() ? own_.history().publish_at(routed->seq)
-                                   : writer != logs_.end()
-                                       ? writer->second.history().publish_at(routed->seq)
-                                       : effects.broker.retained_at(*routed);
+        MessagePtr message = logs().publish_at(*routed);
+        if (!message) message = effects.broker.retained_at(*routed);
         if (message) log.mirror().resolve(message);
     }
     if (!put.empty() && !log.is_frozen()) {
@@ -555,7 +573,8 @@ void ClusterCore::check_invariants([[maybe_unused]] const broker::BrokerCore& br
     assert(view().members.empty() || view_change_.contains(own_.id()));
     assert(!logs_.contains(own_.id()));
     for ([[maybe_unused]] const auto& [id, log] : logs_) {
-        assert(log.next() == nullptr && "nothing waits between inputs");
+        assert((log.next() == nullptr || !log.is_frozen()) &&
+               "what is agreed on waits for nothing");
         assert(log.mirror().applied() == log.applied());
     }
 }

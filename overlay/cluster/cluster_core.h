@@ -4,6 +4,10 @@
 //
 // The owner puts every Append of the broker core into append() after each input, and calls flush()
 // before it waits for the next one.
+//
+// No input takes long, however much there is to catch up with: a broker that is busy for too long
+// is late for its peers, and taken for dead. What peers sent is applied twice as fast as it comes,
+// and some more at each tick; snapshots leave in pieces.
 #pragma once
 
 #include <algorithm>
@@ -30,6 +34,7 @@
 #include "overlay/cluster/service_addresses.h"
 #include "overlay/cluster/session_handoff.h"
 #include "overlay/cluster/settlement.h"
+#include "overlay/cluster/snapshot_sender.h"
 #include "overlay/cluster/take_over.h"
 #include "overlay/cluster/view_change.h"
 #include "overlay/cluster/watermark.h"
@@ -57,9 +62,12 @@ public:
         octets_sent_ = sent;
         octets_received_ = received;
     }
-    [[nodiscard]] Instant next_wakeup() const {
+    /// The next beacon is due then, or the elector: who is much later than that stood still.
+    [[nodiscard]] Instant next_beat() const {
         return std::min(next_tick_, membership_.next_wakeup());
     }
+    /// Instant::min(): there is more to be done than fits one turn.
+    [[nodiscard]] Instant next_wakeup() const;
 
     // --- the own log
     void append(Seq seq, LogEvent event);
@@ -159,7 +167,9 @@ private:
         if (is_new && view_change_.contains(id)) reset_tables(id, at->second);
         return at->second;
     }
-    void apply(Effects& effects, const LogId& id, PeerLog& log);
+    /// Up to `most` events that are here; the rest at the next ticks.
+    void apply(Effects& effects, const LogId& id, PeerLog& log, std::size_t most);
+    void catch_up(Effects& effects);
     void apply_event(Effects& effects, const LogId& id, PeerLog& log);
     void learn(const MessagePtr& message);
     void mark_taken(const broker::ClientId& client);
@@ -202,6 +212,7 @@ private:
     HandoffReceiver handoffs_;
     Settlement settlement_;
     Roaming roaming_;
+    SnapshotSender snapshots_;
     std::set<Endpoint> silent_;  // of those that are served
 
     Listening listening_;

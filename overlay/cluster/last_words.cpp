@@ -4,11 +4,6 @@
 #include <utility>
 
 namespace romano::cluster {
-namespace {
-
-constexpr std::size_t messages_per_part = 64;
-
-}  // namespace
 
 void LastWords::on_view(const ViewAnnouncement& announcement) {
     awaited_.clear();
@@ -47,24 +42,11 @@ void LastWords::on_part(Effects& effects, const SnapshotPart& part) {
     const auto awaited = awaited_.find(part.as_of.log);
     if (awaited == awaited_.end() || part.part != awaited->second.next_part) return;
     ++awaited->second.next_part;
+    awaited->second.asked_at = effects.now;  // they come
     for (const auto& message : part.publishes) {
         effects.broker.on_peer_message(effects.now, message, effects.clients);
     }
     if (part.last) effects.broker.advance_cursor(part.as_of);
-}
-
-void send_last_words(const PeerLogs::value_type& removed, Seq after, BrokerId to, Outbox& out) {
-    const auto& [id, log] = removed;
-    SnapshotPart part{.as_of = {id, log.applied()}};
-    for (const auto& message : log.history().publishes_after(after)) {
-        if (part.publishes.size() == messages_per_part) {
-            SnapshotPart following{.as_of = part.as_of, .part = part.part + 1};
-            out.push_back({to, std::exchange(part, std::move(following))});
-        }
-        part.publishes.push_back(message);
-    }
-    part.last = true;
-    out.push_back({to, std::move(part)});
 }
 
 }  // namespace romano::cluster

@@ -34,7 +34,4 @@ private:
     std::map<LogId, Awaited> awaited_;
 };
 
-/// Answers: the publishes after `after` that are kept of a removed broker's log.
-void send_last_words(const PeerLogs::value_type& removed, Seq after, BrokerId to, Outbox& out);
-
 }  // namespace romano::cluster

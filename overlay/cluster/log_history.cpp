@@ -40,9 +40,11 @@ std::vector<LogEvent> LogHistory::events_after(Seq seq, std::size_t most) const 
     return {from, from + static_cast<std::ptrdiff_t>(count)};
 }
 
-std::vector<MessagePtr> LogHistory::publishes_after(Seq seq) const {
-    return {std::lower_bound(publishes_.begin(), publishes_.end(), seq + 1, stands_before),
-            publishes_.end()};
+std::vector<MessagePtr> LogHistory::publishes_after(Seq seq, std::size_t most) const {
+    const auto from =
+        std::lower_bound(publishes_.begin(), publishes_.end(), seq + 1, stands_before);
+    const auto there = static_cast<std::size_t>(publishes_.end() - from);
+    return {from, from + static_cast<std::ptrdiff_t>(std::min(there, most))};
 }
 
 MessagePtr LogHistory::publish_at(Seq seq) const {

@@ -13,6 +13,7 @@
 #include <chrono>
 #include <cstddef>
 #include <deque>
+#include <limits>
 #include <vector>
 
 #include "broker/core/log_event.h"
@@ -41,8 +42,9 @@ public:
     [[nodiscard]] bool reaches_back_to(Seq seq) const { return seq + events_.size() >= last_; }
     /// Up to `most` events after `seq`; call only when reaches_back_to(seq).
     [[nodiscard]] std::vector<LogEvent> events_after(Seq seq, std::size_t most) const;
-    /// Publishes after `seq`, in order.
-    [[nodiscard]] std::vector<MessagePtr> publishes_after(Seq seq) const;
+    /// The first `most` publishes after `seq`, in order.
+    [[nodiscard]] std::vector<MessagePtr> publishes_after(
+        Seq seq, std::size_t most = std::numeric_limits<std::size_t>::max()) const;
     /// Null when it is not kept.
     [[nodiscard]] MessagePtr publish_at(Seq seq) const;
 

@@ -16,7 +16,7 @@ PeerLog::PeerLog(LogId id, std::size_t events_kept) : id_(id), mirror_(id), hist
 void PeerLog::offer(Seq first_seq, std::vector<LogEvent> events) {
     if (events.empty() || first_seq == 0) return;
     heard_end(first_seq + events.size() - 1);
-    const Seq expected = applied() + ready_.size() + 1;
+    const Seq expected = received() + 1;
     if (first_seq > expected) {
         if (early_events_ + events.size() > early_events_most || early_.contains(first_seq)) return;
         early_events_ += events.size();
@@ -28,8 +28,7 @@ void PeerLog::offer(Seq first_seq, std::vector<LogEvent> events) {
     ready_.insert(ready_.end(),
                   std::make_move_iterator(events.begin() + static_cast<std::ptrdiff_t>(known)),
                   std::make_move_iterator(events.end()));
-    if (const auto next = early_.begin();
-        next != early_.end() && next->first <= applied() + ready_.size() + 1) {
+    if (const auto next = early_.begin(); next != early_.end() && next->first <= received() + 1) {
         auto follows = early_.extract(next);
         early_events_ -= follows.mapped().size();
         offer(follows.key(), std::move(follows.mapped()));
@@ -60,7 +59,7 @@ void PeerLog::follow_in_tail(const LogEvent& event) {
 }
 
 std::optional<SnapshotRequest> PeerLog::ask(Instant now, Duration patience) {
-    if (frozen_ || known_end_ <= applied()) {
+    if (frozen_ || known_end_ <= applied() || !ready_.empty()) {
         asked_at_ = now;
         asked_after_ = applied();
         return std::nullopt;
@@ -75,13 +74,13 @@ std::optional<SnapshotRequest> PeerLog::ask(Instant now, Duration patience) {
     return SnapshotRequest{.log = id_, .after = applied()};
 }
 
-std::optional<SnapshotPart> PeerLog::offer(SnapshotPart part) {
+bool PeerLog::offer(Instant now, SnapshotPart part) {
     if (part.part == 0) {
         snapshot_ = std::move(part);
     } else {
         if (!snapshot_ || snapshot_->as_of != part.as_of || snapshot_->part + 1 != part.part) {
             snapshot_.reset();  // parts are lost: the gap remains and is asked for again
-            return std::nullopt;
+            return false;
         }
         const auto append = [](auto& all, auto& more) {
             all.insert(all.end(), std::make_move_iterator(more.begin()),
@@ -94,21 +93,27 @@ std::optional<SnapshotPart> PeerLog::offer(SnapshotPart part) {
         snapshot_->part = part.part;
         snapshot_->last = part.last;
     }
+    asked_at_ = now;  // it comes
     asked_after_ = applied();
-    if (!snapshot_->last) return std::nullopt;
+    return true;
+}
+
+std::optional<SnapshotPart> PeerLog::take_snapshot() {
+    if (!snapshot_ || !snapshot_->last) return std::nullopt;
     return std::exchange(snapshot_, std::nullopt);
 }
 
 void PeerLog::restart(const SnapshotPart& snapshot) {
     assert(snapshot.as_of.log == id_);
+    const Seq covered = std::min(received(), snapshot.as_of.seq) - applied();
+    ready_.erase(ready_.begin(), ready_.begin() + static_cast<std::ptrdiff_t>(covered));
     mirror_ = broker::Mirror(snapshot.as_of, snapshot.sessions, snapshot.cursors);
     history_.restart(snapshot.as_of.seq, snapshot.publishes);
-    ready_.clear();
     heard_end(snapshot.as_of.seq);
     while (!early_.empty()) {
         auto next = early_.extract(early_.begin());
         early_events_ -= next.mapped().size();
-        const bool follows = next.key() <= applied() + ready_.size() + 1;
+        const bool follows = next.key() <= received() + 1;
         offer(next.key(), std::move(next.mapped()));
         if (!follows) break;
     }
@@ -117,6 +122,10 @@ void PeerLog::restart(const SnapshotPart& snapshot) {
 void PeerLog::freeze() {
     if (frozen_) return;
     frozen_ = true;
+    ready_.clear();  // acknowledged to nobody, and perhaps beyond what the members agree on
+    early_.clear();
+    early_events_ = 0;
+    snapshot_.reset();
     mirror_.visit([this](const broker::SessionImage& image) {
         left_.emplace(image.header.client_id, image.header.via);
     });

@@ -2,8 +2,9 @@
 //
 // Batches may come twice, early or not at all. Early ones wait (bounded; the oldest gap is asked
 // for anyway, so that overflow drops the newest); a gap is asked for after a moment and again while
-// it lasts. A frozen log takes nothing from its writer any more: its broker is being removed, and
-// the members must agree on its last event; only tails that peers send continue it.
+// it lasts. When it closes there may be much at once: what can be applied waits, too, until its
+// owner takes it. A frozen log takes nothing from its writer any more: its broker is being removed,
+// and the members must agree on its last event; only tails that peers send continue it.
 #pragma once
 
 #include <deque>
@@ -31,6 +32,8 @@ public:
 
     // --- events
     void offer(Seq first_seq, std::vector<LogEvent> events);
+    /// The last event of which none before it is missing, applied or not.
+    [[nodiscard]] Seq received() const { return applied() + ready_.size(); }
     /// The next event in order, or null. It stays there until apply().
     [[nodiscard]] const LogEvent* next() const;
     void apply();
@@ -41,8 +44,10 @@ public:
     [[nodiscard]] std::optional<SnapshotRequest> ask(Instant now, Duration patience);
 
     // --- snapshots
-    /// A snapshot when this was its last part.
-    [[nodiscard]] std::optional<SnapshotPart> offer(SnapshotPart part);
+    /// False when it does not follow the parts that are here.
+    [[nodiscard]] bool offer(Instant now, SnapshotPart part);
+    /// Once its last part is here.
+    [[nodiscard]] std::optional<SnapshotPart> take_snapshot();
     /// Replaces mirror and history by the snapshot.
     void restart(const SnapshotPart& snapshot);
 
@@ -77,7 +82,7 @@ private:
     LogId id_;
     broker::Mirror mirror_;
     LogHistory history_;
-    std::deque<LogEvent> ready_;                  // follow applied(); empty between inputs
+    std::deque<LogEvent> ready_;                  // follow applied()
     std::map<Seq, std::vector<LogEvent>> early_;  // by first seq; beyond a gap
     std::size_t early_events_ = 0;
     Seq known_end_ = 0;

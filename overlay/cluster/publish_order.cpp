@@ -51,7 +51,11 @@ void PublishOrder::on_publish(Effects& effects, const MessagePtr& message) {
         return effects.broker.on_peer_message(effects.now, message, effects.clients);
     }
     held->second.back().publishes.push_back(message);
-    if (++held_ == held_most) release_all(effects);
+    allowed_ += 2;
+    if (++held_ < held_most) return;
+    for (auto& [log, parts] : by_log_) {
+        for (Held& part : parts) part.until = Instant::min();
+    }
 }
 
 void PublishOrder::carry_on(Effects& effects, const PeerLogs& logs, const View& view) {
@@ -61,6 +65,8 @@ void PublishOrder::carry_on(Effects& effects, const PeerLogs& logs, const View& 
         });
         return !held.after.empty() && effects.now < held.until;
     };
+    std::size_t allowed = std::exchange(allowed_, 0);
+    is_behind_ = false;
     // One log may wait for another one that waits.
     for (auto at = by_log_.begin(); at != by_log_.end();) {
         auto& held = at->second;
@@ -68,7 +74,9 @@ void PublishOrder::carry_on(Effects& effects, const PeerLogs& logs, const View& 
             ++at;
             continue;
         }
-        hand_on(effects, held.front());
+        allowed -= hand_on(effects, held.front(), allowed);
+        is_behind_ = !held.front().publishes.empty();
+        if (is_behind_) return;
         held.pop_front();
         if (held.empty()) by_log_.erase(at);
         at = by_log_.begin();
@@ -78,18 +86,21 @@ void PublishOrder::carry_on(Effects& effects, const PeerLogs& logs, const View& 
 void PublishOrder::release(Effects& effects, const LogId& log) {
     const auto held = by_log_.extract(log);
     if (held.empty()) return;
-    for (const Held& part : held.mapped()) hand_on(effects, part);
+    for (Held& part : held.mapped()) hand_on(effects, part, part.publishes.size());
 }
 
 void PublishOrder::release_all(Effects& effects) {
     while (!by_log_.empty()) release(effects, by_log_.begin()->first);
 }
 
-void PublishOrder::hand_on(Effects& effects, const Held& held) {
-    for (const auto& message : held.publishes) {
-        effects.broker.on_peer_message(effects.now, message, effects.clients);
+std::size_t PublishOrder::hand_on(Effects& effects, Held& held, std::size_t most) {
+    const std::size_t count = std::min(most, held.publishes.size());
+    for (std::size_t i = 0; i < count; ++i) {
+        effects.broker.on_peer_message(effects.now, held.publishes.front(), effects.clients);
+        held.publishes.pop_front();
     }
-    held_ -= held.publishes.size();
+    held_ -= count;
+    return count;
 }
 
 }  // namespace romano::cluster

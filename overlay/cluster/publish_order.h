@@ -26,8 +26,12 @@ public:
                     const broker::SessionImage& image, const PeerLogs& logs, const View& view);
     /// Hands the publish of a peer's log on to the broker, now or later.
     void on_publish(Effects& effects, const MessagePtr& message);
-    /// Hands on what waits no more.
+    /// The next carry_on() may hand that many on, beside twice as many as came to wait.
+    void allow(std::size_t publishes) { allowed_ += publishes; }
+    /// Hands on what waits no more, as far as it may.
     void carry_on(Effects& effects, const PeerLogs& logs, const View& view);
+    /// There was more that waits no more.
+    [[nodiscard]] bool is_behind() const { return is_behind_; }
     /// Hands on all that waits of this log.
     void release(Effects& effects, const LogId& log);
     void release_all(Effects& effects);
@@ -38,17 +42,20 @@ private:
     struct Held {
         std::vector<LogPosition> after;  // by log
         Instant until;
-        std::vector<MessagePtr> publishes;
+        std::deque<MessagePtr> publishes;
     };
 
     [[nodiscard]] bool is_worked_through(const Effects& effects, const LogPosition& position,
                                          const PeerLogs& logs, const View& view) const;
-    void hand_on(Effects& effects, const Held& held);
+    /// Returns how many it handed on.
+    std::size_t hand_on(Effects& effects, Held& held, std::size_t most);
 
     BrokerId self_;
     Duration patience_;
     std::map<LogId, std::deque<Held>> by_log_;  // mostly empty; no deque is
     std::size_t held_ = 0;
+    std::size_t allowed_ = 0;
+    bool is_behind_ = false;
 };
 
 }  // namespace romano::cluster

@@ -1,6 +1,7 @@
 #include "overlay/cluster/snapshot.h"
 
-#include <utility>
+#include <algorithm>
+#include <iterator>
 
 namespace romano::cluster {
 namespace {
@@ -9,48 +10,44 @@ namespace {
 constexpr std::size_t sessions_per_part = 16;
 constexpr std::size_t messages_per_part = 64;
 
-/// Fills parts one after the other; a part leaves when it is full.
-class Parts {
-public:
-    Parts(LogPosition as_of, BrokerId to, Outbox& out) : to_(to), out_(out) { part_.as_of = as_of; }
-
-    void add(broker::SessionImage image) {
-        if (part_.sessions.size() == sessions_per_part) next();
-        part_.sessions.push_back(std::move(image));
-    }
-    void add_retained(const MessagePtr& message) {
-        if (part_.retained.size() == messages_per_part) next();
-        part_.retained.push_back(message);
-    }
-    void add_publish(const MessagePtr& message) {
-        if (part_.publishes.size() == messages_per_part) next();
-        part_.publishes.push_back(message);
-    }
-    void finish(std::vector<LogPosition> cursors) {
-        part_.cursors = std::move(cursors);
-        part_.last = true;
-        next();
-    }
-
-private:
-    void next() {
-        SnapshotPart following{.as_of = part_.as_of, .part = part_.part + 1};
-        out_.push_back({to_, std::exchange(part_, std::move(following))});
-    }
-
-    BrokerId to_;
-    Outbox& out_;
-    SnapshotPart part_;
-};
+/// Moves up to `most` items from `next` on; true when none is left.
+template <typename Item>
+bool take(std::vector<Item>& from, std::size_t& next, std::size_t most, std::vector<Item>& to) {
+    const std::size_t end = std::min(next + most, from.size());
+    const auto begin = from.begin();
+    to.assign(std::make_move_iterator(begin + static_cast<std::ptrdiff_t>(next)),
+              std::make_move_iterator(begin + static_cast<std::ptrdiff_t>(end)));
+    next = end;
+    return next == from.size();
+}
 
 }  // namespace
 
-void send_snapshot(const broker::BrokerCore& broker, const Logs& logs, BrokerId to, Outbox& out) {
-    Parts parts({logs.own.id(), logs.own.last()}, to, out);
-    for (auto& image : broker.images()) parts.add(std::move(image));
-    for (const auto& message : broker.retained()) parts.add_retained(message);
-    for (const auto& message : logs.own.history().publishes_after(0)) parts.add_publish(message);
-    parts.finish(broker.cursors());
+Snapshot::Snapshot(const broker::BrokerCore& broker, const Logs& logs)
+    : as_of_{logs.own.id(), logs.own.last()},
+      sessions_(broker.images()),
+      retained_(broker.retained()),
+      cursors_(broker.cursors()),
+      published_(0) {}
+
+Snapshot::Snapshot(const PeerLogs::value_type& removed, Seq after)
+    : as_of_{removed.first, removed.second.applied()}, published_(after) {}
+
+SnapshotPart Snapshot::next(const Logs& logs) {
+    SnapshotPart part{.as_of = as_of_, .part = next_part_++};
+    const bool all_sessions = take(sessions_, next_session_, sessions_per_part, part.sessions);
+    const bool all_retained = take(retained_, next_retained_, messages_per_part, part.retained);
+    if (const LogHistory* history = logs.history_of(as_of_.log)) {
+        part.publishes = history->publishes_after(published_, messages_per_part);
+    }
+    while (!part.publishes.empty() && part.publishes.back()->position.seq > as_of_.seq) {
+        part.publishes.pop_back();
+    }
+    if (!part.publishes.empty()) published_ = part.publishes.back()->position.seq;
+    const bool all_publishes = part.publishes.size() < messages_per_part;
+    part.last = all_sessions && all_retained && all_publishes;
+    if (part.last) part.cursors = cursors_;
+    return part;
 }
 
 }  // namespace romano::cluster

@@ -226,7 +226,7 @@ void Member::State::leave(Instant now, MemberActions& out) {
 
 bool Member::State::stood_still(Instant now) const {
     const Duration beacon = options_.cluster.beacon_every;
-    const Instant due = cluster_.next_wakeup();
+    const Instant due = cluster_.next_beat();
     return due != Instant::min() &&
            now >= due + std::max(cluster_.detection_time() - 2 * beacon, 2 * beacon);
 }
@@ -241,7 +241,7 @@ void Member::State::before_sending(Instant now, MemberActions& out) {
 void Member::State::notice_stall(Instant now) {
     if (stall_ || !stood_still(now)) return;
     const Duration beacon = options_.cluster.beacon_every;
-    const Instant due = cluster_.next_wakeup();
+    const Instant due = cluster_.next_beat();
     const Duration longest_wait = most_detection_times_waited * cluster_.detection_time();
     stall_ = {.listen_until = now + 3 * beacon,
               .give_up_at = now + std::min(now - due, longest_wait),

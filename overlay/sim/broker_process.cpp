@@ -147,13 +147,15 @@ void BrokerProcess::later(Duration delay, EventQueue::Event action) {
 
 void BrokerProcess::rearm() {
     if (!is_running()) return;
-    const Instant wanted = std::max(clock_.when(next_wakeup()), events_.now());
+    const Instant at_once = ticked_at_ == events_.now() ? ticked_at_ + turn : events_.now();
+    const Instant wanted = std::max(clock_.when(next_wakeup()), at_once);
     if (wanted == never || wanted >= timer_) return;
     timer_ = wanted;
     events_.at(wanted, [this, wanted, born = incarnation_] {
         if (timer_ != wanted || incarnation_ != born) return;
         timer_ = never;
         if (!is_running()) return;
+        ticked_at_ = wanted;
         tick();
         rearm();
     });

@@ -83,6 +83,7 @@ private:
     void run_backlog();
 
     static constexpr std::size_t socket_buffer = 200;  // datagrams that a stopped process keeps
+    static constexpr Duration turn{std::chrono::microseconds{200}};  // what a tick takes at least
 
     std::string name_;
     Node node_;
@@ -92,6 +93,7 @@ private:
     bool stopped_ = false;
     std::uint64_t incarnation_ = 0;
     Instant timer_ = never;  // in virtual time
+    Instant ticked_at_ = Instant::min();
     std::map<Endpoint, ClientNetwork::Binding> bound_;
     std::vector<Datagram> datagrams_;  // while stopped
     std::vector<cluster::Envelope> envelopes_;

@@ -30,6 +30,7 @@ auto one_of(Random& random, const Choices& choices) {
 
 ClusterWorldOptions world_options(std::uint64_t seed, const RunOptions& run) {
     Random random(seed_of(seed, "setting"));
+    Random turns(seed_of(seed, "turns"));
     ClusterWorldOptions options;
     options.seed = seed;
     options.brokers = 2 + random.below(4);
@@ -40,6 +41,8 @@ ClusterWorldOptions world_options(std::uint64_t seed, const RunOptions& run) {
     options.cluster.acks = one_of(random, some_acks);
     if (run.acks) options.cluster.acks = *run.acks;
     options.peers.quality.delay_max = random.between(100us, 3ms);
+    static constexpr std::size_t some_events[] = {256, 256, 2, 1};
+    options.cluster.events_per_turn = one_of(turns, some_events);
     return options;
 }
 

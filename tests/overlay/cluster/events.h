@@ -1,10 +1,11 @@
-// Log events for tests, by the shortest words.
+// Log events, and who writes them, for tests, by the shortest words.
 #pragma once
 
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "broker/core/broker_core.h"
 #include "broker/core/log_event.h"
 #include "romano/base/endpoint.h"
 
@@ -12,6 +13,13 @@ namespace romano::test {
 
 inline broker::LogId log_of(std::string_view name, std::uint64_t incarnation = 1) {
     return {broker::broker_id_of(name), incarnation};
+}
+
+inline broker::BrokerOptions writer_of(const broker::LogId& log) {
+    broker::BrokerOptions options;
+    options.log = log;
+    options.writes_log = true;
+    return options;
 }
 
 inline Endpoint address(int host) {

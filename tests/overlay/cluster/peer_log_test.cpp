@@ -80,8 +80,10 @@ TEST(PeerLog, ASnapshotInPartsReplacesEverything) {
     first.sessions.push_back(std::get<broker::SessionPut>(session("a")).image);
     SnapshotPart last{.as_of = first.as_of, .part = 1, .last = true};
     last.sessions.push_back(std::get<broker::SessionPut>(session("b")).image);
-    EXPECT_FALSE(held.log.offer(first));
-    const auto whole = held.log.offer(last);
+    EXPECT_TRUE(held.log.offer(start, first));
+    EXPECT_FALSE(held.log.take_snapshot());
+    EXPECT_TRUE(held.log.offer(start, last));
+    const auto whole = held.log.take_snapshot();
     ASSERT_TRUE(whole);
     held.log.restart(*whole);
     EXPECT_EQ(held.log.applied(), 50U);
@@ -96,8 +98,9 @@ TEST(PeerLog, ASnapshotWithAMissingPartIsDropped) {
     Held held;
     const SnapshotPart first{.as_of = {test::log_of("b1"), 50}, .part = 0};
     const SnapshotPart third{.as_of = first.as_of, .part = 2, .last = true};
-    EXPECT_FALSE(held.log.offer(first));
-    EXPECT_FALSE(held.log.offer(third));
+    EXPECT_TRUE(held.log.offer(start, first));
+    EXPECT_FALSE(held.log.offer(start, third));
+    EXPECT_FALSE(held.log.take_snapshot());
 }
 
 TEST(PeerLog, EventsThatCameDuringASnapshotFollowIt) {
@@ -107,6 +110,50 @@ TEST(PeerLog, EventsThatCameDuringASnapshotFollowIt) {
     while (held.log.next() != nullptr) held.log.apply();
     EXPECT_EQ(held.log.applied(), 51U);
     EXPECT_TRUE(held.log.mirror().contains("late"));
+}
+
+TEST(PeerLog, WhatIsHereAndFollowsASnapshotStays) {
+    Held held;
+    held.log.offer(1, {session("a"), session("b"), session("c")});  // not applied yet
+    held.log.restart(SnapshotPart{.as_of = {test::log_of("b1"), 2}, .last = true});
+    ASSERT_NE(held.log.next(), nullptr);
+    held.log.apply();
+    EXPECT_EQ(held.log.next(), nullptr);
+    EXPECT_EQ(held.log.applied(), 3U);
+    EXPECT_TRUE(held.log.mirror().contains("c"));
+}
+
+TEST(PeerLog, WhileASnapshotComesItIsNotAskedForAgain) {
+    Held held;
+    held.log.heard_end(50);
+    EXPECT_TRUE(held.log.ask(start, 20ms));
+    SnapshotPart part{.as_of = {test::log_of("b1"), 50}, .part = 0};
+    for (Instant now = start; now < start + 100ms; now += 10ms, ++part.part) {
+        EXPECT_TRUE(held.log.offer(now, part));
+        EXPECT_FALSE(held.log.ask(now + 15ms, 20ms));
+    }
+    EXPECT_TRUE(held.log.ask(start + 150ms, 20ms)) << "no more comes";
+}
+
+TEST(PeerLog, WhatIsHereAndNotYetAppliedIsNotAskedFor) {
+    Held held;
+    held.log.offer(1, {session("a"), session("b")});
+    EXPECT_EQ(held.log.received(), 2U);
+    EXPECT_FALSE(held.log.ask(start, 20ms));
+    EXPECT_FALSE(held.log.ask(start + 1s, 20ms));
+}
+
+// P2: what is here beyond the agreed end would be in one member's mirror alone.
+TEST(PeerLog, AFrozenLogDropsWhatWasNotAppliedYet) {
+    Held held;
+    held.take(1, {session("a")});
+    held.log.offer(2, {session("b")});
+    held.log.offer(4, {session("d")});
+    held.log.freeze();
+    EXPECT_EQ(held.log.next(), nullptr);
+    held.take(2, {session("b"), session("c")});  // a tail, up to the agreed end
+    EXPECT_EQ(held.log.applied(), 3U);
+    EXPECT_FALSE(held.log.mirror().contains("d"));
 }
 
 TEST(PeerLog, AFrozenLogKnowsWhatIsLeftToAdopt) {

@@ -1,0 +1,34 @@
+#include "overlay/cluster/snapshot_sender.h"
+
+#include <iterator>
+
+namespace romano::cluster {
+
+void SnapshotSender::send(const LogId& to, Snapshot snapshot) {
+    const LogId log = snapshot.log();
+    underway_.insert_or_assign({to, log}, std::move(snapshot));
+}
+
+void SnapshotSender::carry_on(Instant now, const Logs& logs, const Membership& membership,
+                              Outbox& out) {
+    if (underway_.empty() || now < next_turn_) return;
+    next_turn_ = now + turns_every;
+    for (auto at = underway_.begin(); at != underway_.end();) {
+        const LogId& to = at->first.first;
+        const Peer* peer = membership.find(to.broker);
+        const bool is_there = peer != nullptr && peer->beacon.log == to;
+        at = is_there && send_some(to, at->second, logs, out) ? std::next(at) : underway_.erase(at);
+    }
+}
+
+bool SnapshotSender::send_some(const LogId& to, Snapshot& snapshot, const Logs& logs, Outbox& out) {
+    for (int i = 0; i < parts_at_once; ++i) {
+        SnapshotPart part = snapshot.next(logs);
+        const bool is_last = part.last;
+        out.push_back({to.broker, std::move(part)});
+        if (is_last) return false;
+    }
+    return true;
+}
+
+}  // namespace romano::cluster

@@ -1,0 +1,43 @@
+// Snapshots and last words on their way to peers: some parts at a time. Who asks again meanwhile is
+// not sent a second one.
+#pragma once
+
+#include <chrono>
+#include <map>
+#include <utility>
+
+#include "overlay/cluster/envelope.h"
+#include "overlay/cluster/membership.h"
+#include "overlay/cluster/snapshot.h"
+#include "romano/base/time.h"
+
+namespace romano::cluster {
+
+class SnapshotSender {
+public:
+    /// That peer is being sent one of that log.
+    [[nodiscard]] bool is_sending(const LogId& to, const LogId& log) const {
+        return underway_.contains({to, log});
+    }
+    void send(const LogId& to, Snapshot snapshot);
+    /// Sends the next parts when it is time. What was for an earlier life of a peer is dropped.
+    void carry_on(Instant now, const Logs& logs, const Membership& membership, Outbox& out);
+    /// Instant::max() when nothing is under way.
+    [[nodiscard]] Instant next_wakeup() const {
+        return underway_.empty() ? Instant::max() : next_turn_;
+    }
+    void restart() { underway_.clear(); }
+
+    // At most 100,000 messages a second to a peer: less than half of what it can take in.
+    static constexpr int parts_at_once = 3;
+    static constexpr Duration turns_every = std::chrono::milliseconds{2};
+
+private:
+    /// False when the last part is among them.
+    static bool send_some(const LogId& to, Snapshot& snapshot, const Logs& logs, Outbox& out);
+
+    std::map<std::pair<LogId, LogId>, Snapshot> underway_;  // by receiver and log
+    Instant next_turn_ = Instant::min();
+};
+
+}  // namespace romano::cluster

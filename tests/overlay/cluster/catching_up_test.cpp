@@ -1,0 +1,161 @@
+// A broker that is busy for longer than its peers wait for a beacon is taken for dead; then there
+// is yet more to catch up with. So no input takes long, however much is to be done.
+#include <gtest/gtest.h>
+
+#include "overlay/cluster/cluster_core.h"
+#include "tests/overlay/cluster/events.h"
+
+namespace romano::cluster {
+namespace {
+
+using namespace std::chrono_literals;
+
+const LogId self = test::log_of("self");
+const LogId peer = test::log_of("peer");
+
+/// A member that hears one peer, and what that one is sent.
+class CatchingUp : public testing::Test {
+protected:
+    CatchingUp() {
+        for (int i = 0; i < 5; ++i) hear_beacon(0);
+    }
+
+    void take(ClusterMessage message) {
+        Effects acting = effects();
+        core.on_message(acting, {peer, std::move(message)});
+    }
+    void tick() {
+        Effects acting = effects();
+        core.on_tick(acting, {});
+    }
+    void hear_beacon(Seq last) {
+        now += 10ms;
+        take(Beacon{.name = "peer",
+                    .log = peer,
+                    .last_seq = last,
+                    .tick = ++ticks,
+                    .hears = {self.broker}});
+        tick();
+    }
+    void take_batch(Seq first, Seq count) {
+        LogBatch batch{.log = peer, .first_seq = first};
+        for (Seq seq = first; seq < first + count; ++seq) {
+            batch.events.push_back(test::published(peer, seq));
+        }
+        take(std::move(batch));
+    }
+    [[nodiscard]] Seq applied() const { return core.peer_logs().at(peer).applied(); }
+    [[nodiscard]] Effects effects() { return {now, broker, clients, out, local}; }
+    template <typename Kind>
+    [[nodiscard]] std::vector<Kind> take_sent() {
+        std::vector<Kind> sent;
+        for (auto& outgoing : out) {
+            if (auto* message = std::get_if<Kind>(&outgoing.message)) sent.push_back(*message);
+        }
+        out.clear();
+        return sent;
+    }
+
+    Instant now{10s};
+    std::uint64_t ticks = 0;
+    ClusterOptions options;
+    broker::BrokerCore broker{test::writer_of(self), 1};
+    broker::Actions clients;
+    Outbox out;
+    std::vector<LocalAction> local;
+    ClusterCore core{options, {.name = "self", .log = self, .home_addresses = {}}, 1};
+};
+
+TEST_F(CatchingUp, AGapThatClosesIsWorkedThroughInPieces) {
+    for (Seq first = 2; first < 10'000; first += 100) take_batch(first, 100);
+    EXPECT_EQ(applied(), 0U);
+    take_batch(1, 1);
+    EXPECT_EQ(applied(), 2U);
+    (void)take_sent<LogAck>();
+    while (applied() < 10'001) {
+        ASSERT_EQ(core.next_wakeup(), Instant::min()) << "there is more to do";
+        const Seq before = applied();
+        tick();
+        ASSERT_GT(applied(), before);
+        ASSERT_LE(applied(), before + options.events_per_turn);
+        const auto acks = take_sent<LogAck>();
+        ASSERT_EQ(acks.size(), 1U);
+        EXPECT_EQ(acks[0].through.seq, applied()) << "only what is applied is acknowledged";
+    }
+    EXPECT_GT(core.next_wakeup(), now);
+    EXPECT_EQ(broker.cursor(peer), 10'001U);
+}
+
+TEST_F(CatchingUp, WhatComesMeanwhileIsWorkedThroughTwiceAsFast) {
+    for (Seq first = 2; first < 1'000; first += 100) take_batch(first, 100);
+    take_batch(1, 1);
+    const Seq before = applied();
+    take_batch(1'002, 50);
+    EXPECT_EQ(applied(), before + 100);
+}
+
+TEST_F(CatchingUp, WhoIsCaughtUpWithAsksForNothing) {
+    for (Seq first = 2; first < 1'000; first += 100) take_batch(first, 100);
+    take_batch(1, 1);
+    (void)take_sent<SnapshotRequest>();
+    for (int i = 0; i < 10; ++i) {
+        now += 10ms;
+        take(Beacon{.name = "peer", .log = peer, .last_seq = 1'001, .tick = ++ticks});
+        EXPECT_TRUE(take_sent<SnapshotRequest>().empty());
+    }
+}
+
+TEST_F(CatchingUp, ASnapshotLeavesInPiecesAndOnce) {
+    constexpr Seq publishes = 5'000;
+    for (Seq seq = 1; seq <= publishes; ++seq) core.append(seq, test::published(self, seq));
+    const auto request = [&] { take(SnapshotRequest{.log = self, .after = 0}); };
+    (void)take_sent<SnapshotPart>();
+    request();
+    std::size_t sent = 0;
+    std::uint32_t next_part = 0;
+    for (bool last = false; !last;) {
+        for (const SnapshotPart& part : take_sent<SnapshotPart>()) {
+            EXPECT_EQ(part.part, next_part++);
+            EXPECT_EQ(part.as_of, (LogPosition{self, publishes}));
+            sent += part.publishes.size();
+            last = part.last;
+        }
+        ASSERT_LE(sent, 256U * next_part);
+        if (last) break;
+        ASSERT_LE(core.next_wakeup(), now + 10ms);
+        now = std::max(now, core.next_wakeup());
+        request();  // the peer is impatient
+        tick();
+    }
+    EXPECT_EQ(sent, publishes);
+    now += 10ms;
+    request();
+    EXPECT_FALSE(take_sent<SnapshotPart>().empty()) << "who asks later gets another one";
+}
+
+TEST_F(CatchingUp, ThePublishesOfASnapshotAreHandedOnAsTheyCome) {
+    SnapshotPart part{.as_of = {peer, 1'000}};
+    for (Seq seq = 1; seq <= 10; ++seq) {
+        part.publishes.push_back(std::get<broker::Published>(test::published(peer, seq)).message);
+    }
+    take(part);
+    EXPECT_EQ(broker.cursor(peer), 10U);
+    EXPECT_EQ(applied(), 0U) << "but the log goes on only from a whole snapshot";
+    SnapshotPart last{.as_of = part.as_of, .part = 1, .last = true};
+    take(last);
+    EXPECT_EQ(broker.cursor(peer), 1'000U);
+    EXPECT_EQ(applied(), 1'000U);
+}
+
+// What came before a lost part must not stand for what was in it.
+TEST_F(CatchingUp, NothingOfASnapshotWithAHoleIsHandedOnBehindTheHole) {
+    take(SnapshotPart{.as_of = {peer, 1'000}});
+    SnapshotPart third{.as_of = {peer, 1'000}, .part = 2, .last = true};
+    third.publishes.push_back(std::get<broker::Published>(test::published(peer, 900)).message);
+    take(third);
+    EXPECT_EQ(broker.cursor(peer), 0U);
+    EXPECT_EQ(applied(), 0U);
+}
+
+}  // namespace
+}  // namespace romano::cluster
