@@ -77,6 +77,10 @@ std::size_t Bench::choose_victim() {
     return (*leader + 1 + random_.below(others)) % cluster_.size();
 }
 
+void Bench::strike(std::size_t victim) {
+    options_.fault == Fault::crash ? cluster_.kill(victim) : cluster_.pause(victim);
+}
+
 Trial Bench::run(std::uint32_t number) {
     run_for(random_.between(rest_least, rest_most));
     cluster_.look();
@@ -96,7 +100,7 @@ Trial Bench::run(std::uint32_t number) {
     };
     const auto sent_before = sent();
     const Instant fault = net::now();
-    options_.fault == Fault::crash ? cluster_.kill(victim) : cluster_.pause(victim);
+    strike(victim);
     const auto arrival = await_message(victim, fault, message_within);
     cluster_.look();
     if (arrival) {
@@ -119,12 +123,14 @@ Trial Bench::run(std::uint32_t number) {
 }
 
 Watched Bench::watch(Duration duration, const std::function<bool()>& is_over) {
-    const auto count = [this](std::string_view beginning) {
+    const Instant begun = net::now();
+    const auto count = [&](std::string_view beginning) {
         std::uint64_t lines = 0;
         for (std::size_t i = 0; i < cluster_.size(); ++i) {
-            lines += static_cast<std::uint64_t>(std::ranges::count_if(
-                cluster_.trace(i).lines(),
-                [&](const TraceLine& line) { return line.text.starts_with(beginning); }));
+            lines += static_cast<std::uint64_t>(
+                std::ranges::count_if(cluster_.trace(i).lines(), [&](const TraceLine& line) {
+                    return line.at && *line.at >= begun && line.text.starts_with(beginning);
+                }));
         }
         return lines;
     };
@@ -143,14 +149,26 @@ Watched Bench::watch(Duration duration, const std::function<bool()>& is_over) {
         clients.brokers.push_back(*net::parse_endpoint(cluster_.address_text(i)));
     }
     experiments::MqttsnClients loaders(plan, clients);
-    cluster_.look();
-    const std::uint64_t lost_before = count("lost ");
-    const std::uint64_t adopts_before = count("adopts ");
+    std::optional<std::size_t> victim;
+    bool is_back = false;
+    const double share_away = options_.away_s / std::chrono::duration<double>(duration).count();
+    const auto strike_in_the_middle = [&](double share) {
+        if (!victim && share > 0.5 - share_away / 2) {
+            cluster_.look();
+            victim = choose_victim();
+            strike(*victim);
+        } else if (victim && !is_back && share > 0.5 + share_away / 2) {
+            cluster_.revive(*victim);
+            is_back = true;
+        }
+    };
     experiments::LoadRun load(plan, loaders,
                               {.on_progress =
-                                   [this](const std::string&, double) {
+                                   [&](const std::string& phase, double share) {
                                        io_.restart();
                                        io_.poll();  // our robots stay connected
+                                       if (options_.away_s == 0 || phase != "measuring") return;
+                                       strike_in_the_middle(share);
                                    },
                                .on_measuring = {},
                                .on_measured = {},
@@ -160,8 +178,9 @@ Watched Bench::watch(Duration duration, const std::function<bool()>& is_over) {
     return {.seconds = figures.measured_s,
             .messages = figures.delivered,
             .lost = figures.lost(),
-            .suspicions = count("lost ") - lost_before,
-            .take_overs = count("adopts ") - adopts_before};
+            .suspicions = count("lost "),
+            .take_overs = count("adopts ") - (victim ? 1 : 0),  // the victim's, rightly
+            .away_s = options_.away_s};
 }
 
 std::optional<Instant> Bench::await_message(std::size_t robot, Instant since, Duration patience) {

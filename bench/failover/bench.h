@@ -26,13 +26,14 @@ public:
     void start();
     [[nodiscard]] Trial run(std::uint32_t number);
     /// Full load: publishers and subscribers at all brokers, each message to another broker, the
-    /// next one as soon as one has arrived. Nothing is struck.
+    /// next one as soon as one has arrived. In the middle the victim is away, if it is to be.
     [[nodiscard]] Watched watch(Duration duration, const std::function<bool()>& is_over);
 
 private:
     using Clock = std::chrono::steady_clock;
 
     [[nodiscard]] std::size_t choose_victim();
+    void strike(std::size_t victim);
     void await_whole();
     /// A message that was published at `since` or later reaches the robot.
     std::optional<Instant> await_message(std::size_t robot, Instant since, Duration patience);

@@ -6,6 +6,8 @@
 #include <cstdio>
 #include <exception>
 #include <map>
+#include <stdexcept>
+#include <string>
 
 #include "bench/failover/bench.h"
 #include "bench/failover/results.h"
@@ -20,6 +22,7 @@ constexpr const char* examples = R"(Examples:
   romano_failover_bench --trials 1000 --fault crash
   romano_failover_bench --trials 1000 --fault silence --victim leader --brokers 5
   romano_failover_bench --trials 0 --watch-s 150             (full load, no fault: who is taken for dead?)
+  romano_failover_bench --trials 0 --watch-s 40 --away-s 10  (does a victim that comes back disturb anybody?)
   romano_failover_bench --timeouts-ms 20 30 50 80 120 --trials 30 --watch-s 60      (the trade, as a plot)
   romano_failover_bench --trials 100 -- --detection-timeout-ms 100     (options of the brokers)
 The same command goes on where it was interrupted; --fresh begins anew.
@@ -59,7 +62,10 @@ void read(CLI::App& app, Options& options) {
                    "Results folder (default: results/failover-<fault>-<victim>-<brokers>)");
     app.add_option("--at-most-s", options.at_most_s, "Stop after so many seconds, to be resumed");
     app.add_option("--watch-s", options.watch_s,
-                   "Then so many seconds of full load without a fault; counts false failovers");
+                   "Then so many seconds of full load; counts false failovers");
+    app.add_option(
+        "--away-s", options.away_s,
+        "In the middle of that the victim is away for so many seconds (default: no fault)");
     app.add_option("--timeouts-ms", options.timeouts_ms,
                    "Silent brokers, and the watch, at each of these detection timeouts");
     app.add_flag("--fresh", options.fresh, "Forget the trials of before");
@@ -70,6 +76,11 @@ void read(CLI::App& app, Options& options) {
 }
 
 int run(Options options) {
+    if (options.away_s != 0 && options.away_s + 2 > options.watch_s) {
+        throw std::invalid_argument("--away-s " + std::to_string(options.away_s) +
+                                    ": must be less than --watch-s (" +
+                                    std::to_string(options.watch_s) + ") by 2 at least");
+    }
     if (options.broker_program.empty()) {
         options.broker_program =
             std::filesystem::read_symlink("/proc/self/exe").parent_path() / "romano-broker";

@@ -25,8 +25,9 @@ struct Options {
     std::filesystem::path broker_program;  // romano-broker
     std::vector<std::string> broker_arguments;
     bool fresh = false;
-    std::uint32_t at_most_s = 0;             // stop after so long, to be resumed; 0: no limit
-    std::uint32_t watch_s = 0;               // under full load and without faults; 0: not
+    std::uint32_t at_most_s = 0;  // stop after so long, to be resumed; 0: no limit
+    std::uint32_t watch_s = 0;    // under full load; 0: not
+    std::uint32_t away_s = 0;     // the victim, in the middle of the watch; 0: there is no fault
     std::vector<std::uint32_t> timeouts_ms;  // trials and watch for each of these; empty: neither
 };
 
