@@ -229,7 +229,7 @@ void ClusterBroker::on_link(const broker::LogId& process, election::Link link) {
 
 void ClusterBroker::on_core_wakeup() {
     const Instant now = net::now();
-    standstill_.look(now, thread_processor_time());
+    standstill_.look(now, member_->next_wakeup(), thread_processor_time());
     member_->on_tick(now, actions_);
     carry_out();
 }

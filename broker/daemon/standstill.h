@@ -10,9 +10,9 @@ class Standstill {
 public:
     explicit Standstill(Duration detection_timeout) : detection_timeout_(detection_timeout) {}
 
-    /// At each wake-up of the core, which are a beacon's interval apart or less. `worked`: the
+    /// At each wake-up of the core, which was due at `due`; Instant::min(): at once. `worked`: the
     /// processor time of the thread so far.
-    void look(Instant now, Duration worked);
+    void look(Instant now, Instant due, Duration worked);
 
 private:
     static constexpr Duration said_again_after = std::chrono::seconds{1};

@@ -15,14 +15,22 @@ using testing::IsEmpty;
 
 class SayingOfStandstills : public testing::Test {
 protected:
-    SayingOfStandstills() { standstill_.look(now_, worked_); }
+    SayingOfStandstills() { standstill_.look(now_, Instant::min(), worked_); }
 
-    /// What is said after that time, and that much work in it.
-    std::string after(Duration time, Duration work) {
+    /// What is said at a wake-up that was due after `due`, and comes `late` after that.
+    std::string after(Duration due, Duration late, Duration work) {
+        trace_.clear();
+        const Instant due_at = now_ + due;
+        now_ = due_at + late;
+        worked_ += work;
+        standstill_.look(now_, due_at, worked_);
+        return trace_.text();
+    }
+    /// At a wake-up that was due at once.
+    std::string at_once_after(Duration time) {
         trace_.clear();
         now_ += time;
-        worked_ += work;
-        standstill_.look(now_, worked_);
+        standstill_.look(now_, Instant::min(), worked_);
         return trace_.text();
     }
 
@@ -34,14 +42,24 @@ private:
 };
 
 TEST_F(SayingOfStandstills, HalfOfTheDetectionTimeoutIsSaidAndWhatItWentFor) {
-    EXPECT_THAT(after(24ms, 24ms), IsEmpty());
-    EXPECT_THAT(after(31ms, 2ms), HasSubstr("stood still for 31 ms, 2 ms of them at work"));
+    EXPECT_THAT(after(10ms, 24ms, 24ms), IsEmpty());
+    EXPECT_THAT(after(10ms, 31ms, 2ms), HasSubstr("stood still for 31 ms, 2 ms of them at work"));
+}
+
+TEST_F(SayingOfStandstills, WorkBeforeTheWakeUpWasDueIsNoStandstill) {
+    EXPECT_THAT(after(100ms, 5ms, 105ms), IsEmpty());
+    EXPECT_THAT(after(10ms, 40ms, 50ms), HasSubstr("for 40 ms, 40 ms of them"));
+}
+
+TEST_F(SayingOfStandstills, WhatIsDueAtOnceIsLateSinceTheLastWakeUp) {
+    EXPECT_THAT(at_once_after(24ms), IsEmpty());
+    EXPECT_THAT(at_once_after(26ms), HasSubstr("stood still for 26 ms"));
 }
 
 TEST_F(SayingOfStandstills, AStarvedBrokerDoesNotFillTheTrace) {
-    EXPECT_THAT(after(40ms, 0ms), HasSubstr("stood still"));
-    EXPECT_THAT(after(999ms, 0ms), IsEmpty());
-    EXPECT_THAT(after(40ms, 0ms), HasSubstr("stood still"));
+    EXPECT_THAT(after(10ms, 40ms, 0ms), HasSubstr("stood still"));
+    EXPECT_THAT(after(900ms, 99ms, 0ms), IsEmpty());
+    EXPECT_THAT(after(10ms, 40ms, 0ms), HasSubstr("stood still"));
 }
 
 TEST(ThreadProcessorTime, GrowsWithWork) {
