@@ -419,11 +419,12 @@ std::vector<SessionImage> BrokerCore::images() const {
     return all;
 }
 
-std::vector<SessionImage> BrokerCore::images_via(const Endpoint& via) const {
-    std::vector<SessionImage> found;
-    for (const Session* session : state_->tables.sessions.by_client_id()) {
-        if (session->header.via == via) found.push_back(image_of(*session, state_->tables));
-    }
+std::vector<ClientId> BrokerCore::client_ids_via(const Endpoint& via) const {
+    std::vector<ClientId> found;
+    state_->tables.sessions.visit([&](const Session& session) {
+        if (session.header.via == via) found.push_back(session.header.client_id);
+    });
+    std::ranges::sort(found);
     return found;
 }
 

@@ -89,9 +89,9 @@ public:
     [[nodiscard]] std::optional<SessionImage> image(std::string_view client_id) const;
     /// Of the session that is homed here; null when there is none. Valid until the next input.
     [[nodiscard]] const SessionHeader* header(std::string_view client_id) const;
-    [[nodiscard]] std::vector<SessionImage> images() const;  // by client id
-    [[nodiscard]] std::vector<ClientId> client_ids() const;  // sorted
-    [[nodiscard]] std::vector<SessionImage> images_via(const Endpoint& via) const;
+    [[nodiscard]] std::vector<SessionImage> images() const;                         // by client id
+    [[nodiscard]] std::vector<ClientId> client_ids() const;                         // sorted
+    [[nodiscard]] std::vector<ClientId> client_ids_via(const Endpoint& via) const;  // sorted
 
     /// Sets a retained message of the broker itself under $SYS; neither logged nor forwarded.
     void set_system_topic(Instant now, std::string_view topic, Bytes payload, Actions& out);

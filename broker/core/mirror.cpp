@@ -234,10 +234,4 @@ std::vector<SessionImage> Mirror::images() const {
     return all;
 }
 
-std::vector<SessionImage> Mirror::images_via(const Endpoint& via) const {
-    std::vector<SessionImage> found = images();
-    std::erase_if(found, [&](const SessionImage& image) { return image.header.via != via; });
-    return found;
-}
-
 }  // namespace romano::broker

@@ -56,7 +56,6 @@ public:
     [[nodiscard]] const SessionHeader* header(std::string_view client_id) const;
     [[nodiscard]] std::optional<SessionImage> image(std::string_view client_id) const;
     [[nodiscard]] std::vector<SessionImage> images() const;  // by client id
-    [[nodiscard]] std::vector<SessionImage> images_via(const Endpoint& via) const;
     /// Calls `look(const SessionImage&)` with each as it is here, in no order: `worked_through` is
     /// that of the last SessionPut.
     template <typename Look>

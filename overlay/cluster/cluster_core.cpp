@@ -27,9 +27,10 @@ ClusterCore::ClusterCore(const ClusterOptions& options, const Identity& identity
       publish_order_(identity.log.broker, 4 * membership_.detection_time()),
       watermark_(options.acks),
       view_change_(identity.log, membership_.detection_time(), options.beacon_every),
-      take_over_(identity.log.broker, membership_.detection_time()),
+      take_over_(identity.log.broker, membership_.detection_time(), options.sessions_per_turn),
       last_words_(membership_.detection_time()),
-      hand_back_(identity.log.broker, membership_.detection_time()),
+      hand_back_(identity.log.broker, membership_.detection_time(), options.sessions_per_turn),
+      handoffs_(options.sessions_per_turn),
       settlement_(identity.log.broker, membership_.detection_time()),
       roaming_(membership_.detection_time()) {}
 
@@ -46,7 +47,9 @@ void ClusterCore::on_tick(Effects& effects, const std::set<Endpoint>& pending_ou
     membership_.on_tick(effects.now);
     view_change_.on_tick(effects.now, surroundings(effects), effects.peers);
     hand_back_.compare(effects.now, membership_, view(), addresses_);
-    hand_back_.carry_on(effects, membership_, view(), addresses_, pending_output);
+    hand_back_.carry_on(
+        effects, membership_, view(), addresses_,
+        {.pending_output = pending_output, .half_adopted = take_over_.half_adopted()});
     settlement_.carry_on(effects, logs(), membership_, hand_back_);
     catch_up(effects);
     after_input(effects);
@@ -70,7 +73,8 @@ void ClusterCore::on_tick(Effects& effects, const std::set<Endpoint>& pending_ou
 
 Instant ClusterCore::next_wakeup() const {
     const bool is_behind =
-        publish_order_.is_behind() ||
+        publish_order_.is_behind() || handoffs_.is_half_done() || hand_back_.is_half_done() ||
+        !take_over_.half_adopted().empty() ||
         std::ranges::any_of(logs_, [](const auto& log) { return log.second.next() != nullptr; });
     if (is_behind) return Instant::min();
     return std::min(next_beat(), snapshots_.next_wakeup());
@@ -89,12 +93,13 @@ void ClusterCore::seek_addresses(Effects& effects) {
 
 bool ClusterCore::must_wait(Effects& effects, const Endpoint& via, const Endpoint& from,
                             Bytes datagram) {
-    if (!is_in_view() || hand_back_.is_expecting(via) || roaming_.is_fetching(from)) return true;
+    if (must_still_wait(via, from)) return true;
     return roaming_.on_datagram(effects, from, datagram, homes_, membership_, view());
 }
 
 bool ClusterCore::must_still_wait(const Endpoint& via, const Endpoint& from) const {
-    return !is_in_view() || hand_back_.is_expecting(via) || roaming_.is_fetching(from);
+    return !is_in_view() || take_over_.is_half_adopted(via) || hand_back_.is_expecting(via) ||
+           roaming_.is_fetching(from);
 }
 
 void ClusterCore::on_address(Effects& effects, const Endpoint& address, bool served) {
@@ -118,6 +123,9 @@ void ClusterCore::after_input(Effects& effects) {
     take_over_.carry_on(effects, logs(), membership_, view(), addresses_);
     last_words_.carry_on(effects, logs_, membership_, view());
     publish_order_.carry_on(effects, logs_, view());
+    for (const auto& [from, address] : handoffs_.take_adopted()) {
+        hand_back_.on_handed_over(from, address);
+    }
     handoffs_.carry_on(effects, safe());
     roaming_.carry_on(effects, logs(), homes_, membership_, view());
     snapshots_.carry_on(effects.now, logs(), membership_, effects.peers);
@@ -219,7 +227,7 @@ void ClusterCore::on_view(Effects& effects, const ViewAnnouncement& announcement
         const Peer* heir = membership_.find(assignment.heir);
         if (heir != nullptr && heir->is_home_of(address)) continue;
         if (assignment.heir != own_.id().broker && addresses_.is_home(address) &&
-            addresses_.is_serving(address) && effects.broker.images_via(address).empty()) {
+            addresses_.is_serving(address) && effects.broker.client_ids_via(address).empty()) {
             hand_back_.expect(effects.now, address, assignment.heir);
         }
     }
@@ -426,6 +434,8 @@ void ClusterCore::on(Effects& effects, BrokerId from, const SnapshotPart& part) 
 
 void ClusterCore::catch_up(Effects& effects) {
     publish_order_.allow(options_.events_per_turn);
+    take_over_.on_turn();
+    handoffs_.on_turn(effects, logs());
     for (auto& [id, log] : logs_) apply(effects, id, log, options_.events_per_turn);
 }
 
@@ -546,8 +556,7 @@ void ClusterCore::on(Effects& effects, BrokerId from, const AddressBound& bound)
 }
 
 void ClusterCore::on(Effects& effects, BrokerId from, const SessionHandoff& part) {
-    if (!handoffs_.on_handoff(effects, logs(), from, part)) return;
-    hand_back_.on_handed_over(from, part.address);
+    handoffs_.on_handoff(effects, logs(), from, part);
 }
 
 void ClusterCore::on(Effects& effects, BrokerId from, const HandoffAck& ack) {

@@ -59,8 +59,7 @@ bool HandBack::is_unsettled(const Endpoint& address) const {
 }
 
 void HandBack::carry_on(Effects& effects, const Membership& membership, const View& view,
-                        const ServiceAddresses& addresses,
-                        const std::set<Endpoint>& pending_output) {
+                        ServiceAddresses& addresses, const NotYet& not_yet) {
     std::erase_if(expected_, [&](const auto& entry) {
         const Getting& getting = entry.second;
         if (effects.now > getting.since + 20 * patience_) return true;
@@ -73,23 +72,41 @@ void HandBack::carry_on(Effects& effects, const Membership& membership, const Vi
     // sessions speak from here again.
     std::erase_if(giving_, [&](const auto& entry) {
         const Giving& giving = entry.second;
+        if (giving.stage == Stage::acknowledged) return !addresses.is_serving(entry.first);
         const Duration limit = (giving.stage == Stage::offered ? 3 : 10) * patience_;
         return effects.now > giving.since + limit || !membership.is_alive(giving.owner) ||
                !addresses.is_serving(entry.first);
     });
-    for (const Endpoint& address : addresses.serving()) {
+    const std::set<Endpoint> serving = addresses.serving();
+    for (const Endpoint& address : serving) {
         if (addresses.is_home(address)) continue;
         const auto under_way = giving_.find(address);
         if (under_way == giving_.end()) {
+            if (not_yet.half_adopted.contains(address)) continue;
             begin(effects, address, membership, view);
             continue;
         }
         Giving& giving = under_way->second;
-        if (giving.stage != Stage::draining) continue;
         const bool drained =
-            effects.now >= giving.since + drain_least && !pending_output.contains(address);
-        if (drained || effects.now >= giving.since + patience_) hand_over(effects, address, giving);
+            effects.now >= giving.since + drain_least && !not_yet.pending_output.contains(address);
+        if (giving.stage == Stage::draining &&
+            (drained || effects.now >= giving.since + patience_)) {
+            hand_over(effects, address, giving);
+        } else if (giving.stage == Stage::handed) {
+            send_some(effects, address, giving);
+        } else if (giving.stage == Stage::acknowledged && forget_some(effects, address, giving)) {
+            giving_.erase(under_way);
+            addresses.give_up(effects, address);
+        }
     }
+}
+
+bool HandBack::is_half_done() const {
+    return std::ranges::any_of(giving_, [](const auto& entry) {
+        const Giving& giving = entry.second;
+        return giving.stage == Stage::acknowledged ||
+               (giving.stage == Stage::handed && !giving.all_sent);
+    });
 }
 
 void HandBack::begin(Effects& effects, const Endpoint& address, const Membership& membership,
@@ -116,36 +133,55 @@ void HandBack::on_bound(Instant now, BrokerId from, const AddressBound& bound) {
 
 void HandBack::hand_over(Effects& effects, const Endpoint& address, Giving& giving) {
     giving.stage = Stage::handed;
-    giving.since = effects.now;
-    auto images = effects.broker.images_via(address);
-    for (auto& image : images) {
-        giving.handed.push_back(image.header.client_id);
-        if (!giving.contested) ++image.header.epoch;
+    giving.clients = effects.broker.client_ids_via(address);
+    send_some(effects, address, giving);
+}
+
+/// They change no more: nothing is heard or said here for them.
+void HandBack::send_some(Effects& effects, const Endpoint& address, Giving& giving) const {
+    if (giving.all_sent) return;
+    const std::size_t end = std::min(giving.sent + sessions_per_turn_, giving.clients.size());
+    std::vector<broker::SessionImage> images;
+    for (; giving.sent < end; ++giving.sent) {
+        auto image = effects.broker.image(giving.clients[giving.sent]);
+        if (!image || image->header.via != address) continue;
+        if (!giving.contested) ++image->header.epoch;
+        images.push_back(*std::move(image));
     }
-    send_handoff(giving.owner.broker, address, std::move(images), effects.peers);
+    giving.all_sent = giving.sent == giving.clients.size();
+    giving.since = effects.now;
+    send_handoff(giving.owner.broker, address, std::move(images), giving.all_sent, effects.peers);
 }
 
 void HandBack::on_ack(Effects& effects, BrokerId from, const HandoffAck& ack,
                       ServiceAddresses& addresses) {
     const auto found = giving_.find(ack.address);
     if (found == giving_.end() || found->second.owner.broker != from ||
-        found->second.stage != Stage::handed) {
+        found->second.stage != Stage::handed || !found->second.all_sent) {
         return;
     }
-    for (const auto& client : found->second.handed) {
-        // One that talks to another address here came from its owner meanwhile: both gave theirs.
-        const broker::SessionHeader* own = effects.broker.header(client);
-        if (own == nullptr || own->via != ack.address) continue;
-        (void)effects.broker.release(client, effects.clients);
-    }
+    found->second.stage = Stage::acknowledged;
+    if (!forget_some(effects, ack.address, found->second)) return;
     giving_.erase(found);
     addresses.give_up(effects, ack.address);
+}
+
+bool HandBack::forget_some(Effects& effects, const Endpoint& address, Giving& giving) const {
+    const std::size_t end = std::min(giving.forgotten + sessions_per_turn_, giving.clients.size());
+    for (; giving.forgotten < end; ++giving.forgotten) {
+        const broker::ClientId& client = giving.clients[giving.forgotten];
+        // One that talks to another address here came from its owner meanwhile: both gave theirs.
+        const broker::SessionHeader* own = effects.broker.header(client);
+        if (own == nullptr || own->via != address) continue;
+        (void)effects.broker.release(client, effects.clients);
+    }
+    return giving.forgotten == giving.clients.size();
 }
 
 bool HandBack::is_deaf(const Endpoint& address) const {
     if (contested_.contains(address)) return true;
     const auto found = giving_.find(address);
-    return found != giving_.end() && found->second.stage == Stage::handed;
+    return found != giving_.end() && found->second.stage >= Stage::handed;
 }
 
 bool HandBack::is_silent(const Endpoint& address) const {

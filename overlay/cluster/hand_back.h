@@ -30,13 +30,20 @@ namespace romano::cluster {
 
 class HandBack {
 public:
-    HandBack(BrokerId self, Duration patience) : self_(self), patience_(patience) {}
+    HandBack(BrokerId self, Duration patience, std::size_t sessions_per_turn)
+        : self_(self), patience_(patience), sessions_per_turn_(sessions_per_turn) {}
 
     // --- the holder's side
-    /// Offers what belongs to others, and goes on with what is under way. `pending_output` are the
-    /// addresses that answers still wait to leave from.
+    /// What must be done before an address can go.
+    struct NotYet {
+        const std::set<Endpoint>& pending_output;  // answers still wait to leave from there
+        const std::set<Endpoint>& half_adopted;    // its sessions are not all here
+    };
+    /// Offers what belongs to others, and goes on with what is under way; many sessions leave, and
+    /// are forgotten, in pieces.
     void carry_on(Effects& effects, const Membership& membership, const View& view,
-                  const ServiceAddresses& addresses, const std::set<Endpoint>& pending_output);
+                  ServiceAddresses& addresses, const NotYet& not_yet);
+    [[nodiscard]] bool is_half_done() const;
     void on_bound(Instant now, BrokerId from, const AddressBound& bound);
     void on_ack(Effects& effects, BrokerId from, const HandoffAck& ack,
                 ServiceAddresses& addresses);
@@ -68,13 +75,16 @@ public:
     void restart();
 
 private:
-    enum class Stage : std::uint8_t { offered, draining, handed };
+    enum class Stage : std::uint8_t { offered, draining, handed, acknowledged };
     struct Giving {
         LogId owner;
         Stage stage;
         Instant since;
-        bool contested;  // the owner serves it as well
-        std::vector<broker::ClientId> handed = {};
+        bool contested;                              // the owner serves it as well
+        std::vector<broker::ClientId> clients = {};  // that are handed over
+        std::size_t sent = 0;
+        bool all_sent = false;
+        std::size_t forgotten = 0;
     };
     struct Getting {
         BrokerId from;
@@ -84,12 +94,16 @@ private:
     void begin(Effects& effects, const Endpoint& address, const Membership& membership,
                const View& view);
     void hand_over(Effects& effects, const Endpoint& address, Giving& giving);
+    void send_some(Effects& effects, const Endpoint& address, Giving& giving) const;
+    /// True when all that were handed over are forgotten.
+    bool forget_some(Effects& effects, const Endpoint& address, Giving& giving) const;
     [[nodiscard]] std::optional<LogId> owner_of(const Endpoint& address,
                                                 const Membership& membership,
                                                 const View& view) const;
 
     BrokerId self_;
     Duration patience_;
+    std::size_t sessions_per_turn_;
     std::set<Endpoint> contested_;  // served by another broker, to whom they belong
     std::map<Endpoint, Giving> giving_;
     struct Rivalry {

@@ -140,13 +140,20 @@ void PeerLog::thaw() {
     asked_after_ = applied();
 }
 
-std::vector<broker::SessionImage> PeerLog::sessions_left(const Endpoint& address) const {
+std::vector<broker::SessionImage> PeerLog::sessions_left(const Endpoint& address,
+                                                         std::size_t most) const {
     std::vector<broker::SessionImage> images;
     for (const auto& [client, via] : left_) {
+        if (images.size() == most) break;
         if (via != address) continue;
         if (auto image = mirror_.image(client)) images.push_back(*std::move(image));
     }
     return images;
+}
+
+std::size_t PeerLog::count_left(const Endpoint& address) const {
+    return static_cast<std::size_t>(std::ranges::count_if(
+        left_, [&address](const auto& entry) { return entry.second == address; }));
 }
 
 std::vector<Endpoint> PeerLog::addresses_left() const {

@@ -71,8 +71,10 @@ public:
     [[nodiscard]] const broker::SessionHeader* session(const broker::ClientId& client) const {
         return frozen_ && !left_.contains(client) ? nullptr : mirror_.header(client);
     }
-    /// Sessions of that address that have no new home yet.
-    [[nodiscard]] std::vector<broker::SessionImage> sessions_left(const Endpoint& address) const;
+    /// Sessions of that address that have no new home yet: `most` of them.
+    [[nodiscard]] std::vector<broker::SessionImage> sessions_left(const Endpoint& address,
+                                                                  std::size_t most) const;
+    [[nodiscard]] std::size_t count_left(const Endpoint& address) const;
     /// Addresses without a new broker or with sessions left.
     [[nodiscard]] std::vector<Endpoint> addresses_left() const;
 

@@ -11,7 +11,7 @@ constexpr std::size_t sessions_per_part = 16;
 }  // namespace
 
 void send_handoff(BrokerId to, const Endpoint& address, std::vector<broker::SessionImage> sessions,
-                  Outbox& out) {
+                  bool last, Outbox& out) {
     SessionHandoff part{.address = address};
     for (auto& image : sessions) {
         if (part.sessions.size() == sessions_per_part) {
@@ -19,21 +19,35 @@ void send_handoff(BrokerId to, const Endpoint& address, std::vector<broker::Sess
         }
         part.sessions.push_back(std::move(image));
     }
-    part.last = true;
+    part.last = last;
     out.push_back({to, std::move(part)});
 }
 
-bool HandoffReceiver::on_handoff(Effects& effects, const Logs& logs, BrokerId from,
+void HandoffReceiver::on_handoff(Effects& effects, const Logs& logs, BrokerId from,
                                  SessionHandoff part) {
     auto& sessions = incoming_[{from, part.address}];
     std::ranges::move(part.sessions, std::back_inserter(sessions));
-    if (!part.last) return false;
-    const auto all = incoming_.extract({from, part.address});
-    HandoffAck ack{.address = part.address};
-    for (auto& image : all.mapped()) {
-        if (part.address.family == Endpoint::Family::none) ack.client_id = image.header.client_id;
+    if (!part.last) return;
+    Arrived arrived{.from = from,
+                    .ack = {.address = part.address},
+                    .sessions = std::move(incoming_.extract({from, part.address}).mapped())};
+    if (!adopt_some(effects, logs, arrived)) arrived_.push_back(std::move(arrived));
+}
+
+void HandoffReceiver::on_turn(Effects& effects, const Logs& logs) {
+    std::erase_if(arrived_, [&](Arrived& arrived) { return adopt_some(effects, logs, arrived); });
+}
+
+bool HandoffReceiver::adopt_some(Effects& effects, const Logs& logs, Arrived& arrived) {
+    auto& [from, ack, sessions, adopted] = arrived;
+    const std::size_t end = std::min(adopted + sessions_per_turn_, sessions.size());
+    for (; adopted < end; ++adopted) {
+        broker::SessionImage& image = sessions[adopted];
+        if (ack.address.family == Endpoint::Family::none) ack.client_id = image.header.client_id;
         adopt(effects, logs, std::move(image));
     }
+    if (adopted < sessions.size()) return false;
+    adopted_.push_back({from, ack.address});
     acks_.push_back({effects.broker.last_seq(), from, std::move(ack)});
     return true;
 }
@@ -48,6 +62,8 @@ void HandoffReceiver::carry_on(Effects& effects, Seq safe) {
 
 void HandoffReceiver::restart() {
     incoming_.clear();
+    arrived_.clear();
+    adopted_.clear();
     acks_.clear();
 }
 

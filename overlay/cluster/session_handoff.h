@@ -1,5 +1,6 @@
 // Sessions on their way from one live home to another: sent in parts, adopted when the last part is
-// there, acknowledged when the adoption is safe with peers. Until then the sender keeps them.
+// there, acknowledged when the adoption is safe with peers. Until then the sender keeps them. Many
+// are adopted in pieces.
 #pragma once
 
 #include <map>
@@ -11,27 +12,53 @@
 
 namespace romano::cluster {
 
-/// All sessions of one service address, or with `address` none: one session that roams.
+/// Sessions of one service address, or with `address` none: one session that roams. `last`: no more
+/// of that address follow.
 void send_handoff(BrokerId to, const Endpoint& address, std::vector<broker::SessionImage> sessions,
-                  Outbox& out);
+                  bool last, Outbox& out);
 
 class HandoffReceiver {
 public:
-    /// True when this was the last part: the sessions are adopted.
-    bool on_handoff(Effects& effects, const Logs& logs, BrokerId from, SessionHandoff part);
+    explicit HandoffReceiver(std::size_t sessions_per_turn)
+        : sessions_per_turn_(sessions_per_turn) {}
+
+    /// From whom all sessions of an address are adopted now.
+    struct Adopted {
+        BrokerId from;
+        Endpoint address;
+    };
+
+    void on_handoff(Effects& effects, const Logs& logs, BrokerId from, SessionHandoff part);
+    /// A new turn: goes on with what is half adopted.
+    void on_turn(Effects& effects, const Logs& logs);
+    /// Since the last call.
+    [[nodiscard]] std::vector<Adopted> take_adopted() { return std::exchange(adopted_, {}); }
+    [[nodiscard]] bool is_half_done() const { return !arrived_.empty(); }
     /// Sends the acknowledgements that the safe watermark allows.
     void carry_on(Effects& effects, Seq safe);
     void restart();
 
 private:
+    struct Arrived {
+        BrokerId from;
+        HandoffAck ack;
+        std::vector<broker::SessionImage> sessions;
+        std::size_t adopted = 0;
+    };
     struct WaitingAck {
         Seq after;  // the last SessionPut of the adoption
         BrokerId to;
         HandoffAck ack;
     };
 
+    /// True when all are.
+    bool adopt_some(Effects& effects, const Logs& logs, Arrived& arrived);
+
+    std::size_t sessions_per_turn_;
     // Bounded: one hand-over an address and peer; its size is the sender's own limit of sessions.
     std::map<std::pair<BrokerId, Endpoint>, std::vector<broker::SessionImage>> incoming_;
+    std::vector<Arrived> arrived_;  // whole, and not all adopted
+    std::vector<Adopted> adopted_;
     std::vector<WaitingAck> acks_;
 };
 

@@ -1,6 +1,7 @@
 #include "overlay/cluster/take_over.h"
 
 #include <algorithm>
+#include <limits>
 #include <optional>
 #include <utility>
 
@@ -8,6 +9,8 @@
 
 namespace romano::cluster {
 namespace {
+
+constexpr std::size_t all = std::numeric_limits<std::size_t>::max();
 
 /// The address's own broker, when it is in the view and answers on the address already.
 std::optional<BrokerId> returned_owner(const Endpoint& address, BrokerId self,
@@ -40,29 +43,52 @@ bool was_handed_over(const broker::SessionHeader& left, const PeerLogs& logs) {
 }  // namespace
 
 void TakeOver::on_view(Instant now, const ViewAnnouncement& announcement) {
-    // What was assigned by an earlier view and is not done is assigned anew by this one.
-    pending_.clear();
+    // What was assigned by an earlier view and is not done is assigned anew by this one. What is
+    // half done is ours, unless it is another one's now.
+    const auto is_same = [](const Assignment& a, const Assignment& b) {
+        return a.end.log == b.end.log && a.address == b.address;
+    };
+    std::erase_if(pending_, [&](const Pending& pending) {
+        return !pending.is_begun ||
+               std::ranges::any_of(announcement.assignments, [&](const Assignment& assignment) {
+                   return is_same(assignment, pending.assignment) && assignment.heir != self_;
+               });
+    });
     for (const Assignment& assignment : announcement.assignments) {
-        if (assignment.heir == self_) pending_.push_back({assignment, now, now});
+        if (assignment.heir != self_) continue;
+        const bool is_begun = std::ranges::any_of(pending_, [&](const Pending& pending) {
+            return is_same(assignment, pending.assignment);
+        });
+        if (!is_begun) pending_.push_back({assignment, now, now});
     }
 }
 
 void TakeOver::carry_on(Effects& effects, const Logs& logs, const Membership& membership,
                         const View& view, ServiceAddresses& addresses) {
+    const bool may_go_on = std::exchange(may_go_on_, false);
     std::erase_if(pending_, [&](Pending& pending) {
+        const Endpoint& address = pending.assignment.address;
         const auto log = logs.peers.find(pending.assignment.end.log);
         if (log == logs.peers.end()) return true;
         if (!log->second.is_frozen()) return true;  // it is back
+        if (pending.is_begun) {
+            return may_go_on && adopt_some(effects, address, log->second, logs);
+        }
         if (is_still_serving(pending.assignment, membership)) return false;
-        const auto owner = returned_owner(pending.assignment.address, self_, membership, view);
+        const auto owner = returned_owner(address, self_, membership, view);
         if (owner && !membership.find(*owner)->hears(self_)) return false;
         const auto lacks = lacking(*log, logs, owner.has_value());
         if (lacks && !is_out_of_patience(effects, pending)) {
             ask_for(effects, pending, *lacks, membership, view);
             return false;
         }
-        carry_out(effects, pending.assignment, log->second, logs, membership, owner, addresses);
-        return true;
+        if (owner) {
+            hand_on(effects, *owner, address, log->second, logs);
+            return true;
+        }
+        begin(effects, pending.assignment, log->second, membership, addresses);
+        pending.is_begun = true;
+        return adopt_some(effects, address, log->second, logs);
     });
 }
 
@@ -97,33 +123,55 @@ void TakeOver::ask_for(Effects& effects, Pending& pending, const LogPosition& af
     }
 }
 
-void TakeOver::carry_out(Effects& effects, const Assignment& assignment, PeerLog& log,
-                         const Logs& logs, const Membership& membership,
-                         std::optional<BrokerId> owner, ServiceAddresses& addresses) {
-    auto sessions = log.sessions_left(assignment.address);
+/// Those that the dead left, to the address's own broker, which is back and holds none of that.
+void TakeOver::hand_on(Effects& effects, BrokerId owner, const Endpoint& address, PeerLog& log,
+                       const Logs& logs) {
+    auto sessions = log.sessions_left(address, all);
     std::erase_if(sessions, [&](const broker::SessionImage& image) {
         if (!was_handed_over(image.header, logs.peers)) return false;
         log.mark_taken(image.header.client_id);
         return true;
     });
-    if (owner) {
-        for (auto& image : sessions) image = caught_up(effects, logs, std::move(image));
-        send_handoff(*owner, assignment.address, std::move(sessions), effects.peers);
-        log.mark_served(assignment.address);
-        return;
-    }
-    effects.local.push_back(Notice{"adopts " + std::to_string(sessions.size()) + " sessions of " +
+    for (auto& image : sessions) image = caught_up(effects, logs, std::move(image));
+    send_handoff(owner, address, std::move(sessions), true, effects.peers);
+    log.mark_served(address);
+}
+
+void TakeOver::begin(Effects& effects, const Assignment& assignment, PeerLog& log,
+                     const Membership& membership, ServiceAddresses& addresses) {
+    effects.local.push_back(Notice{"adopts " + std::to_string(log.count_left(assignment.address)) +
+                                   " sessions of " +
                                    membership.name_of(assignment.end.log.broker)});
-    if (assignment.address.family != Endpoint::Family::none) {
-        addresses.inherit(effects, assignment.address);
-        ++inherited_;
-        log.mark_served(assignment.address);
-    }
+    if (assignment.address.family == Endpoint::Family::none) return;
+    addresses.inherit(effects, assignment.address);
+    ++inherited_;
+    log.mark_served(assignment.address);
+}
+
+bool TakeOver::adopt_some(Effects& effects, const Endpoint& address, PeerLog& log,
+                          const Logs& logs) const {
+    auto sessions = log.sessions_left(address, sessions_per_turn_);
+    const bool may_be_more = sessions.size() == sessions_per_turn_;
     for (auto& image : sessions) {
         const broker::ClientId client = image.header.client_id;
-        adopt(effects, logs, std::move(image));
+        if (!was_handed_over(image.header, logs.peers)) adopt(effects, logs, std::move(image));
         log.mark_taken(client);
     }
+    return !may_be_more;
+}
+
+bool TakeOver::is_half_adopted(const Endpoint& address) const {
+    return std::ranges::any_of(pending_, [&](const Pending& pending) {
+        return pending.is_begun && pending.assignment.address == address;
+    });
+}
+
+std::set<Endpoint> TakeOver::half_adopted() const {
+    std::set<Endpoint> addresses;
+    for (const Pending& pending : pending_) {
+        if (pending.is_begun) addresses.insert(pending.assignment.address);
+    }
+    return addresses;
 }
 
 }  // namespace romano::cluster

@@ -6,9 +6,12 @@
 // broker is back and serving by then, the sessions go to it instead, as soon as it hears us in its
 // new life, and with all that they missed: a newcomer holds none of the removed brokers' logs. And
 // while the removed broker itself is heard to serve the address, it is left there.
+//
+// Many sessions are adopted in pieces, and what their clients say waits until all are here.
 #pragma once
 
 #include <optional>
+#include <set>
 #include <vector>
 
 #include "overlay/cluster/adoption.h"
@@ -21,13 +24,19 @@ namespace romano::cluster {
 
 class TakeOver {
 public:
-    TakeOver(BrokerId self, Duration patience) : self_(self), patience_(patience) {}
+    TakeOver(BrokerId self, Duration patience, std::size_t sessions_per_turn)
+        : self_(self), patience_(patience), sessions_per_turn_(sessions_per_turn) {}
 
     void on_view(Instant now, const ViewAnnouncement& announcement);
+    /// A new turn: the next carry_on() goes on with what is half adopted.
+    void on_turn() { may_go_on_ = true; }
     /// Does what has become possible.
     void carry_on(Effects& effects, const Logs& logs, const Membership& membership,
                   const View& view, ServiceAddresses& addresses);
     [[nodiscard]] bool is_busy() const { return !pending_.empty(); }
+    /// Addresses of which sessions are here, and others not yet.
+    [[nodiscard]] std::set<Endpoint> half_adopted() const;
+    [[nodiscard]] bool is_half_adopted(const Endpoint& address) const;
     /// Service addresses of the dead that were inherited so far.
     [[nodiscard]] std::uint64_t inherited() const { return inherited_; }
     void restart() { pending_.clear(); }
@@ -37,6 +46,7 @@ private:
         Assignment assignment;
         Instant since;
         Instant asked_at;
+        bool is_begun = false;
     };
 
     [[nodiscard]] static std::optional<LogPosition> lacking(const PeerLogs::value_type& dead,
@@ -44,12 +54,18 @@ private:
     [[nodiscard]] bool is_out_of_patience(Effects& effects, const Pending& pending) const;
     void ask_for(Effects& effects, Pending& pending, const LogPosition& after,
                  const Membership& membership, const View& view) const;
-    void carry_out(Effects& effects, const Assignment& assignment, PeerLog& log, const Logs& logs,
-                   const Membership& membership, std::optional<BrokerId> owner,
-                   ServiceAddresses& addresses);
+    static void hand_on(Effects& effects, BrokerId owner, const Endpoint& address, PeerLog& log,
+                        const Logs& logs);
+    void begin(Effects& effects, const Assignment& assignment, PeerLog& log,
+               const Membership& membership, ServiceAddresses& addresses);
+    /// True when none is left.
+    bool adopt_some(Effects& effects, const Endpoint& address, PeerLog& log,
+                    const Logs& logs) const;
 
     BrokerId self_;
     Duration patience_;
+    std::size_t sessions_per_turn_;
+    bool may_go_on_ = false;
     std::vector<Pending> pending_;
     std::uint64_t inherited_ = 0;
 };

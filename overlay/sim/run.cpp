@@ -43,6 +43,7 @@ ClusterWorldOptions world_options(std::uint64_t seed, const RunOptions& run) {
     options.peers.quality.delay_max = random.between(100us, 3ms);
     static constexpr std::size_t some_events[] = {256, 256, 2, 1};
     options.cluster.events_per_turn = one_of(turns, some_events);
+    options.cluster.sessions_per_turn = one_of(turns, some_events);
     return options;
 }
 

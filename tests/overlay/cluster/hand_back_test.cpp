@@ -18,7 +18,7 @@ const Endpoint theirs = test::address(2);
 struct AfterAHeal {
     Membership membership{ClusterOptions{}, self.broker, 1};
     ServiceAddresses addresses{{ours}};
-    HandBack hand_back{self.broker, 100ms};
+    HandBack hand_back{self.broker, 100ms, 256};
     View view{.members = {self, rival}};
     Instant now{1s};
     std::uint64_t tick = 0;
@@ -43,7 +43,7 @@ struct AfterAHeal {
         Outbox peers;
         std::vector<LocalAction> local;
         Effects effects{now, broker, clients, peers, local};
-        hand_back.carry_on(effects, membership, view, addresses, {});
+        hand_back.carry_on(effects, membership, view, addresses, {{}, {}});
         return peers.size();
     }
     void compare() { hand_back.compare(now, membership, view, addresses); }

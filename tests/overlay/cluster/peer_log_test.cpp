@@ -163,11 +163,11 @@ TEST(PeerLog, AFrozenLogKnowsWhatIsLeftToAdopt) {
     held.log.freeze();
     EXPECT_THAT(held.log.addresses_left(),
                 UnorderedElementsAre(address(1), address(2), address(3)));
-    EXPECT_EQ(held.log.sessions_left(address(1)).size(), 2U);
+    EXPECT_EQ(held.log.sessions_left(address(1), 100).size(), 2U);
     held.log.mark_taken("a");
     held.log.mark_taken("b");
     held.log.mark_served(address(1));
-    EXPECT_THAT(held.log.sessions_left(address(1)), IsEmpty());
+    EXPECT_THAT(held.log.sessions_left(address(1), 100), IsEmpty());
     EXPECT_THAT(held.log.addresses_left(), ElementsAre(address(2), address(3)));
 }
 
@@ -176,7 +176,7 @@ TEST(PeerLog, ATailOfAFrozenLogCounts) {
     held.take(1, {session("a", address(1)), session("b", address(1))});
     held.log.freeze();
     held.take(3, {erased("a"), session("c", address(1))});
-    const auto left = held.log.sessions_left(address(1));
+    const auto left = held.log.sessions_left(address(1), 100);
     ASSERT_EQ(left.size(), 2U);
     EXPECT_EQ(left[0].header.client_id, "b");
     EXPECT_EQ(left[1].header.client_id, "c");
