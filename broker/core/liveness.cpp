@@ -28,9 +28,11 @@ void Liveness::on_heard(Session& session, const Endpoint& via, MsgType type, Tur
     if (is_first_word) ++header.epoch;  // heard at its new home: the session is ours now
     header.via = via;
     // A sleeper that speaks as the connected do has connected, it seems, at its former home, out of
-    // our sight. In doubt it keeps its sleeping time: should it sleep, it will say so.
-    const bool seems_connected =
-        is_first_word && header.state == SessionState::asleep && !is_of_sleepers(type);
+    // our sight; also one that was awake when it was seen last. In doubt it keeps its sleeping
+    // time: should it sleep, it will say so (and an awake one asks again for its PINGRESP).
+    const bool was_sleeper =
+        header.state == SessionState::asleep || header.state == SessionState::awake;
+    const bool seems_connected = is_first_word && was_sleeper && !is_of_sleepers(type);
     if (seems_connected) header.state = SessionState::active;
     lifecycle_.log_header(session, turn);
     if (seems_connected) deliveries_.go_on(session, turn);

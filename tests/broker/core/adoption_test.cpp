@@ -315,6 +315,48 @@ TEST_F(AdoptionOfASleeper, WhoCollectsItsMessagesSleepsOn) {  // 6.14b
     EXPECT_EQ(state(), SessionState::asleep);
 }
 
+/// Adopted in the midst of its awakening: it was sent a message, and has not answered.
+class AdoptionOfAnAwakened : public Adoption {
+protected:
+    void SetUp() override {
+        publisher.connects();
+        robot.connects(true, 10);
+        robot.subscribes("cmd");
+        robot.says(Disconnect{true, 100});
+        robot.hears<Disconnect>();
+        const auto cmd = publisher.registers("cmd");
+        publisher.publishes(cmd, "one", Qos::at_least_once);
+        robot.says(Pingreq{"robot"});
+        robot.hears<Publish>();
+        takes_over(robot);
+        answers("one");
+    }
+    void answers(std::string_view payload) {
+        const auto publish = robot.hears<Publish>();
+        EXPECT_EQ(as_text(publish.data), payload);
+        robot.says(Puback{publish.topic, publish.msg_id, ReturnCode::accepted});
+    }
+    SessionState state() { return heir.core.image("robot")->header.state; }
+};
+
+// It connected at its former home, which was cut off (simulator, seed 205595).
+TEST_F(AdoptionOfAnAwakened, WhoMayHaveConnectedIsNotLeftAsleep) {  // P2
+    robot.hears_nothing();
+    EXPECT_EQ(state(), SessionState::active);
+    publisher.moves_to(heir);
+    publisher.connects();
+    publisher.publishes(publisher.registers("cmd"), "two", Qos::at_least_once);
+    answers("two");
+    heir.expects_mirror_to_agree();
+}
+
+TEST_F(AdoptionOfAnAwakened, WhoIsAwakeAsksAgainAndSleepsOn) {  // 6.14b
+    robot.says(Pingreq{"robot"});
+    robot.hears<Pingresp>();
+    EXPECT_EQ(state(), SessionState::asleep);
+    heir.expects_mirror_to_agree();
+}
+
 TEST_F(Adoption, ReleasePublishesNoWillAndForgets) {  // P7
     robot.says(robot.connect(false, 10, true));
     robot.hears<Willtopicreq>();
