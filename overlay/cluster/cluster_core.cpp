@@ -120,6 +120,7 @@ void ClusterCore::after_input(Effects& effects) {
     }
     if (const auto installed = view_change_.take_installed()) on_view(effects, *installed);
     if (!listening_.is_on()) membership_.send_ballots(effects.peers);
+    hand_back_.forget_for_the_dead(effects, view(), addresses_);
     take_over_.carry_on(effects, logs(), membership_, view(), addresses_);
     last_words_.carry_on(effects, logs_, membership_, view());
     publish_order_.carry_on(effects, logs_, view());

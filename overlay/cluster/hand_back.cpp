@@ -101,6 +101,22 @@ void HandBack::carry_on(Effects& effects, const Membership& membership, const Vi
     }
 }
 
+void HandBack::forget_for_the_dead(Effects& effects, const View& view,
+                                   ServiceAddresses& addresses) {
+    for (auto at = giving_.begin(); at != giving_.end();) {
+        auto& [address, giving] = *at;
+        if (giving.stage != Stage::acknowledged ||
+            std::ranges::binary_search(view.members, giving.owner)) {
+            ++at;
+            continue;
+        }
+        while (!forget_some(effects, address, giving)) {
+        }
+        addresses.give_up(effects, address);
+        at = giving_.erase(at);
+    }
+}
+
 bool HandBack::is_half_done() const {
     return std::ranges::any_of(giving_, [](const auto& entry) {
         const Giving& giving = entry.second;
@@ -150,7 +166,8 @@ void HandBack::send_some(Effects& effects, const Endpoint& address, Giving& givi
     }
     giving.all_sent = giving.sent == giving.clients.size();
     giving.since = effects.now;
-    send_handoff(giving.owner.broker, address, std::move(images), giving.all_sent, effects.peers);
+    giving.next_part = send_handoff_piece(giving.owner.broker, address, giving.next_part,
+                                          std::move(images), giving.all_sent, effects.peers);
 }
 
 void HandBack::on_ack(Effects& effects, BrokerId from, const HandoffAck& ack,

@@ -44,6 +44,9 @@ public:
     void carry_on(Effects& effects, const Membership& membership, const View& view,
                   ServiceAddresses& addresses, const NotYet& not_yet);
     [[nodiscard]] bool is_half_done() const;
+    /// An owner that acknowledged and is no member any more: its heir goes on from its copies, and
+    /// may be us. All of ours must be gone then.
+    void forget_for_the_dead(Effects& effects, const View& view, ServiceAddresses& addresses);
     void on_bound(Instant now, BrokerId from, const AddressBound& bound);
     void on_ack(Effects& effects, BrokerId from, const HandoffAck& ack,
                 ServiceAddresses& addresses);
@@ -83,6 +86,7 @@ private:
         bool contested;                              // the owner serves it as well
         std::vector<broker::ClientId> clients = {};  // that are handed over
         std::size_t sent = 0;
+        std::uint32_t next_part = 0;
         bool all_sent = false;
         std::size_t forgotten = 0;
     };

@@ -176,6 +176,7 @@ struct AddressBound {
 /// The holder keeps its copies, silent, until HandoffAck, so that a crash in between loses nothing.
 struct SessionHandoff {
     Endpoint address{};  // family none: roaming, one session
+    std::uint32_t part = 0;
     bool last = false;
     std::vector<broker::SessionImage> sessions{};
 };

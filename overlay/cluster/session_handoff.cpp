@@ -11,26 +11,42 @@ constexpr std::size_t sessions_per_part = 16;
 }  // namespace
 
 void send_handoff(BrokerId to, const Endpoint& address, std::vector<broker::SessionImage> sessions,
-                  bool last, Outbox& out) {
-    SessionHandoff part{.address = address};
+                  Outbox& out) {
+    (void)send_handoff_piece(to, address, 0, std::move(sessions), true, out);
+}
+
+std::uint32_t send_handoff_piece(BrokerId to, const Endpoint& address, std::uint32_t part,
+                                 std::vector<broker::SessionImage> sessions, bool last,
+                                 Outbox& out) {
+    SessionHandoff message{.address = address, .part = part};
     for (auto& image : sessions) {
-        if (part.sessions.size() == sessions_per_part) {
-            out.push_back({to, std::exchange(part, SessionHandoff{.address = address})});
+        if (message.sessions.size() == sessions_per_part) {
+            SessionHandoff following{.address = address, .part = ++part};
+            out.push_back({to, std::exchange(message, std::move(following))});
         }
-        part.sessions.push_back(std::move(image));
+        message.sessions.push_back(std::move(image));
     }
-    part.last = last;
-    out.push_back({to, std::move(part)});
+    message.last = last;
+    out.push_back({to, std::move(message)});
+    return part + 1;
 }
 
 void HandoffReceiver::on_handoff(Effects& effects, const Logs& logs, BrokerId from,
                                  SessionHandoff part) {
-    auto& sessions = incoming_[{from, part.address}];
-    std::ranges::move(part.sessions, std::back_inserter(sessions));
+    const std::pair key{from, part.address};
+    if (part.part == 0) incoming_[key] = {};  // an earlier one was called off
+    const auto found = incoming_.find(key);
+    if (found == incoming_.end()) return;
+    Incoming& incoming = found->second;
+    if (part.part != incoming.next_part++) {
+        incoming_.erase(found);  // some are lost: without an answer it begins anew
+        return;
+    }
+    std::ranges::move(part.sessions, std::back_inserter(incoming.sessions));
     if (!part.last) return;
-    Arrived arrived{.from = from,
-                    .ack = {.address = part.address},
-                    .sessions = std::move(incoming_.extract({from, part.address}).mapped())};
+    Arrived arrived{
+        .from = from, .ack = {.address = part.address}, .sessions = std::move(incoming.sessions)};
+    incoming_.erase(found);
     if (!adopt_some(effects, logs, arrived)) arrived_.push_back(std::move(arrived));
 }
 

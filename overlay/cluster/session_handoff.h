@@ -1,6 +1,6 @@
 // Sessions on their way from one live home to another: sent in parts, adopted when the last part is
-// there, acknowledged when the adoption is safe with peers. Until then the sender keeps them. Many
-// are adopted in pieces.
+// there and none is missing, acknowledged when the adoption is safe with peers. Until then the
+// sender keeps them. Many are adopted in pieces.
 #pragma once
 
 #include <map>
@@ -12,10 +12,15 @@
 
 namespace romano::cluster {
 
-/// Sessions of one service address, or with `address` none: one session that roams. `last`: no more
-/// of that address follow.
+/// All sessions of one service address, or with `address` none: one session that roams.
 void send_handoff(BrokerId to, const Endpoint& address, std::vector<broker::SessionImage> sessions,
-                  bool last, Outbox& out);
+                  Outbox& out);
+
+/// Some of them, from part number `part` on. `last`: no more follow. Returns the next part's
+/// number.
+std::uint32_t send_handoff_piece(BrokerId to, const Endpoint& address, std::uint32_t part,
+                                 std::vector<broker::SessionImage> sessions, bool last,
+                                 Outbox& out);
 
 class HandoffReceiver {
 public:
@@ -39,6 +44,10 @@ public:
     void restart();
 
 private:
+    struct Incoming {
+        std::uint32_t next_part = 0;
+        std::vector<broker::SessionImage> sessions{};
+    };
     struct Arrived {
         BrokerId from;
         HandoffAck ack;
@@ -56,7 +65,7 @@ private:
 
     std::size_t sessions_per_turn_;
     // Bounded: one hand-over an address and peer; its size is the sender's own limit of sessions.
-    std::map<std::pair<BrokerId, Endpoint>, std::vector<broker::SessionImage>> incoming_;
+    std::map<std::pair<BrokerId, Endpoint>, Incoming> incoming_;
     std::vector<Arrived> arrived_;  // whole, and not all adopted
     std::vector<Adopted> adopted_;
     std::vector<WaitingAck> acks_;

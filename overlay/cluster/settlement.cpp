@@ -75,7 +75,7 @@ void Settlement::give_way(Effects& effects, BrokerId to, broker::SessionImage im
     const broker::ClientId client = image.header.client_id;
     std::vector<broker::SessionImage> images;
     images.push_back(image);
-    send_handoff(to, Endpoint{}, std::move(images), true, effects.peers);
+    send_handoff(to, Endpoint{}, std::move(images), effects.peers);
     (void)effects.broker.release(client, effects.clients);
     leaving_.insert_or_assign(client, Leaving{to, effects.now, std::move(image)});
 }

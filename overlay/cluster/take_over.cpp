@@ -133,7 +133,7 @@ void TakeOver::hand_on(Effects& effects, BrokerId owner, const Endpoint& address
         return true;
     });
     for (auto& image : sessions) image = caught_up(effects, logs, std::move(image));
-    send_handoff(owner, address, std::move(sessions), true, effects.peers);
+    send_handoff(owner, address, std::move(sessions), effects.peers);
     log.mark_served(address);
 }
 

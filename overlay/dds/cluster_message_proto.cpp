@@ -189,6 +189,7 @@ struct Writer {
     void operator()(const cluster::SessionHandoff& m) const {
         auto& to = *out.mutable_session_handoff();
         to_proto(m.address, *to.mutable_address());
+        to.set_part(m.part);
         to.set_last(m.last);
         all_to_proto(m.sessions, *to.mutable_sessions());
     }
@@ -295,7 +296,7 @@ Maybe read_snapshot_part(const SnapshotPart& in) {
 Maybe read_session_handoff(const SessionHandoff& in) {
     const auto address = from_proto(in.address());
     if (!address) return std::nullopt;
-    cluster::SessionHandoff out{*address, in.last(), {}};
+    cluster::SessionHandoff out{*address, in.part(), in.last(), {}};
     if (!all_from_proto(in.sessions(), out.sessions)) return std::nullopt;
     return out;
 }

@@ -83,7 +83,7 @@ private:
     void run_backlog();
 
     static constexpr std::size_t socket_buffer = 200;  // datagrams that a stopped process keeps
-    static constexpr Duration turn{std::chrono::microseconds{200}};  // what a tick takes at least
+    static constexpr Duration turn{std::chrono::milliseconds{1}};  // what a tick takes at least
 
     std::string name_;
     Node node_;

@@ -185,7 +185,8 @@ std::string line(const AddressBound& m) {
     return "AddressBound " + to_text(m.address) + (m.bound ? "" : " not");
 }
 std::string line(const SessionHandoff& m) {
-    return "SessionHandoff " + to_text(m.address) + text(m.sessions);
+    return "SessionHandoff " + to_text(m.address) + " part " + std::to_string(m.part) +
+           (m.last ? ", last" : "") + text(m.sessions);
 }
 std::string line(const SessionRequest& m) {
     return "SessionRequest " + m.client_id;

@@ -155,6 +155,31 @@ TEST(ManySessions, ANewHomeAdoptsThemInPiecesAndAcknowledgesAll) {
     EXPECT_EQ(home.take_sent<HandoffAck>().size(), 1U);
 }
 
+TEST(ManySessions, AHandOverThatLacksAPartIsNotAcknowledged) {
+    Owner home;
+    PeerLogs nobody;
+    OwnLog own{self, 10'000};
+    const Logs logs{nobody, own};
+    HandoffReceiver receiver{per_turn};
+    Effects acting = home.effects();
+    const auto take = [&](std::uint32_t part, std::size_t number, bool last) {
+        SessionHandoff message{.address = ours, .part = part, .last = last};
+        message.sessions.push_back(image(number, ours));
+        receiver.on_handoff(acting, logs, peer.broker, std::move(message));
+        receiver.carry_on(acting, home.broker.last_seq());
+    };
+    take(0, 1, false);
+    take(2, 3, true);
+    take(3, 4, true);
+    EXPECT_EQ(home.broker.session_count(), 0U);
+    EXPECT_TRUE(home.take_sent<HandoffAck>().empty());
+    take(0, 1, false);
+    take(0, 1, false);  // begun anew once more
+    take(1, 2, true);
+    EXPECT_EQ(home.broker.session_count(), 2U);
+    EXPECT_EQ(home.take_sent<HandoffAck>().size(), 1U);
+}
+
 /// "self" serves the address of "peer", which is back and serves it as well.
 struct Holder : Owner {
     Membership membership{ClusterOptions{}, self.broker, 1};
@@ -217,6 +242,24 @@ TEST(ManySessions, TheyAreHandedBackAndForgottenInPieces) {
         EXPECT_TRUE(holder.hand_back.is_deaf(theirs));
         holder.carry_on();
     }
+}
+
+// Its heir, perhaps we, goes on from its copies.
+TEST(ManySessions, NoneIsLeftWhenTheOwnerDiesBeforeAllAreForgotten) {
+    Holder holder;
+    holder.carry_on();
+    holder.now += 5ms;
+    for (int i = 0; i < 3; ++i) holder.carry_on();
+    holder.acknowledge();
+    EXPECT_EQ(holder.broker.session_count(), sessions - per_turn);
+    Effects acting = holder.effects();
+    holder.hand_back.forget_for_the_dead(acting, holder.view, holder.addresses);
+    EXPECT_EQ(holder.broker.session_count(), sessions - per_turn) << "it lives";
+    holder.view.members = {self};
+    holder.hand_back.forget_for_the_dead(acting, holder.view, holder.addresses);
+    EXPECT_EQ(holder.broker.session_count(), 0U);
+    EXPECT_FALSE(holder.addresses.is_serving(theirs));
+    EXPECT_FALSE(holder.hand_back.is_half_done());
 }
 
 TEST(ManySessions, WhatIsHalfAdoptedIsNotHandedOn) {

@@ -53,7 +53,7 @@ static_assert(field_count<cluster::ViewAnnouncement>() == 3);
 static_assert(field_count<cluster::SnapshotRequest>() == 2);
 static_assert(field_count<cluster::SnapshotPart>() == 7);
 static_assert(field_count<cluster::AddressBound>() == 2);
-static_assert(field_count<cluster::SessionHandoff>() == 3);
+static_assert(field_count<cluster::SessionHandoff>() == 4);
 static_assert(field_count<cluster::HandoffAck>() == 2);
 
 // Two messages are equal when their octets are: encoding is deterministic. That no field is
