@@ -1,7 +1,6 @@
 #include "overlay/cluster/last_words.h"
 
 #include <algorithm>
-#include <utility>
 
 namespace romano::cluster {
 

@@ -128,45 +128,45 @@ TEST(ManySessions, AnHeirAdoptsThemInPieces) {
     EXPECT_FALSE(heir.core.must_still_wait(theirs, test::address(99)));
 }
 
-TEST(ManySessions, ANewHomeAdoptsThemInPiecesAndAcknowledgesAll) {
-    Owner home;
+/// "self" gets sessions from a live home.
+struct NewHome : Owner {
     PeerLogs nobody;
     OwnLog own{self, 10'000};
-    const Logs logs{nobody, own};
+    Logs logs{nobody, own};
     HandoffReceiver receiver{per_turn};
+};
+
+TEST(ManySessions, ANewHomeAdoptsThemInPiecesAndAcknowledgesAll) {
+    NewHome home;
     SessionHandoff all{.address = ours, .last = true};
     for (std::size_t i = 0; i < sessions; ++i) all.sessions.push_back(image(i, ours));
     Effects acting = home.effects();
-    receiver.on_handoff(acting, logs, peer.broker, std::move(all));
+    home.receiver.on_handoff(acting, home.logs, peer.broker, std::move(all));
     for (std::size_t adopted = per_turn; adopted < sessions; adopted += per_turn) {
         EXPECT_EQ(home.broker.session_count(), adopted);
-        EXPECT_TRUE(receiver.is_half_done());
-        EXPECT_TRUE(receiver.take_adopted().empty());
-        receiver.carry_on(acting, home.broker.last_seq());
+        EXPECT_TRUE(home.receiver.is_half_done());
+        EXPECT_TRUE(home.receiver.take_adopted().empty());
+        home.receiver.carry_on(acting, home.broker.last_seq());
         EXPECT_TRUE(home.take_sent<HandoffAck>().empty());
-        receiver.on_turn(acting, logs);
+        home.receiver.on_turn(acting, home.logs);
     }
     EXPECT_EQ(home.broker.session_count(), sessions);
-    EXPECT_FALSE(receiver.is_half_done());
-    ASSERT_EQ(receiver.take_adopted().size(), 1U);
-    receiver.carry_on(acting, home.broker.last_seq() - 1);
+    EXPECT_FALSE(home.receiver.is_half_done());
+    ASSERT_EQ(home.receiver.take_adopted().size(), 1U);
+    home.receiver.carry_on(acting, home.broker.last_seq() - 1);
     EXPECT_TRUE(home.take_sent<HandoffAck>().empty()) << "the last one is not safe yet";
-    receiver.carry_on(acting, home.broker.last_seq());
+    home.receiver.carry_on(acting, home.broker.last_seq());
     EXPECT_EQ(home.take_sent<HandoffAck>().size(), 1U);
 }
 
 TEST(ManySessions, AHandOverThatLacksAPartIsNotAcknowledged) {
-    Owner home;
-    PeerLogs nobody;
-    OwnLog own{self, 10'000};
-    const Logs logs{nobody, own};
-    HandoffReceiver receiver{per_turn};
+    NewHome home;
     Effects acting = home.effects();
     const auto take = [&](std::uint32_t part, std::size_t number, bool last) {
         SessionHandoff message{.address = ours, .part = part, .last = last};
         message.sessions.push_back(image(number, ours));
-        receiver.on_handoff(acting, logs, peer.broker, std::move(message));
-        receiver.carry_on(acting, home.broker.last_seq());
+        home.receiver.on_handoff(acting, home.logs, peer.broker, std::move(message));
+        home.receiver.carry_on(acting, home.broker.last_seq());
     };
     take(0, 1, false);
     take(2, 3, true);
