@@ -1,5 +1,7 @@
 # How everything is compiled: warnings, sanitizers, ccache.
 
+add_compile_options(-pipe)  # no temporary files: what the assembler gets of a sanitized test is large
+
 add_library(project_warnings INTERFACE)
 target_compile_options(project_warnings INTERFACE
     -Wall -Wextra -Wconversion -Wshadow -Wundef -Werror
