@@ -39,10 +39,18 @@ void PublishOrder::on_session(const Effects& effects, const PeerLog& writer,
 bool PublishOrder::is_worked_through(const Effects& effects, const LogPosition& position,
                                      const PeerLogs& logs, const View& view) const {
     if (effects.broker.cursor(position.log) >= position.seq) return true;
-    if (by_log_.contains(position.log)) return false;
     const auto log = logs.find(position.log);
-    if (log != logs.end()) return log->second.applied() >= position.seq;
+    if (log != logs.end()) return log->second.applied() >= position.seq && !holds_up_to(position);
     return position.log.broker == self_ || !std::ranges::binary_search(view.members, position.log);
+}
+
+bool PublishOrder::holds_up_to(const LogPosition& position) const {
+    const auto held = by_log_.find(position.log);
+    if (held == by_log_.end()) return false;
+    const auto& parts = held->second;
+    const auto first =
+        std::ranges::find_if_not(parts, [](const Held& part) { return part.publishes.empty(); });
+    return first != parts.end() && first->publishes.front()->position.seq <= position.seq;
 }
 
 void PublishOrder::on_publish(Effects& effects, const MessagePtr& message) {

@@ -47,6 +47,8 @@ private:
 
     [[nodiscard]] bool is_worked_through(const Effects& effects, const LogPosition& position,
                                          const PeerLogs& logs, const View& view) const;
+    /// A publish of that log waits that is not beyond the position.
+    [[nodiscard]] bool holds_up_to(const LogPosition& position) const;
     /// Returns how many it handed on.
     std::size_t hand_on(Effects& effects, Held& held, std::size_t most);
 

@@ -86,6 +86,19 @@ TEST_F(PublishOrderTest, ALogThatWaitsIsWaitedFor) {
     EXPECT_EQ(broker.cursor(third), 3U);
 }
 
+// Two logs that each go on with sessions from the other one would wait for each other in vain.
+TEST_F(PublishOrderTest, ALogThatWaitsIsWaitedForNoFurtherThanNeeded) {
+    apply(former, test::session("other"));
+    move_session(next, former, 4);
+    publish(next);  // 3
+    apply(former, broker::Cursor{{next, 2}});
+    apply(former, test::session("robot"));
+    EXPECT_EQ(broker.cursor(next), 0U);
+    publish(former);  // 4
+    EXPECT_EQ(broker.cursor(former), 4U);
+    EXPECT_EQ(broker.cursor(next), 3U);
+}
+
 TEST_F(PublishOrderTest, WhatWasAheadOfItsHomeCountsToo) {
     broker::SessionPut put{};
     put.image.header.client_id = "robot";
