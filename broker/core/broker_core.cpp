@@ -531,10 +531,7 @@ std::size_t BrokerCore::session_count() const {
 }
 
 std::size_t BrokerCore::connected_count() const {
-    std::size_t connected = 0;
-    state_->tables.sessions.visit(
-        [&connected](const Session& session) { connected += session.is_connected() ? 1U : 0U; });
-    return connected;
+    return state_->tables.sessions.connected();
 }
 
 void BrokerCore::check_invariants() const {

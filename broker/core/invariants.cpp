@@ -39,16 +39,20 @@ namespace {
 void check_invariants(const Tables& tables) {
     std::size_t subscriptions = 0;
     std::size_t seen = 0;
+    std::size_t connected = 0;
     tables.sessions.visit([&](const Session& session) {
         check_session(session, tables);
         subscriptions += session.subscriptions.size();
+        connected += session.is_connected() ? 1U : 0U;
         ++seen;
     });
     assert(seen == tables.sessions.size());
+    assert(connected == tables.sessions.connected());
     assert(subscriptions == tables.subscribers.size());
     assert(tables.retained.size() <= tables.limits().retained_messages);
     (void)subscriptions;
     (void)seen;
+    (void)connected;
 }
 
 }  // namespace romano::broker

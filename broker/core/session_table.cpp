@@ -67,10 +67,13 @@ void SessionTable::depart(Session& session, Instant now) {
     come_back(session);
     find_again(session);
     session.departed_at = now;
+    ++departed_count_;
     if (session.header.clean) departed_.emplace(now, session.number);
 }
 
 void SessionTable::come_back(Session& session) {
+    if (session.departed_at == never) return;
+    --departed_count_;
     departed_.erase({session.departed_at, session.number});
     session.departed_at = never;
 }

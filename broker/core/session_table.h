@@ -34,7 +34,7 @@ public:
     /// No address leads to it any more.
     void unmap(Session& session);
 
-    /// Takes note that a clean session was left behind, for departed_first().
+    /// Takes note that a session was left behind; a clean one for departed_first().
     void depart(Session& session, Instant now);
     void come_back(Session& session);
     /// The clean session that was left behind longest ago, or null.
@@ -44,6 +44,8 @@ public:
     [[nodiscard]] Session* displaced_first() const;
 
     [[nodiscard]] std::size_t size() const { return by_id_.size(); }
+    /// Not left behind.
+    [[nodiscard]] std::size_t connected() const { return size() - departed_count_; }
     /// In the order of their client ids: for all that reaches the wire.
     [[nodiscard]] std::vector<Session*> by_client_id() const;
 
@@ -61,7 +63,8 @@ private:
     std::vector<SessionNumber> free_;
     std::unordered_map<std::string_view, Session*> by_id_;  // views of the headers' client ids
     PointerTable<Session> by_address_;
-    std::set<std::pair<Instant, SessionNumber>> departed_;
+    std::set<std::pair<Instant, SessionNumber>> departed_;  // the clean ones
+    std::size_t departed_count_ = 0;                        // all
     std::set<std::pair<Instant, SessionNumber>> displaced_;
 };
 
