@@ -63,6 +63,17 @@ mqttsn::MsgId last_msg_id(const SessionImage& image) {
     return last;
 }
 
+/// Of the QoS 2 exchange that the copy which gives way had open, and the one that stays has not.
+mqttsn::MsgId left_open(const SessionImage& gives_way, const SessionImage& stays) {
+    const auto is_open = [](const Delivery& delivery) {
+        return delivery.qos == Qos::exactly_once && delivery.msg_id != mqttsn::no_msg_id;
+    };
+    const auto open = std::ranges::find_if(gives_way.deliveries, is_open);
+    if (open == gives_way.deliveries.end()) return mqttsn::no_msg_id;
+    const bool goes_on = std::ranges::count(stays.deliveries, open->msg_id, &Delivery::msg_id) > 0;
+    return goes_on ? mqttsn::no_msg_id : open->msg_id;
+}
+
 /// The msg ids go on where no other home has been lately: one that is cut off from us may speak to
 /// the client as well, and a QoS 2 receiver takes a message for the one that it has not released
 /// under the same id.
@@ -84,14 +95,20 @@ bool Adoption::adopt(SessionImage image, std::span<const MessagePtr> missed, Tur
     Session* session = tables_.sessions.find(image.header.client_id);
     bool comes = true;
     auto elsewhere = mqttsn::no_msg_id;
+    auto unfinished = mqttsn::no_msg_id;
     if (session != nullptr) {
         SessionImage other = image_of(*session, tables_);
         comes = outranks(image.header, other.header);
         if (!comes) std::swap(image, other);
         elsewhere = other.last_msg_id;
+        unfinished = left_open(other, image);
         const bool learns =
             other.header.last_heard > image.header.last_heard && learn(image, other);
-        if (!comes && !learns) return false;
+        if (!comes && !learns) {
+            if (unfinished != mqttsn::no_msg_id) session->unfinished = unfinished;
+            deliveries_.release_unfinished(*session, turn);
+            return false;
+        }
         tables_.sessions.come_back(*session);
         tables_.sessions.unmap(*session);
         lifecycle_.wipe(*session);
@@ -104,6 +121,8 @@ bool Adoption::adopt(SessionImage image, std::span<const MessagePtr> missed, Tur
     restore(*session, image, turn);
     tables_.log.append(turn.out, [&] { return SessionPut{bare_image_of(*session)}; });
     schedule(tables_, *session);
+    if (unfinished != mqttsn::no_msg_id) session->unfinished = unfinished;
+    deliveries_.release_unfinished(*session, turn);
     deliveries_.go_on(*session, turn);
     return comes;
 }
@@ -130,16 +149,7 @@ void Adoption::restore(Session& session, SessionImage& image, Turn& turn) {
     std::stable_partition(image.deliveries.begin(), image.deliveries.end(), [](const Delivery& d) {
         return d.stage != DeliveryStage::queued;  // the open exchange is about the front
     });
-    for (Delivery& delivery : image.deliveries) {
-        if (delivery.message) {
-            session.queue.push(std::move(delivery));
-        } else if (is_to_come(delivery)) {
-            session.awaited.push_back({.position = delivery.position,
-                                       .message = {},
-                                       .qos = delivery.qos,
-                                       .retain = delivery.retain});
-        }
-    }
+    for (Delivery& delivery : image.deliveries) restore(session, delivery);
     for (const LogPosition& position : image.worked_through) {
         const bool is_own = position.log == tables_.log.id();
         const Seq ours = is_own ? tables_.log.last() : tables_.cursors.at(position.log);
@@ -160,13 +170,33 @@ void Adoption::restore(Session& session, SessionImage& image, Turn& turn) {
     }
 }
 
-/// The former home knew the message and we do not: its writer is out of our sight, and may be back
-/// with it. What was sent at QoS 2 has most likely arrived, and would come twice.
-bool Adoption::is_to_come(const Delivery& delivery) const {
-    const LogPosition& position = delivery.position;
-    const bool is_new =
-        position.log != tables_.log.id() && position.seq > tables_.cursors.at(position.log);
-    return is_new && (delivery.qos != Qos::exactly_once || delivery.stage == DeliveryStage::queued);
+/// One exchange goes on, that of the front. What else may have been sent at QoS 2 goes out again
+/// under its id, or, when the client has it or it cannot come, is released.
+void Adoption::restore(Session& session, Delivery& delivery) {
+    const bool is_open = delivery.stage != DeliveryStage::queued;
+    const bool may_be_there = is_open && delivery.qos == Qos::exactly_once;
+    const bool is_there = may_be_there && delivery.stage == DeliveryStage::released;
+    const auto begin_anew = [&delivery] {
+        delivery.stage = DeliveryStage::queued;
+        delivery.msg_id = mqttsn::no_msg_id;
+    };
+    if (delivery.message && (!is_there || session.queue.empty())) {
+        if (is_open && !session.queue.empty()) {
+            if (may_be_there) session.begun.push_back({delivery.position, delivery.msg_id});
+            begin_anew();
+        }
+        session.queue.push(std::move(delivery));
+    } else if (!is_there && is_to_come(delivery.position)) {
+        if (!may_be_there) begin_anew();
+        session.awaited.push_back(std::move(delivery));
+    } else if (may_be_there) {
+        session.unfinished = delivery.msg_id;
+    }
+}
+
+/// Its writer is out of our sight, and may be back with it.
+bool Adoption::is_to_come(const LogPosition& position) const {
+    return position.log != tables_.log.id() && position.seq > tables_.cursors.at(position.log);
 }
 
 SessionImage Adoption::caught_up(SessionImage image, std::span<const MessagePtr> missed) {

@@ -32,8 +32,9 @@ public:
     std::optional<SessionImage> release(std::string_view client_id, Actions& out);
 
 private:
-    [[nodiscard]] bool is_to_come(const Delivery& delivery) const;
     void restore(Session& session, SessionImage& image, Turn& turn);
+    void restore(Session& session, Delivery& delivery);
+    [[nodiscard]] bool is_to_come(const LogPosition& position) const;
 
     Tables& tables_;
     DeliveryFlow& deliveries_;

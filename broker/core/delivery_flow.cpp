@@ -125,8 +125,13 @@ bool DeliveryFlow::publish_front(Session& session, const WireTopic& topic, Turn&
         return false;
     }
     const bool started = delivery.stage == DeliveryStage::published;
-    const bool again = started && !session.exchange.refused;  // a fall-back has a new msg id
-    if (!started) start(session, delivery, turn);
+    const bool may_be_there =
+        started || std::ranges::count(session.begun, delivery.position, &Begun::position) > 0;
+    const bool again = may_be_there && !session.exchange.refused;  // a fall-back has a new msg id
+    if (!started) {
+        if (delivery.qos == Qos::exactly_once) release_unfinished(session, turn);
+        start(session, delivery, turn);
+    }
     open(session, Kind::publishing, delivery.msg_id, topic);
     return send_open(session, again, turn);
 }
@@ -143,7 +148,7 @@ void DeliveryFlow::open(Session& session, Kind kind, MsgId msg_id, const WireTop
 /// Gives the delivery its msg id, which a QoS 2 PUBLISH must not leave without.
 void DeliveryFlow::start(Session& session, Delivery& delivery, Turn& turn) {
     delivery.stage = DeliveryStage::published;
-    delivery.msg_id = next_msg_id(session);
+    delivery.msg_id = msg_id_for(session, delivery);
     tables_.log.append(turn.out, [&] {
         return DeliveryStarted{session.header.client_id, delivery.position, delivery.msg_id,
                                delivery.qos};
@@ -320,11 +325,20 @@ void DeliveryFlow::release_front(Session& session, Turn& turn) {
     });
 }
 
+void DeliveryFlow::release_unfinished(Session& session, Turn& turn) {
+    if (session.unfinished == mqttsn::no_msg_id || !session.is_listening()) return;
+    outbox_.send(session, mqttsn::Pubrel{session.unfinished}, Gate::open, turn);
+}
+
 void DeliveryFlow::on_pubcomp(Session& session, const mqttsn::Pubcomp& message, Turn& turn) {
     const Exchange& exchange = session.exchange;
     const bool ours = exchange.kind == Kind::releasing && exchange.msg_id == message.msg_id;
     if (!ours && !is_left_at(session, DeliveryStage::released, message.msg_id)) {
-        tables_.count(Drop::unexpected);
+        if (message.msg_id == session.unfinished) {
+            session.unfinished = mqttsn::no_msg_id;
+        } else {
+            tables_.count(Drop::unexpected);
+        }
         return;
     }
     end_front(session, turn);
@@ -408,6 +422,14 @@ void DeliveryFlow::fall_asleep(Session& session, Turn& turn) {
     session.header.state = SessionState::asleep;
     tables_.log.append(turn.out, [&] { return SessionChanged{session.header}; });
     schedule(tables_, session);
+}
+
+MsgId DeliveryFlow::msg_id_for(Session& session, const Delivery& delivery) {
+    const auto begun = std::ranges::find(session.begun, delivery.position, &Begun::position);
+    if (begun == session.begun.end()) return next_msg_id(session);
+    const MsgId msg_id = begun->msg_id;
+    session.begun.erase(begun);
+    return msg_id;
 }
 
 MsgId DeliveryFlow::next_msg_id(Session& session) {

@@ -40,6 +40,11 @@ public:
     void on_pubrec(Session& session, const mqttsn::Pubrec& message, Turn& turn);
     void on_pubcomp(Session& session, const mqttsn::Pubcomp& message, Turn& turn);
 
+    /// Of an exchange that another home left open, if there is one (Session::unfinished). A QoS 2
+    /// receiver takes a later message with that id for the one that it holds: PUBREL goes out, now
+    /// and before each such message, until it is answered.
+    void release_unfinished(Session& session, Turn& turn);
+
     /// Opens the next exchange if none is open and the client listens; ends being awake when
     /// nothing is left (6.14b).
     void go_on(Session& session, Turn& turn);
@@ -83,6 +88,7 @@ private:
                                          mqttsn::MsgId msg_id);
     void release_front(Session& session, Turn& turn);
     void fall_asleep(Session& session, Turn& turn);
+    [[nodiscard]] static mqttsn::MsgId msg_id_for(Session& session, const Delivery& delivery);
     [[nodiscard]] static mqttsn::MsgId next_msg_id(Session& session);
 
     Tables& tables_;

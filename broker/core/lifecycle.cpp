@@ -29,6 +29,8 @@ void Lifecycle::wipe(Session& session) {
     session.retained_to_come.clear();
     session.worked_ahead.clear();
     session.awaited.clear();
+    session.begun.clear();
+    session.unfinished = mqttsn::no_msg_id;
     session.will.reset();
     session.exchange = {};
     session.paused_until = {};

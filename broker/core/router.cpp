@@ -29,10 +29,12 @@ bool waits_with_qos0(const Session& session) {
 
 }  // namespace
 
-/// It was in the session's queue before, by its position alone: now it joins as if it were new.
+/// It was in the session's queue before, by its position alone: now it joins as if it were new, but
+/// for the id under which it may have been sent.
 bool Router::was_awaited(Session& session, const LogPosition& position, Turn& turn) {
     const auto awaited = std::ranges::find(session.awaited, position, &Delivery::position);
     if (awaited == session.awaited.end()) return false;
+    if (awaited->msg_id != mqttsn::no_msg_id) session.begun.push_back({position, awaited->msg_id});
     session.awaited.erase(awaited);
     tables_.log.append(turn.out, [&] { return DeliveryEnded{session.header.client_id, position}; });
     return true;

@@ -53,6 +53,13 @@ struct LateAnswer {
     mqttsn::MsgId msg_id = mqttsn::no_msg_id;
 };
 
+/// A QoS 2 message that a former home may have sent under that id: it goes out under it again, and
+/// the client knows whether it has it.
+struct Begun {
+    LogPosition position;
+    mqttsn::MsgId msg_id = mqttsn::no_msg_id;
+};
+
 /// What every datagram touches stands first and close together: among thousands of sessions each
 /// line of memory costs more than the work on it.
 struct alignas(64) Session {
@@ -79,6 +86,7 @@ struct alignas(64) Session {
     std::vector<LogPosition> worked_ahead;
     /// But these of them were in its queue, and have not come here yet: not done.
     std::vector<Delivery> awaited;
+    std::vector<Begun> begun;
     DeliveryQueue queue;
     TopicRegistry topics;
 
@@ -90,6 +98,8 @@ struct alignas(64) Session {
     Instant displaced_at = never;  // when another client got its address, while connected (G7)
     Instant paused_until{};        // after "congestion" in a REGACK (G16)
     LateAnswer late_answer;
+    /// Of the QoS 2 exchange that another home of this session left open.
+    mqttsn::MsgId unfinished = mqttsn::no_msg_id;
 
     [[nodiscard]] bool is_connected() const { return broker::is_connected(header); }
     /// Something can be sent to it now.

@@ -147,5 +147,62 @@ TEST_F(TwoHomes, MsgIdsGoOnFarFromWhereBothHomesWere) {
     }
 }
 
+/// The robot holds a message that the heir's copy has not released, and is at its home again. If
+/// that id came again, the robot would take the message for this one (simulator, seeds 404563 and
+/// 407790).
+class AnOpenExchange : public AdoptingBrokers {
+protected:
+    AnOpenExchange() {
+        robot.connects(false);
+        robot.subscribes("cmd");
+        takes_over(robot);
+        publisher.moves_to(heir);
+        publisher.connects();
+        publisher.publishes(publisher.registers("cmd"), "go", Qos::exactly_once);
+        open = robot.hears<Publish>().msg_id;
+        gives_way = image_of(heir, "robot");
+        robot.moves_to(home);
+        publisher.moves_to(home);
+        publisher.connects();
+        topic = publisher.registers("cmd");
+    }
+    void expects_it_released_until_it_answers() {
+        EXPECT_EQ(robot.hears<Pubrel>().msg_id, open);  // lost
+        publisher.publishes(topic, "stop", Qos::exactly_once);
+        EXPECT_EQ(robot.hears<Pubrel>().msg_id, open);
+        robot.says(Pubcomp{open});
+        const MsgId next = robot.hears<Publish>().msg_id;
+        EXPECT_NE(next, open);
+        robot.says(Pubrec{next});
+        EXPECT_EQ(robot.hears<Pubrel>().msg_id, next);
+        robot.says(Pubcomp{next});
+        publisher.publishes(topic, "turn", Qos::exactly_once);
+        robot.hears<Publish>();
+        EXPECT_EQ(home.dropped(Drop::unexpected), 0U);
+    }
+
+    MsgId open{};
+    SessionImage gives_way;
+    mqttsn::TopicId topic{};
+};
+
+TEST_F(AnOpenExchange, P2_IsFinishedByTheCopyThatStays) {
+    EXPECT_FALSE(home.core.adopt(home.now, gives_way, {}, home.actions));
+    home.drain();
+    expects_it_released_until_it_answers();
+}
+
+TEST_F(AnOpenExchange, P2_IsFinishedByTheCopyThatComes) {
+    SessionImage comes = image_of(home, "robot");
+    ++comes.header.epoch;
+    home.core.release("robot", home.actions);
+    EXPECT_TRUE(home.core.adopt(home.now, gives_way, {}, home.actions));
+    home.drain();
+    EXPECT_EQ(robot.hears<Publish>().msg_id, open);
+    EXPECT_TRUE(home.core.adopt(home.now, comes, {}, home.actions));
+    home.drain();
+    expects_it_released_until_it_answers();
+}
+
 }  // namespace
 }  // namespace romano::broker
