@@ -1,6 +1,8 @@
 #include "broker/net/udp_service.h"
 
 #include <algorithm>
+#include <boost/asio/post.hpp>
+#include <utility>
 #include <variant>
 
 #include "broker/net/clock.h"
@@ -26,17 +28,33 @@ UdpService::~UdpService() {
 }
 
 boost::system::error_code UdpService::open(const Endpoint& address, Bind how, Endpoint* bound) {
-    for (const auto& channel : services_) {
-        if (channel->socket.bound() != address) continue;
+    const auto served = std::ranges::find_if(
+        services_, [&](const auto& channel) { return channel->socket.bound() == address; });
+    if (served != services_.end() && how == Bind::alone) {
         if (bound != nullptr) *bound = address;
         return {};
     }
     auto channel = std::make_shared<Channel>(io_);
     if (auto error = channel->socket.open(address, how)) return error;
     if (bound != nullptr) *bound = channel->socket.bound();
-    services_.push_back(channel);
     wait(channel);
+    if (served == services_.end()) {
+        services_.push_back(std::move(channel));
+    } else {
+        retire(std::exchange(*served, std::move(channel)));
+    }
     return {};
+}
+
+void UdpService::retire(const std::shared_ptr<Channel>& channel) {
+    retired_.push_back(channel);
+    boost::asio::post(io_, [this, weak = std::weak_ptr(channel)] {
+        const auto former = weak.lock();
+        if (!former || former->closed) return;
+        read(former);
+        former->closed = true;
+        std::erase(retired_, former);
+    });
 }
 
 void UdpService::close(const Endpoint& address) {
@@ -45,6 +63,9 @@ void UdpService::close(const Endpoint& address) {
     if (at == services_.end()) return;
     (*at)->closed = true;
     services_.erase(at);
+    for (const auto& former : retired_) {
+        if (former->socket.bound() == address) former->closed = true;
+    }
 }
 
 boost::system::error_code UdpService::join(const Endpoint& group) {

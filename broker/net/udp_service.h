@@ -38,7 +38,8 @@ public:
     UdpService& operator=(const UdpService&) = delete;
 
     /// Serves `address`. On success `bound`, if given, gets the address with the port that was
-    /// chosen for port 0. Serving an address that is served already is fine.
+    /// chosen for port 0. Serving an address that is served already is fine; beside others it is
+    /// bound anew, so that its datagrams come here again.
     [[nodiscard]] boost::system::error_code open(const Endpoint& address, Bind how,
                                                  Endpoint* bound = nullptr);
     /// Stops serving it; what was not read is lost, as with any UDP socket that closes.
@@ -59,6 +60,8 @@ public:
 private:
     class Channel;
 
+    /// Reads what came there before its successor was bound.
+    void retire(const std::shared_ptr<Channel>& channel);
     void wait(const std::shared_ptr<Channel>& channel);
     void read(const std::shared_ptr<Channel>& channel);
     [[nodiscard]] ServiceSocket* socket_of(const Endpoint& via);
@@ -71,6 +74,7 @@ private:
     std::unique_ptr<ReceiveBatch> batch_;
     std::vector<std::shared_ptr<Channel>> services_;
     std::vector<std::shared_ptr<Channel>> groups_;
+    std::vector<std::shared_ptr<Channel>> retired_;
     NetCounters counters_;
 };
 

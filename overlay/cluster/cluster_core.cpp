@@ -46,7 +46,7 @@ void ClusterCore::on_message(Effects& effects, const Envelope& envelope) {
 void ClusterCore::on_tick(Effects& effects, const std::set<Endpoint>& pending_output) {
     membership_.on_tick(effects.now);
     view_change_.on_tick(effects.now, surroundings(effects), effects.peers);
-    hand_back_.compare(effects.now, membership_, view(), addresses_);
+    hand_back_.compare(effects, membership_, view(), addresses_);
     hand_back_.carry_on(
         effects, membership_, view(), addresses_,
         {.pending_output = pending_output, .half_adopted = take_over_.half_adopted()});
@@ -91,15 +91,14 @@ void ClusterCore::seek_addresses(Effects& effects) {
     }
 }
 
-bool ClusterCore::must_wait(Effects& effects, const Endpoint& via, const Endpoint& from,
-                            Bytes datagram) {
-    if (must_still_wait(via, from)) return true;
-    return roaming_.on_datagram(effects, from, datagram, homes_, membership_, view());
+bool ClusterCore::must_wait(const Endpoint& via, const Endpoint& from) const {
+    return !is_in_view() || take_over_.is_half_adopted(via) || hand_back_.is_expecting(via) ||
+           hand_back_.is_leaving(from);
 }
 
-bool ClusterCore::must_still_wait(const Endpoint& via, const Endpoint& from) const {
-    return !is_in_view() || take_over_.is_half_adopted(via) || hand_back_.is_expecting(via) ||
-           roaming_.is_fetching(from);
+bool ClusterCore::must_fetch(Effects& effects, const Endpoint& from, Bytes datagram) {
+    return is_fetching(from) ||
+           roaming_.on_datagram(effects, from, datagram, homes_, membership_, view());
 }
 
 void ClusterCore::on_address(Effects& effects, const Endpoint& address, bool served) {
@@ -161,7 +160,7 @@ void ClusterCore::listen_only(Duration away) {
 }
 
 void ClusterCore::heed_news_of_peers(Effects& effects) {
-    hand_back_.compare(effects.now, membership_, view(), addresses_);
+    hand_back_.compare(effects, membership_, view(), addresses_);
     if (!listening_.is_on())
         view_change_.on_tick(effects.now, surroundings(effects), effects.peers);
 }

@@ -81,10 +81,14 @@ public:
     // --- what the owner must know
     /// Clients may be spoken to: there is a view.
     [[nodiscard]] bool is_in_view() const { return view_change_.has_view(); }
-    /// The datagram shall wait: there is no view yet, or its session is about to come from a peer,
-    /// who is asked for it if need be.
-    bool must_wait(Effects& effects, const Endpoint& via, const Endpoint& from, Bytes datagram);
-    [[nodiscard]] bool must_still_wait(const Endpoint& via, const Endpoint& from) const;
+    /// Datagrams from there to `via` shall wait: there is no view yet, or sessions are on their
+    /// way.
+    [[nodiscard]] bool must_wait(const Endpoint& via, const Endpoint& from) const;
+    /// The datagram's session is at a peer, who is asked for it: it shall wait for that.
+    bool must_fetch(Effects& effects, const Endpoint& from, Bytes datagram);
+    [[nodiscard]] bool is_fetching(const Endpoint& from) const {
+        return roaming_.is_fetching(from);
+    }
     /// Its sessions are about to leave: what comes for them is theirs no more.
     [[nodiscard]] bool is_deaf(const Endpoint& address) const {
         return hand_back_.is_deaf(address);

@@ -29,7 +29,7 @@ std::optional<LogId> HandBack::owner_of(const Endpoint& address, const Membershi
     return highest;
 }
 
-void HandBack::compare(Instant now, const Membership& membership, const View& view,
+void HandBack::compare(Effects& effects, const Membership& membership, const View& view,
                        const ServiceAddresses& addresses) {
     contested_.clear();
     for (const Endpoint& address : addresses.serving()) {
@@ -47,9 +47,17 @@ void HandBack::compare(Instant now, const Membership& membership, const View& vi
             rivals_.erase(address);
             continue;
         }
-        Rivalry& rivalry = rivals_.try_emplace(address, Rivalry{{}, now, false}).first->second;
+        Rivalry& rivalry =
+            rivals_.try_emplace(address, Rivalry{.with = {}, .since = effects.now}).first->second;
         rivalry.with = std::move(rivals);
-        if (now > rivalry.since + 4 * patience_) rivalry.is_settled = true;
+        if (effects.now > rivalry.since + 4 * patience_) rivalry.is_settled = true;
+        const bool is_ours =
+            rivalry.is_settled || std::ranges::any_of(rivalry.with, [&](BrokerId id) {
+                return membership.find(id)->hears(self_);
+            });
+        if (is_ours && !std::exchange(rivalry.is_claimed, true)) {
+            addresses.take_anew(effects, address);
+        }
     }
 }
 
@@ -161,6 +169,7 @@ void HandBack::send_some(Effects& effects, const Endpoint& address, Giving& givi
     for (; giving.sent < end; ++giving.sent) {
         auto image = effects.broker.image(giving.clients[giving.sent]);
         if (!image || image->header.via != address) continue;
+        giving.speaking_from.insert(image->header.address.endpoint);
         if (!giving.contested) ++image->header.epoch;
         images.push_back(*std::move(image));
     }
@@ -199,6 +208,11 @@ bool HandBack::is_deaf(const Endpoint& address) const {
     if (contested_.contains(address)) return true;
     const auto found = giving_.find(address);
     return found != giving_.end() && found->second.stage >= Stage::handed;
+}
+
+bool HandBack::is_leaving(const Endpoint& client) const {
+    return std::ranges::any_of(
+        giving_, [&](const auto& entry) { return entry.second.speaking_from.contains(client); });
 }
 
 bool HandBack::is_silent(const Endpoint& address) const {

@@ -11,8 +11,9 @@
 //       |  forgets the sessions, unbinds       |
 //
 // After a heal two brokers may serve an address: it belongs to the one whose home address it is,
-// else to the one with the higher id. Both fall silent as soon as they hear of each other, and the
-// other one begins at "takes images" when they are in one view; which copy of a session stays is
+// else to the one with the higher id. Both fall silent as soon as they hear of each other; the home
+// claims the address, so that datagrams come to it and wait, as soon as the other one hears it.
+// That one begins at "takes images" when they are in one view; which copy of a session stays is
 // settled by their ranks (broker::outranks). A hand-over that both agreed on counts like being
 // heard: it raises the epoch, so that the holder's copy never wins again.
 #pragma once
@@ -51,12 +52,16 @@ public:
     void on_ack(Effects& effects, BrokerId from, const HandoffAck& ack,
                 ServiceAddresses& addresses);
     /// Looks who else serves our addresses. Whoever did when it was heard last, and is a member
-    /// still, may serve them now: that it fell silent here is no proof of its death.
-    void compare(Instant now, const Membership& membership, const View& view,
+    /// still, may serve them now: that it fell silent here is no proof of its death. An own address
+    /// is claimed as soon as a rival hears us, and so is silent there.
+    void compare(Effects& effects, const Membership& membership, const View& view,
                  const ServiceAddresses& addresses);
     /// The address's sessions are on their way, or it belongs to another broker that serves it:
     /// nothing is heard for them here.
     [[nodiscard]] bool is_deaf(const Endpoint& address) const;
+    /// Its session was handed over, and is still here: what it says to another address of ours
+    /// waits until it is not.
+    [[nodiscard]] bool is_leaving(const Endpoint& client) const;
     /// Nor said; and the owner, too, says nothing before it has what its rival had, but it hears:
     /// that waits.
     [[nodiscard]] bool is_silent(const Endpoint& address) const;
@@ -85,6 +90,7 @@ private:
         Instant since;
         bool contested;                              // the owner serves it as well
         std::vector<broker::ClientId> clients = {};  // that are handed over
+        std::set<Endpoint> speaking_from = {};       // those that were sent
         std::size_t sent = 0;
         std::uint32_t next_part = 0;
         bool all_sent = false;
@@ -113,7 +119,8 @@ private:
     struct Rivalry {
         std::set<BrokerId> with;
         Instant since;
-        bool is_settled;  // handed over, or waited for in vain
+        bool is_settled = false;  // handed over, or waited for in vain
+        bool is_claimed = false;  // datagrams come here, and wait
     };
     std::map<Endpoint, Rivalry> rivals_;    // for own addresses, that others serve as well
     std::map<Endpoint, Getting> taking_;    // offered to us, being bound

@@ -9,8 +9,9 @@
 
 namespace romano::cluster {
 
-/// Serve this address from now on, and say whether that worked. Another process on this host may
-/// still hold it and let it go only when told: bind it beside that one all the same.
+/// Serve this address from now on, before all others who do, and say whether that worked. Another
+/// process on this host may still hold it and let it go only when told: bind it beside that one all
+/// the same, and anew when it is bound here already.
 struct TakeAddress {
     Endpoint address;
 };

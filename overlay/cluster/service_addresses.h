@@ -37,6 +37,10 @@ public:
         if (is_serving(address) || !taking_.insert(address).second) return;
         effects.local.push_back(TakeAddress{address});
     }
+    /// Another broker serves it as well: datagrams shall come here.
+    static void take_anew(Effects& effects, const Endpoint& address) {
+        effects.local.push_back(TakeAddress{address});
+    }
     /// Takes over an address that lost its broker: tried again until it works.
     void inherit(Effects& effects, const Endpoint& address) {
         inherited_.insert(address);

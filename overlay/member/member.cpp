@@ -95,6 +95,9 @@ private:
     void absorb(Instant now, MemberActions& out);
     void send(Instant now, const broker::Send& send, broker::Seq safe, MemberActions& out);
     void send_again(Instant now);
+    [[nodiscard]] bool must_wait(Instant now, const Endpoint& via, const Endpoint& from) {
+        return cut_off_.must_wait(now, from) || cluster_.must_wait(via, from);
+    }
     void serve_waiting(Instant now, MemberActions& out);
 
     // --- the uplink
@@ -153,9 +156,9 @@ void Member::State::on_datagram(Instant now, const Endpoint& via, const Endpoint
     if (has_left_) return;
     notice_stall(now);
     if (cluster_.is_deaf(via)) return;  // its sessions are with another broker by now
-    if (stall_ || cut_off_.must_wait(now, from)) return waiting_.hold(via, from, datagram, true);
+    if (stall_ || must_wait(now, via, from)) return waiting_.hold(via, from, datagram, true);
     Effects acting = effects(now, out);
-    if (cluster_.must_wait(acting, via, from, datagram)) {
+    if (cluster_.must_fetch(acting, from, datagram)) {
         return waiting_.hold(via, from, datagram, false);
     }
     broker_.on_datagram(now, via, from, datagram, work_);
@@ -367,14 +370,13 @@ void Member::State::serve_waiting(Instant now, MemberActions& out) {
         if (const auto* left = std::get_if<GiveUpAddress>(&action)) waiting_.drop(left->address);
     }
     const auto ready = waiting_.take_unless([&](const auto& datagram) {
-        return cut_off_.must_wait(now, datagram.from) ||
-               cluster_.must_still_wait(datagram.via, datagram.from);
+        return must_wait(now, datagram.via, datagram.from) || cluster_.is_fetching(datagram.from);
     });
     for (const auto& [via, from, octets, is_new] : ready) {
         if (is_new) {
             if (cluster_.is_deaf(via)) continue;
             Effects acting = effects(now, out);
-            if (cluster_.must_wait(acting, via, from, octets)) {
+            if (cluster_.must_fetch(acting, from, octets)) {
                 waiting_.hold(via, from, octets, false);
                 continue;
             }

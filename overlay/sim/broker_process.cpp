@@ -95,7 +95,7 @@ void BrokerProcess::run_backlog() {
 }
 
 void BrokerProcess::bind(const Endpoint& address) {
-    if (bound_.contains(address)) return;
+    unbind(address);  // the newest binding gets the datagrams
     const auto receive = [this](const Endpoint& at, const Endpoint& from, Bytes octets) {
         Datagram datagram{at, from, {octets.begin(), octets.end()}};
         if (!stopped_) {

@@ -248,6 +248,21 @@ TEST_F(UdpServiceTest, APeerMayBindBesideAndGetsTheDatagramsFromThenOn) {
     EXPECT_EQ(broker.datagrams, 0);
 }
 
+TEST_F(UdpServiceTest, ServedAnewBesideAPeerItGetsTheDatagramsAgain) {
+    const Endpoint service = broker.serve("127.77.1.1:0");
+    const Peer client(at("127.77.1.2:0"));
+    client.send(service, "before");
+    Echo heir(io);
+    ASSERT_FALSE(heir.udp.open(service, Bind::beside));
+    ASSERT_FALSE(broker.udp.open(service, Bind::beside));
+    client.send(service, "after");
+    broker.run_until([&] { return broker.datagrams == 2; });
+    EXPECT_EQ(heir.datagrams, 0);
+    EXPECT_EQ(broker.udp.addresses().size(), 1U);
+    EXPECT_EQ(client.receive().value().text, "before");
+    EXPECT_EQ(client.receive().value().text, "after");
+}
+
 TEST_F(UdpServiceTest, AnAddressThatWasGivenUpIsServedNoMore) {
     const Endpoint service = broker.serve("127.77.1.1:0");
     broker.udp.close(service);

@@ -20,14 +20,18 @@ struct AfterAHeal {
     ServiceAddresses addresses{{ours}};
     HandBack hand_back{self.broker, 100ms, 256};
     View view{.members = {self, rival}};
+    broker::BrokerCore broker{broker::BrokerOptions{}, 1};
+    broker::Actions clients;
+    Outbox peers;
+    std::vector<LocalAction> local;
     Instant now{1s};
     std::uint64_t tick = 0;
 
-    AfterAHeal() {
+    explicit AfterAHeal(std::vector<BrokerId> heard_by_rival = {self.broker}) {
         std::ranges::sort(view.members);
         addresses.on_address(ours, true);
         addresses.on_address(theirs, true);
-        hear({self.broker});
+        hear(std::move(heard_by_rival));
     }
     void hear(std::vector<BrokerId> whom_it_hears) {
         membership.on_beacon(now, Beacon{.log = rival,
@@ -38,15 +42,17 @@ struct AfterAHeal {
         compare();
     }
     [[nodiscard]] std::size_t handed_over() {
-        broker::BrokerCore broker{broker::BrokerOptions{}, 1};
-        broker::Actions clients;
-        Outbox peers;
-        std::vector<LocalAction> local;
-        Effects effects{now, broker, clients, peers, local};
-        hand_back.carry_on(effects, membership, view, addresses, {{}, {}});
+        peers.clear();
+        Effects acting = effects();
+        hand_back.carry_on(acting, membership, view, addresses, {{}, {}});
         return peers.size();
     }
-    void compare() { hand_back.compare(now, membership, view, addresses); }
+    void compare() {
+        Effects acting = effects();
+        hand_back.compare(acting, membership, view, addresses);
+    }
+    Effects effects() { return {now, broker, clients, peers, local}; }
+    [[nodiscard]] std::size_t claimed() const { return local.size(); }
     void hear_nothing_for(Duration time) {
         for (const Instant end = now + time; now < end; compare()) {
             now += 10ms;
@@ -96,6 +102,25 @@ TEST(HandBack, NothingIsHandedToWhoDoesNotHearUsYet) {
     EXPECT_EQ(healed.handed_over(), 0U) << "what is on its way to clients leaves first";
     healed.now += 50ms;
     EXPECT_EQ(healed.handed_over(), 1U);
+}
+
+// Who does not hear us answers there: to call its clients away from it would make them wait.
+TEST(HandBack, AnOwnAddressIsClaimedWhenTheRivalHearsUs) {
+    AfterAHeal healed{std::vector<BrokerId>{}};
+    healed.now += 50ms;
+    healed.hear({});
+    EXPECT_EQ(healed.claimed(), 0U);
+    healed.hear({self.broker});
+    ASSERT_EQ(healed.claimed(), 1U);
+    EXPECT_EQ(std::get<TakeAddress>(healed.local[0]).address, ours);
+    healed.hear({self.broker});
+    EXPECT_EQ(healed.claimed(), 1U) << "once is enough";
+}
+
+TEST(HandBack, AnOwnAddressIsClaimedWhenTheWaitIsInVain) {
+    AfterAHeal healed{std::vector<BrokerId>{}};
+    healed.hear_nothing_for(500ms);
+    EXPECT_EQ(healed.claimed(), 1U);
 }
 
 TEST(HandBack, AnOwnAddressIsSilentForARivalForSomeTimeOnly) {

@@ -16,6 +16,7 @@ using testing::ElementsAre;
 using testing::IsEmpty;
 using testing::SizeIs;
 using testing::UnorderedElementsAre;
+using testing::UnorderedElementsAreArray;
 
 TEST(Member, AloneItLeadsItselfAndServes) {
     Brokers brokers;
@@ -314,6 +315,33 @@ TEST(Member, WhoRoamsOnBeforeItsSessionFollowedIsNoStranger) {
         brokers.run_for(500ms);
         EXPECT_THAT(robot.received(), Contains("there"));
         EXPECT_THAT(brokers.sessions_at(3), ElementsAre("robot"));
+        expect_unnoticed(robot);
+    }
+}
+
+/// It comes to its holder's own address amid the hand-over: both would deliver its messages
+/// (simulator, seed 414907).
+TEST(Member, P3_WhoRoamsToTheHolderWhileItsSessionIsHandedBackHasOneHome) {
+    for (int moves_after = 25; moves_after < 45; ++moves_after) {
+        SCOPED_TRACE(std::to_string(moves_after) + " ms after the owner's start");
+        Brokers brokers;
+        start(brokers, {1, 2, 3});
+        Robot& robot = subscriber(brokers, "robot", 2, Qos::exactly_once);
+        Robot& other = publisher(brokers, "other", 1);
+        brokers.kill(2);
+        brokers.run_for(500ms);
+        const int holder = brokers.server_of(2);
+        brokers.start(2);
+        brokers.run_for(std::chrono::milliseconds{moves_after});
+        robot.move_to(broker_address(holder));
+        robot.publish("pose", "0", Qos::exactly_once);
+        for (const auto& text : numbers(1, 20)) {
+            other.publish("pose", text, Qos::exactly_once);
+            brokers.run_for(5ms);
+        }
+        brokers.run_for(1s);
+        EXPECT_THAT(robot.received(), UnorderedElementsAreArray(numbers(0, 20)));
+        EXPECT_THAT(brokers.sessions_at(holder), Contains("robot"));
         expect_unnoticed(robot);
     }
 }
