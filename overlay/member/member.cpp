@@ -126,9 +126,9 @@ private:
     std::uint64_t replacements_ = 0;
 
     struct Stall {
-        Instant listen_until;  // nothing is said before
-        Instant give_up_at;    // nobody is there who could say that we were replaced
-        int heard_in_a_row;    // beacon times in which peers were heard
+        Instant listen_until;     // nothing is said before
+        std::int64_t beats_left;  // own ones; then nobody is there who could say what happened
+        int heard_in_a_row;       // beacon times in which peers were heard
     };
     std::optional<Stall> stall_;
     bool owes_output_ = false;  // what was to leave before a stall
@@ -229,6 +229,7 @@ void Member::State::leave(Instant now, MemberActions& out) {
 
 bool Member::State::stood_still(Instant now) const {
     const Duration beacon = options_.cluster.beacon_every;
+    if (stall_) return now >= stall_->listen_until + 2 * beacon;
     const Instant due = cluster_.next_beat();
     return due != Instant::min() &&
            now >= due + std::max(cluster_.detection_time() - 2 * beacon, 2 * beacon);
@@ -242,25 +243,26 @@ void Member::State::before_sending(Instant now, MemberActions& out) {
 }
 
 void Member::State::notice_stall(Instant now) {
-    if (stall_ || !stood_still(now)) return;
+    if (!stood_still(now)) return;
     const Duration beacon = options_.cluster.beacon_every;
-    const Instant due = cluster_.next_beat();
+    const Duration away = now - (stall_ ? stall_->listen_until : cluster_.next_beat());
     const Duration longest_wait = most_detection_times_waited * cluster_.detection_time();
     stall_ = {.listen_until = now + 3 * beacon,
-              .give_up_at = now + std::min(now - due, longest_wait),
+              .beats_left = std::min(away, longest_wait) / beacon,
               .heard_in_a_row = 0};
-    cluster_.listen_only(now - due);
+    cluster_.listen_only(away);
 }
 
 /// What is read first may have waited since before the others replaced us, and after a long stall
 /// their transport must find us again. So a beacon from the end of the stall tells; or, when all
-/// stood still, that beacons come steadily.
+/// stood still, that beacons come steadily. Whoever stands still again meanwhile listens anew: its
+/// patience is counted in its own beats.
 void Member::State::end_stall(Instant now, MemberActions& out) {
     if (cluster_.was_replaced()) return restart(now, out);
     stall_->heard_in_a_row = cluster_.listening().take_heard() ? stall_->heard_in_a_row + 1 : 0;
     const bool knows =
         cluster_.listening().is_up_to_date() || stall_->heard_in_a_row >= beacon_times_heard;
-    if (!knows && !cluster_.live_peers().empty() && now < stall_->give_up_at) {
+    if (!knows && !cluster_.live_peers().empty() && stall_->beats_left-- > 0) {
         stall_->listen_until = now + options_.cluster.beacon_every;
         return;
     }

@@ -40,6 +40,33 @@ TEST(Member, AStalledBrokerThatWasReplacedDropsWhatItHadAndGetsItBack) {
     expect_unnoticed(robot);
 }
 
+// Its patience ended in the second standstill, and nobody was there to tell it (simulator, faults
+// `starve`).
+TEST(Member, P3_WhoStandsStillAgainWhileItListensListensAnew) {
+    Brokers brokers;
+    start(brokers, {1, 2, 3});
+    Robot& robot = subscriber(brokers, "robot", 3, Qos::exactly_once);
+    brokers.stall(3);
+    brokers.run_for(500ms);
+    ASSERT_NE(brokers.server_of(3), 3);
+    brokers.cut(1, 3);
+    brokers.cut(2, 3);
+    brokers.wake_slowly(3, 0);  // it missed what was said
+    brokers.run_for(5ms);
+    brokers.stall(3);
+    brokers.run_for(600ms);
+    brokers.wake(3);
+    brokers.run_for(200ms);
+    brokers.heal();
+    brokers.run_for(2s);
+    EXPECT_EQ(brokers.member(3).facts().replacements, 1U);
+    EXPECT_EQ(brokers.server_of(3), 3);
+    robot.publish("pose", "1", Qos::exactly_once);
+    brokers.run_for(500ms);
+    EXPECT_THAT(robot.received(), ElementsAre("1"));
+    expect_unnoticed(robot);
+}
+
 /// Stopped between its decision and its system call, it would say it when its heir has long gone
 /// on.
 TEST(Member, P3_WhatWasDecidedBeforeAStallIsNotSaidAfterIt) {
@@ -86,6 +113,35 @@ TEST(Member, APauseShorterThanTheDetectionTimeChangesNothing) {
     brokers.run_for(settling);
     EXPECT_EQ(brokers.member(1).view(), before);
     EXPECT_THAT(robot.received(), ElementsAre("1"));
+}
+
+/// Stopped between a beat and its beacon, it sees no standstill when it goes on. Its heir's socket
+/// is newer than its own, and what robots say must not end there.
+TEST(Member, ABrokerThatWasReplacedForAMomentHearsItsRobotsAtOnce) {
+    Brokers brokers;
+    brokers.start(3);
+    brokers.run_for(1ms);  // its peers beat just after its beacons come
+    start(brokers, {1, 2});
+    Robot& robot = subscriber(brokers, "robot", 3, Qos::at_least_once);
+    Robot& other = publisher(brokers, "other", 1);
+    const auto publish_for = [&](int milliseconds) {
+        for (int i = 0; i < milliseconds; ++i) {
+            other.publish("pose", "1", Qos::at_most_once);
+            brokers.run_for(1ms);
+        }
+    };
+    publish_for(29);
+    brokers.stall_before_sending(3);
+    publish_for(86);
+    ASSERT_NE(brokers.server_of(3), 3);
+    brokers.wake(3);
+    brokers.run_for(5ms);
+    EXPECT_EQ(brokers.server_of(3), 3);
+    robot.publish("pose", "2", Qos::at_least_once);
+    brokers.run_for(200ms);
+    EXPECT_THAT(robot.received(), Contains("2"));
+    EXPECT_EQ(brokers.member(3).facts().replacements, 0U);
+    expect_unnoticed(robot);
 }
 
 /// Whoever falsely took a peer for dead also took in clients at its address.
