@@ -4,10 +4,17 @@
 #include <chrono>
 #include <limits>
 
+#include "overlay/cluster/own_log.h"
+
 namespace romano::cluster {
 namespace {
 
 constexpr Duration removed_kept_for = std::chrono::seconds{30};
+
+/// An heir may lack the last batch (heirs.h), and was perhaps no member when it was written.
+Seq before_last_batch(const LogHistory& history) {
+    return history.last() - std::min<Seq>(history.last(), events_per_batch);
+}
 
 /// How far peer `by` has applied the log, as its last beacon tells.
 Seq applied_by(const LogId& by, const LogId& log, const Membership& members) {
@@ -40,7 +47,7 @@ std::vector<LogId> LogKeeping::expire(Instant now, PeerLogs& logs, const Members
 void LogKeeping::forget_passed(Instant now, Logs logs, const Membership& members,
                                const Watermark& watermark) {
     const auto forget = [&](LogHistory& history, Seq held_by_all, Seq passed_by_all) {
-        is_behind_ |= !history.forget_events(held_by_all);
+        is_behind_ |= !history.forget_events(std::min(held_by_all, before_last_batch(history)));
         is_behind_ |= !history.forget_publishes(now, passed_by_all);
     };
 

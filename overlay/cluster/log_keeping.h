@@ -1,6 +1,6 @@
 // How long what stands in logs is kept, the own one and the peers': an event until every member
-// holds it, a publish until every home has worked through it, and a removed broker's log for a
-// while, because it may come back.
+// holds it and a batch of newer ones is there, a publish until every home has worked through it,
+// and a removed broker's log for a while, because it may come back.
 #pragma once
 
 #include <map>

@@ -126,15 +126,31 @@ void PeerLog::freeze() {
     early_.clear();
     early_events_ = 0;
     snapshot_.reset();
+    leave_all();
+}
+
+void PeerLog::leave_all() {
     mirror_.visit([this](const broker::SessionImage& image) {
-        left_.emplace(image.header.client_id, image.header.via);
+        left_.insert_or_assign(image.header.client_id, image.header.via);
     });
+}
+
+void PeerLog::heard_end(Seq last) {
+    known_end_ = std::max(known_end_, last);
+    lived_on_ |= frozen_ && agreed_end_ != 0 && last > agreed_end_;
+}
+
+void PeerLog::end_at(Seq end) {
+    if (lived_on_ && end > agreed_end_) leave_all();
+    lived_on_ = false;
+    agreed_end_ = end;
 }
 
 void PeerLog::thaw() {
     if (!frozen_) return;
     frozen_ = false;
     agreed_end_ = 0;
+    lived_on_ = false;
     left_.clear();
     asked_at_ = Instant::min();  // what was missed meanwhile is asked for at once
     asked_after_ = applied();

@@ -38,7 +38,7 @@ public:
     [[nodiscard]] const LogEvent* next() const;
     void apply();
     /// The writer says that its log ends there.
-    void heard_end(Seq last) { known_end_ = std::max(known_end_, last); }
+    void heard_end(Seq last);
     /// A request for what is missing, at most one in `patience` and not before it was missing for
     /// as long.
     [[nodiscard]] std::optional<SnapshotRequest> ask(Instant now, Duration patience);
@@ -55,8 +55,10 @@ public:
     void freeze();
     void thaw();
     [[nodiscard]] bool is_frozen() const { return frozen_; }
-    /// Of a frozen log: the last event that the members agreed on.
-    void end_at(Seq end) { agreed_end_ = end; }
+    /// Of a frozen log: the last event that the members agreed on. Its writer may have lived on
+    /// beyond an earlier one, in views that we missed: then what was taken from it is its own
+    /// again.
+    void end_at(Seq end);
     [[nodiscard]] bool has_agreed_end() const { return applied() >= agreed_end_; }
     /// The addresses that the writer's beacon names: robots may come there at any time.
     void heard_serving(const std::vector<Endpoint>& addresses) {
@@ -80,6 +82,7 @@ public:
 
 private:
     void follow_in_tail(const LogEvent& event);
+    void leave_all();
 
     LogId id_;
     broker::Mirror mirror_;
@@ -94,6 +97,7 @@ private:
 
     bool frozen_ = false;
     Seq agreed_end_ = 0;
+    bool lived_on_ = false;                      // its writer was heard beyond that
     std::map<broker::ClientId, Endpoint> left_;  // of a frozen log: not taken; with their via
     std::set<Endpoint> serving_;
 };

@@ -182,6 +182,25 @@ TEST(PeerLog, ATailOfAFrozenLogCounts) {
     EXPECT_EQ(left[1].header.client_id, "c");
 }
 
+// P2: a member that missed the view in which the writer was taken back, with its sessions, is the
+// next one's heir (simulator, faults `starve`, seed 142).
+TEST(PeerLog, AWriterThatLivedOnHasItsSessionsAgain) {
+    for (const bool is_heard : {false, true}) {
+        Held held;
+        held.take(1, {session("a", address(1)), session("b", address(1))});
+        held.log.freeze();
+        held.log.end_at(2);
+        held.log.mark_taken("a");
+        if (is_heard) held.log.heard_end(4);
+        held.log.end_at(4);
+        held.take(3, {erased("b"), session("c", address(1))});
+        const auto left = held.log.sessions_left(address(1), 100);
+        ASSERT_EQ(left.size(), is_heard ? 2U : 1U);
+        EXPECT_EQ(left.front().header.client_id, is_heard ? "a" : "c");
+        EXPECT_EQ(left.back().header.client_id, "c");
+    }
+}
+
 TEST(PeerLog, AFrozenLogAsksItsWriterForNothing) {
     Held held;
     held.take(2, {session("b")});
