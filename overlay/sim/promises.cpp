@@ -92,17 +92,22 @@ void judge_order(const Ledger& ledger, const Judgement& judgement, Violations& o
     }
 }
 
-void judge_needless_wills(const Ledger& ledger, Violations& out) {
-    std::map<std::pair<std::string, std::string>, int> count;
+/// P7: nobody's who lives; and as P3, once.
+void judge_needless_wills(const Ledger& ledger, const Judgement& judgement, Violations& out) {
+    std::map<std::pair<std::string, std::string>, Instant> first;
     for (const WillSeen& will : ledger.wills) {
         const auto silenced = ledger.silenced.find(will.of);
         if (silenced == ledger.silenced.end() || silenced->second > will.at) {
             out.push_back({Promise::will_once, will.subscriber + " got at " + seconds(will.at) +
                                                    " the will of " + will.of + ", which lives"});
-        } else if (will.qos == Qos::exactly_once && !will.retain &&
-                   ++count[{will.subscriber, will.of}] == 2) {
-            out.push_back(
-                {Promise::will_once, will.subscriber + " got the will of " + will.of + " twice"});
+        } else if (will.qos == Qos::exactly_once && !will.retain) {
+            const auto [seen, is_new] = first.try_emplace({will.subscriber, will.of}, will.at);
+            if (is_new || is_parted(judgement, seen->second) || is_parted(judgement, will.at)) {
+                continue;
+            }
+            out.push_back({Promise::will_once, will.subscriber + " got twice, at " +
+                                                   seconds(seen->second) + " and at " +
+                                                   seconds(will.at) + ": the will of " + will.of});
         }
     }
 }
@@ -144,7 +149,7 @@ std::string to_text(const Violations& violations) {
 void judge_safety(const Ledger& ledger, const Judgement& judgement, Violations& out) {
     judge_duplicates(ledger, judgement, out);
     judge_order(ledger, judgement, out);
-    judge_needless_wills(ledger, out);
+    judge_needless_wills(ledger, judgement, out);
 }
 
 void judge_completeness(const Ledger& ledger, Violations& out) {

@@ -83,6 +83,7 @@ bool RandomFaults::may_happen(Fault fault) const {
         case Fault::leave:
         case Fault::partition:
         case Fault::one_way_cut:
+        case Fault::starve:
             return down_ == 0 && apart_ == 0 && is_calm();
         default:
             return true;
@@ -116,6 +117,8 @@ void RandomFaults::happen(Fault fault) {
             return lives_.sleep();
         case Fault::die:
             return lives_.die();
+        case Fault::starve:
+            return starve();
     }
 }
 
@@ -170,6 +173,30 @@ void RandomFaults::leave() {
         broker.crash();
         broker.start();
     });
+}
+
+/// The brokers' machine has too much to do: each of them stands still now and then, for longer than
+/// its peers wait or not, several of them at once.
+void RandomFaults::starve() {
+    is_starving_ = true;
+    parted_.push_back({world_.now(), never});
+    starve_one();
+    for_a_while(apart_, [this] { is_starving_ = false; });
+}
+
+void RandomFaults::starve_one() {
+    if (!active_ || !is_starving_) return;
+    ClusterBroker& broker = world_.broker(some_broker());
+    if (broker.is_running()) {
+        ++apart_;
+        broker.stop();
+        world_.events().after(random_.between(5ms, 200ms), [this, &broker] {
+            --apart_;
+            calm_since_ = never;
+            if (active_) broker.go_on();
+        });
+    }
+    world_.events().after(random_.between(5ms, 150ms), [this] { starve_one(); });
 }
 
 void RandomFaults::part() {

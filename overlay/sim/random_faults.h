@@ -32,10 +32,12 @@ enum class Fault : std::uint8_t {
     roam,  // these three are robots' (random_lives.h)
     sleep,
     die,
+    starve,  // of processor time, all of them: short stops, several at once; only when asked for
 };
-inline constexpr std::size_t fault_kinds = 9;
+inline constexpr std::size_t fault_kinds = 10;
 inline constexpr std::array<std::string_view, fault_kinds> fault_names{
-    "crash", "stop", "leave", "partition", "one-way-cut", "bad-links", "roam", "sleep", "die"};
+    "crash",     "stop", "leave", "partition", "one-way-cut",
+    "bad-links", "roam", "sleep", "die",       "starve"};
 using FaultCounts = std::array<std::uint32_t, fault_kinds>;
 
 [[nodiscard]] constexpr std::string_view name_of(Fault fault) {
@@ -62,7 +64,7 @@ public:
     /// All faults end: brokers run, links are good.
     void end();
 
-    /// While brokers were parted and their clients were not.
+    /// While brokers were parted and their clients were not, and while they starved.
     [[nodiscard]] const std::vector<Span>& parted() const { return parted_; }
     /// How often each kind happened.
     [[nodiscard]] const FaultCounts& counts() const { return counts_; }
@@ -74,6 +76,8 @@ private:
     void crash_one();
     void stop();
     void leave();
+    void starve();
+    void starve_one();
     void part();
     void cut_one_way();
     void spoil_links();
@@ -96,6 +100,7 @@ private:
     RandomLives lives_;
     std::uint32_t down_ = 0;   // crashed brokers
     std::uint32_t apart_ = 0;  // other faults that keep brokers from each other, now
+    bool is_starving_ = false;
     Instant calm_since_ = never;
     std::size_t settled_ = 0;  // brokers that agreed when it was calm last
     std::size_t crashed_ = 0;  // of them, since

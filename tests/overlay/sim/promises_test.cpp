@@ -120,6 +120,7 @@ TEST_F(PromisesTest, P7AWillTwice) {
     ledger.wills.push_back({"listener", "talker", Instant{1s}, Qos::exactly_once});
     ledger.wills.push_back({"listener", "talker", Instant{2s}, Qos::exactly_once});
     EXPECT_THAT(judged(), testing::ElementsAre(Promise::will_once));
+    EXPECT_THAT(judged({{Instant{900ms}, Instant{1100ms}}}), testing::IsEmpty()) << "seed 415533";
 }
 
 }  // namespace

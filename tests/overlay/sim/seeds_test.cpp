@@ -32,6 +32,7 @@ std::vector<Shard> shards() {
         {"BadLinks", {Fault::bad_links}},
         {"Partition", {Fault::partition}},
         {"OneWayCut", {Fault::one_way_cut}},
+        {"Starve", {Fault::starve}},
         {"Robots", {Fault::roam, Fault::sleep, Fault::die}},
         {"RobotsAndCrash", {Fault::roam, Fault::sleep, Fault::die, Fault::crash}},
         {"Mixed", {}},
