@@ -3,13 +3,20 @@
 #include <array>
 #include <chrono>
 #include <cstdio>
+#include <filesystem>
+#include <fstream>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <stdexcept>
 #include <string>
 #include <string_view>
+#include <system_error>
+#include <utility>
 #include <vector>
 
+#include "experiments/report/plot.h"
 #include "experiments/report/summary_table.h"
+#include "experiments/sweep/csv.h"
 #include "experiments/sweep/progress_bar.h"
 #include "overlay/dds/body_codec.h"
 #include "overlay/sim/cost.h"
@@ -21,6 +28,7 @@ constexpr const char* examples = R"(Examples:
   romano cost                                        (2 to 100 brokers, two robots at each)
   romano cost --brokers 2,10,50 --beacon-ms 50       (how much slower beacons save)
   romano cost --robots 0 --json | jq '.[].core_share'
+  romano cost --output cost                          (cost/cost.svg, cost.csv; 100 brokers take minutes)
 Brokers, robots and network are simulated in virtual time (overlay/sim): the shipped cores, without
 faults. Octets are those of the bodies that brokers exchange over DDS, without the headers of RTPS,
 UDP and IP; a message to all peers is sent once (multicast). core_share is the part of one core of
@@ -38,6 +46,12 @@ struct Options {
     int beacon_ms = 10;
     double seconds = 5;
     bool as_json = false;
+    std::filesystem::path output{};
+};
+
+struct Point {
+    std::size_t brokers;
+    sim::Cost cost;
 };
 
 double total(const sim::Rates& rates) {
@@ -74,9 +88,64 @@ std::string rounded(double number) {
     return text;
 }
 
-std::vector<std::string> to_row(std::size_t brokers, const sim::Cost& cost) {
-    constexpr double kilo = 1e3;
-    const auto beacon = static_cast<std::size_t>(cluster::Delivery::beacon);
+constexpr double kilo = 1e3;
+constexpr auto beacon = static_cast<std::size_t>(cluster::Delivery::beacon);
+
+std::string to_csv(const std::vector<Point>& points) {
+    std::string csv =
+        csv_line({"brokers", "publishes_per_s", "sent_octets_per_s", "sent_beacon_octets_per_s",
+                  "received_octets_per_s", "received_beacon_octets_per_s", "core_share"});
+    for (const auto& [brokers, cost] : points) {
+        csv +=
+            csv_line({std::to_string(brokers), csv_number(cost.publishes_per_s),
+                      csv_number(total(cost.sent)), csv_number(cost.sent[beacon].octets_per_s),
+                      csv_number(total(cost.received)),
+                      csv_number(cost.received[beacon].octets_per_s), csv_number(cost.core_share)});
+    }
+    return csv;
+}
+
+Plot figure(const std::vector<Point>& points) {
+    PlotSeries sent{.label = "sent", .points = {}};
+    PlotSeries received{.label = "received", .points = {}};
+    PlotSeries beacons{.label = "beacons", .points = {}};
+    PlotSeries core{.label = {}, .points = {}};
+    for (const auto& [brokers, cost] : points) {
+        const auto x = static_cast<double>(brokers);
+        sent.points.push_back({.x = x, .y = total(cost.sent) / kilo});
+        received.points.push_back({.x = x, .y = total(cost.received) / kilo});
+        beacons.points.push_back({.x = x, .y = cost.received[beacon].octets_per_s / kilo});
+        core.points.push_back({.x = x, .y = 100 * cost.core_share});
+    }
+    PlotPanel traffic{.title = "One broker's traffic with its peers",
+                      .x_label = "brokers",
+                      .y_label = "kB/s (beacons: those received)",
+                      .series = {sent, received, beacons},
+                      .log_y = true};
+    PlotPanel work{.title = "One broker's core",
+                   .x_label = "brokers",
+                   .y_label = "time of one processor core (%)",
+                   .series = {core},
+                   .y_from = 0};
+    return {.name = "cost", .panels = {std::move(traffic), std::move(work)}};
+}
+
+/// After each count, so that nothing is lost when somebody loses patience.
+void write(const std::filesystem::path& folder, const std::vector<Point>& points) {
+    std::error_code failed;
+    std::filesystem::create_directories(folder, failed);
+    std::ofstream csv(folder / "cost.csv");
+    if (!(csv << to_csv(points)).flush()) {
+        throw std::runtime_error("cannot write into --output `" + folder.string() + "`");
+    }
+    if (points.empty()) return;
+    if (const auto svg = draw(figure(points), folder)) {
+        std::ofstream(folder / "cost.svg") << *svg << '\n';
+    }
+}
+
+std::vector<std::string> to_row(const Point& point) {
+    const auto& [brokers, cost] = point;
     return {std::to_string(brokers),
             rounded(cost.publishes_per_s),
             rounded(total(cost.sent) / kilo),
@@ -102,6 +171,8 @@ int run(const Options& options) {
     };
 
     bool all_settled = true;
+    std::vector<Point> points;
+    if (!options.output.empty()) write(options.output, points);
     nlohmann::ordered_json rows = nlohmann::ordered_json::array();
     SummaryTable table{
         .head = {"brokers", "publishes", "sent", "beacons", "received", "beacons", "core"},
@@ -111,10 +182,11 @@ int run(const Options& options) {
     for (const std::size_t brokers : options.brokers) {
         bar.show(0, std::to_string(brokers) + " brokers");
         of.brokers = brokers;
-        const sim::Cost cost = sim::cost_of(of);
-        all_settled = all_settled && cost.is_settled;
-        rows.push_back(to_json(brokers, options, cost));
-        table.rows.push_back(to_row(brokers, cost));
+        const Point& point = points.emplace_back(Point{brokers, sim::cost_of(of)});
+        all_settled = all_settled && point.cost.is_settled;
+        rows.push_back(to_json(brokers, options, point.cost));
+        table.rows.push_back(to_row(point));
+        if (!options.output.empty()) write(options.output, points);
         bar.finish_quietly();
     }
     bar.erase();
@@ -150,6 +222,7 @@ void add_cost(CLI::App& program, int& exit_code) {
     command.add_option("--seconds", options->seconds, "Of virtual time for each count")
         ->check(CLI::Range(0.1, 600.0))
         ->capture_default_str();
+    command.add_option("--output", options->output, "Leave cost.csv and cost.svg in this folder");
     command.add_flag("--json", options->as_json, "Print the result as JSON");
     command.footer(examples);
     command.callback([options, &exit_code] { exit_code = run(*options); });

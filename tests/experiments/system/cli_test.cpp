@@ -7,6 +7,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "experiments/sweep/csv.h"
 #include "tests/experiments/system/processes.h"
 #include "tests/temporary_folder.h"
 
@@ -90,6 +91,27 @@ TEST(Simulate, CountsRunsByFault) {
     EXPECT_FALSE(json.at("faults").contains("crash"));
 }
 
+TEST(Cost, LeavesNumbersAndPictureOfEachCountOfBrokers) {
+    const tests::TemporaryFolder folder;
+    const std::string to = folder / "cost";
+    const Ran ran = run_romano("cost --brokers 2,4 --seconds 1 --output " + to);
+    EXPECT_EQ(ran.exit_code, 0) << ran.output;
+    std::ifstream csv(to + "/cost.csv");
+    const std::string text{std::istreambuf_iterator<char>(csv), {}};
+    const auto rows = parse_csv(text);
+    ASSERT_EQ(rows.size(), 3U);
+    const auto number = [&](std::size_t row, std::string_view column) {
+        const auto at = std::ranges::find(rows[0], column) - rows[0].begin();
+        return parse_csv_number(rows[row].at(static_cast<std::size_t>(at))).value();
+    };
+    EXPECT_EQ(number(1, "brokers"), 2);
+    EXPECT_EQ(number(2, "brokers"), 4);
+    EXPECT_GT(number(1, "received_octets_per_s"), number(1, "received_beacon_octets_per_s"));
+    EXPECT_GT(number(2, "received_octets_per_s"), 2 * number(1, "received_octets_per_s"));
+    EXPECT_GT(number(1, "core_share"), 0);
+    EXPECT_GT(std::filesystem::file_size(to + "/cost.svg"), 1000U);
+}
+
 struct Refused {
     const char* arguments;
     const char* sentence;
@@ -121,6 +143,8 @@ INSTANTIATE_TEST_SUITE_P(
         Refused{"sweep /nowhere.toml", "cannot read the sweep file `/nowhere.toml`: no such file"},
         Refused{"simulate --seeds 9..1", "'9..1' is not FIRST..LAST, such as 1..100"},
         Refused{"simulate --acks many", "'many' is not 0 to 99 or all"},
+        Refused{"cost --output /proc/none", "cannot write into --output `/proc/none`"},
+        Refused{"cost --brokers 0", "--brokers: Value 0 not in range 1 to 100"},
         Refused{"simulate --fault fire", "--fault: fire not in {crash,stop,leave"},
         Refused{"swep", "The following argument was not expected: swep"},
         Refused{"", "a subcommand is needed: pub, sub, brokers, status"},
