@@ -63,23 +63,23 @@ void RandomFaults::watch() {
     if (!is_calm()) return;
     if (!parted_.empty()) parted_.back().until = std::min(parted_.back().until, world_.now());
     settled_ = world_.broker_count() - down_;
-    crashed_ = 0;
+    lost_ = 0;
 }
 
 bool RandomFaults::is_calm() const {
-    return calm_since_ != never && world_.now() - calm_since_ >= options_.calm_before_crash;
+    return calm_since_ != never && world_.now() - calm_since_ >= options_.calm_before_loss;
 }
 
-bool RandomFaults::may_crash() const {
-    return apart_ == 0 && crashed_ < options_.crashes_at_once && crashed_ + 1 < settled_;
+bool RandomFaults::may_lose_one() const {
+    return apart_ == 0 && lost_ < options_.lost_at_once && lost_ + 1 < settled_;
 }
 
-/// Brokers are parted, stopped and sent away one thing at a time.
+/// Brokers are parted and sent away one thing at a time.
 bool RandomFaults::may_happen(Fault fault) const {
     switch (fault) {
         case Fault::crash:
-            return may_crash();
         case Fault::stop:
+            return may_lose_one();
         case Fault::leave:
         case Fault::partition:
         case Fault::one_way_cut:
@@ -100,9 +100,8 @@ void RandomFaults::happen(Fault fault) {
     ++counts_[static_cast<std::size_t>(fault)];
     switch (fault) {
         case Fault::crash:
-            return crash();
         case Fault::stop:
-            return stop();
+            return lose(fault);
         case Fault::leave:
             return leave();
         case Fault::partition:
@@ -140,30 +139,30 @@ std::size_t RandomFaults::some_broker() {
     return random_.below(static_cast<std::uint32_t>(world_.broker_count()));
 }
 
-void RandomFaults::crash() {
-    const std::size_t most = std::min(options_.crashes_at_once, settled_ - 1) - crashed_;
+/// One or several brokers, at once or one soon after the other.
+void RandomFaults::lose(Fault fault) {
+    const std::size_t most = std::min(options_.lost_at_once, settled_ - 1) - lost_;
     const std::size_t count = 1 + random_.below(static_cast<std::uint32_t>(most));
     const bool at_once = random_.below(2) == 0;
     for (std::size_t i = 0; i < count; ++i) {
-        world_.events().after(at_once ? 0ms : random_.between(0ms, 500ms), [this] {
-            if (active_ && may_crash()) crash_one();
+        world_.events().after(at_once ? 0ms : random_.between(0ms, 500ms), [this, fault] {
+            if (active_ && may_lose_one()) lose_one(fault);
         });
     }
 }
 
-void RandomFaults::crash_one() {
+void RandomFaults::lose_one(Fault fault) {
     std::size_t victim = some_broker();
-    while (!world_.broker(victim).is_up()) victim = (victim + 1) % world_.broker_count();
+    while (!world_.broker(victim).is_running()) victim = (victim + 1) % world_.broker_count();
     ClusterBroker& broker = world_.broker(victim);
-    ++crashed_;
-    broker.crash();
-    for_a_while(down_, [&broker] { broker.start(); });
-}
-
-void RandomFaults::stop() {
-    ClusterBroker& broker = world_.broker(some_broker());
-    broker.stop();
-    for_a_while(apart_, [&broker] { broker.go_on(); });
+    ++lost_;
+    if (fault == Fault::crash) {
+        broker.crash();
+        for_a_while(down_, [&broker] { broker.start(); });
+    } else {
+        broker.stop();
+        for_a_while(down_, [&broker] { broker.go_on(); });
+    }
 }
 
 void RandomFaults::leave() {

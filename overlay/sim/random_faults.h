@@ -49,10 +49,10 @@ struct RandomFaultsOptions {
     std::vector<Fault> kinds{Fault::crash,     Fault::stop,        Fault::leave,
                              Fault::partition, Fault::one_way_cut, Fault::bad_links,
                              Fault::roam,      Fault::sleep,       Fault::die};
-    std::size_t crashes_at_once = 1;                     // at most
+    std::size_t lost_at_once = 1;                        // at most
     Duration pause_min{std::chrono::milliseconds{200}};  // from one fault to the next
     Duration pause_max{std::chrono::seconds{2}};
-    Duration calm_before_crash{std::chrono::milliseconds{500}};
+    Duration calm_before_loss{std::chrono::milliseconds{500}};
     Duration lasts_max{std::chrono::seconds{3}};
 };
 
@@ -72,9 +72,8 @@ public:
 private:
     void next();
     void happen(Fault fault);
-    void crash();
-    void crash_one();
-    void stop();
+    void lose(Fault fault);
+    void lose_one(Fault fault);
     void leave();
     void starve();
     void starve_one();
@@ -88,7 +87,7 @@ private:
     void watch();
     [[nodiscard]] bool is_calm() const;
     [[nodiscard]] bool may_happen(Fault fault) const;
-    [[nodiscard]] bool may_crash() const;
+    [[nodiscard]] bool may_lose_one() const;
 
     ClusterWorld& world_;
     RandomFaultsOptions options_;
@@ -98,12 +97,12 @@ private:
     FaultCounts counts_{};
     bool active_ = false;
     RandomLives lives_;
-    std::uint32_t down_ = 0;   // crashed brokers
+    std::uint32_t down_ = 0;   // crashed and stopped brokers
     std::uint32_t apart_ = 0;  // other faults that keep brokers from each other, now
     bool is_starving_ = false;
     Instant calm_since_ = never;
     std::size_t settled_ = 0;  // brokers that agreed when it was calm last
-    std::size_t crashed_ = 0;  // of them, since
+    std::size_t lost_ = 0;     // of them, since
     std::vector<Span> parted_;
 };
 

@@ -112,7 +112,7 @@ private:
     void suffer() {
         RandomFaultsOptions faults;
         if (!options_.faults.empty()) faults.kinds = options_.faults;
-        faults.crashes_at_once = world_.options().cluster.acks;  // as many as P2 allows
+        faults.lost_at_once = world_.options().cluster.acks;  // as many as P2 allows
         storm_.emplace(world_, faults, world_.seed());
         storm_->begin();
         world_.run_for(options_.faults_last);
