@@ -150,7 +150,7 @@ void ClusterCore::break_silence(Effects& effects) {
 
 void ClusterCore::on(Effects& effects, BrokerId, const Beacon& beacon) {
     if (!membership_.on_beacon(effects.now, beacon)) return;
-    listening_.on_beacon(beacon);
+    listening_.on_beacon(own_.id(), beacon);
     if (membership_.is_alive(beacon.log)) heed(beacon);
     heed_news_of_peers(effects);
 }
@@ -170,6 +170,7 @@ void ClusterCore::heed(const Beacon& beacon) {
     log.heard_end(beacon.last_seq);
     log.heard_serving(beacon.serving);
     watermark_.on_beacon(beacon.log, beacon.applied_through(own_.id()));
+    ended_.learn(view(), beacon.ended);
     for (auto& [id, held] : logs_) {
         if (!held.is_frozen() || id.broker == beacon.log.broker) continue;
         for (const Endpoint& address : beacon.serving) held.mark_served(address);
@@ -210,6 +211,7 @@ void ClusterCore::on_view(Effects& effects, const ViewAnnouncement& announcement
         Notice{"view " + std::to_string(view().number.term) + " of " +
                std::to_string(view().members.size()) + ", led by " +
                (leader == own_.id().broker ? name_ : membership_.name_of(leader))});
+    ended_.on_view(view(), announcement.ends);
     // An heir whose own detector is a little slower must not take the dead for a rival, and fall
     // silent, at the very moment at which it takes the address over.
     for (const LogPosition& end : announcement.ends) membership_.on_left_out(effects.now, end.log);
@@ -238,12 +240,11 @@ void ClusterCore::on_view(Effects& effects, const ViewAnnouncement& announcement
 }
 
 bool ClusterCore::was_replaced() const {
-    if (watermark_.has_promised_alone())
-        return false;  // then it comes back with its log, as in a heal
     return std::ranges::any_of(membership_.peers(), [this](const auto& entry) {
         const Beacon& beacon = entry.second.beacon;
+        if (const auto end = beacon.end_of(own_.id())) return *end >= watermark_.safe();
         return view_change_.contains(beacon.log) && beacon.view.number > view().number &&
-               !std::ranges::binary_search(beacon.view.members, own_.id());
+               !beacon.view.contains(own_.id()) && !watermark_.has_promised_alone();
     });
 }
 
@@ -275,6 +276,7 @@ Beacon ClusterCore::beacon(const broker::BrokerCore& broker) const {
                   .last_seq = own_.last(),
                   .tick = beacons_sent_,
                   .view = view(),
+                  .ended = ended_.list(),
                   .home_addresses = addresses_.home(),
                   .serving = addresses_.claimed(),
                   .sessions = static_cast<std::uint32_t>(broker.session_count()),
@@ -315,7 +317,10 @@ void ClusterCore::restart(Effects& effects, LogId log) {
     snapshots_.restart();
     for (const Endpoint& address : addresses_.claimed()) addresses_.give_up(effects, address);
     publish_order_.release_all(effects);
-    for (const auto& [id, held] : logs_) effects.broker.advance_cursor({id, held.applied()});
+    for (auto& [id, held] : logs_) {
+        held.become_outdated();
+        effects.broker.advance_cursor({id, held.applied()});
+    }
 }
 
 // --- logs
@@ -556,6 +561,7 @@ void ClusterCore::on(Effects& effects, BrokerId from, const AddressBound& bound)
 }
 
 void ClusterCore::on(Effects& effects, BrokerId from, const SessionHandoff& part) {
+    if (part.to != own_.id()) return;
     handoffs_.on_handoff(effects, logs(), from, part);
 }
 
@@ -568,11 +574,13 @@ void ClusterCore::on(Effects& effects, BrokerId from, const HandoffAck& ack) {
 }
 
 void ClusterCore::on(Effects& effects, BrokerId from, const SessionClaim& claim) {
-    settlement_.on_claim(effects, from, claim, hand_back_);
+    const Peer* peer = membership_.find(from);
+    if (peer != nullptr) settlement_.on_claim(effects, peer->beacon.log, claim, hand_back_);
 }
 
 void ClusterCore::on(Effects& effects, BrokerId from, const SessionRequest& request) {
-    settlement_.on_request(effects, from, request, hand_back_);
+    const Peer* peer = membership_.find(from);
+    if (peer != nullptr) settlement_.on_request(effects, peer->beacon.log, request, hand_back_);
 }
 
 void ClusterCore::check_invariants([[maybe_unused]] const broker::BrokerCore& broker) const {

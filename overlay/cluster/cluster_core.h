@@ -20,6 +20,7 @@
 
 #include "overlay/cluster/adoption.h"
 #include "overlay/cluster/effects.h"
+#include "overlay/cluster/ended_logs.h"
 #include "overlay/cluster/hand_back.h"
 #include "overlay/cluster/homes.h"
 #include "overlay/cluster/interest.h"
@@ -107,7 +108,8 @@ public:
     [[nodiscard]] bool is_homed_at_peer(const broker::ClientId& client) const {
         return homes_.of(client).has_value();
     }
-    /// Members of our view made a newer one without us, and hold all that we promised to clients.
+    /// A newer view was made without us, and its members hold all that we promised to clients: when
+    /// they do not, we come back with our log, as in a heal.
     [[nodiscard]] bool was_replaced() const;
     [[nodiscard]] const View& view() const { return view_change_.view(); }
     [[nodiscard]] election::Leadership leadership() const { return membership_.leadership(); }
@@ -216,6 +218,7 @@ private:
     HandoffReceiver handoffs_;
     Settlement settlement_;
     Roaming roaming_;
+    EndedLogs ended_;
     SnapshotSender snapshots_;
     std::set<Endpoint> silent_;  // of those that are served
 

@@ -35,7 +35,7 @@ void HandBack::compare(Effects& effects, const Membership& membership, const Vie
     for (const Endpoint& address : addresses.serving()) {
         std::set<BrokerId> rivals;
         for (const auto& [id, peer] : membership.peers()) {
-            const bool is_member = std::ranges::binary_search(view.members, peer.beacon.log);
+            const bool is_member = view.contains(peer.beacon.log);
             if (!peer.is_serving(address) || (!is_member && !membership.is_heard(id))) continue;
             if (addresses.is_home(address)) {
                 if ((is_member || peer.alive) && !peer.is_home_of(address)) rivals.insert(id);
@@ -113,8 +113,7 @@ void HandBack::forget_for_the_dead(Effects& effects, const View& view,
                                    ServiceAddresses& addresses) {
     for (auto at = giving_.begin(); at != giving_.end();) {
         auto& [address, giving] = *at;
-        if (giving.stage != Stage::acknowledged ||
-            std::ranges::binary_search(view.members, giving.owner)) {
+        if (giving.stage != Stage::acknowledged || view.contains(giving.owner)) {
             ++at;
             continue;
         }
@@ -175,7 +174,7 @@ void HandBack::send_some(Effects& effects, const Endpoint& address, Giving& givi
     }
     giving.all_sent = giving.sent == giving.clients.size();
     giving.since = effects.now;
-    giving.next_part = send_handoff_piece(giving.owner.broker, address, giving.next_part,
+    giving.next_part = send_handoff_piece(giving.owner, address, giving.next_part,
                                           std::move(images), giving.all_sent, effects.peers);
 }
 

@@ -24,6 +24,40 @@ bool holds(const ViewHoldings& holdings, const LogId& log, Seq end) {
     return held && (*held > 0 || end == 0) && *held + events_per_batch >= end;
 }
 
+bool is_outdated(const ViewHoldings& holdings, const LogId& log) {
+    return std::ranges::count(holdings.outdated, log) > 0;
+}
+
+/// A later life of its broker is known: others went on for this one.
+bool is_succeeded(const Answers& answers, const std::map<LogId, Seq>& ends, const LogId& log) {
+    const auto next = ends.upper_bound(log);
+    return (next != ends.end() && next->first.broker == log.broker) ||
+           std::ranges::count(answers.view.members, log.broker, &LogId::broker) > 0;
+}
+
+/// Whose answers count for a log: those who were there all the time. Whoever was replaced knows of
+/// sessions that have lived on elsewhere since; better than nothing when nobody else holds the last
+/// log of a broker.
+class Witnesses {
+public:
+    Witnesses(const Answers& answers, const std::map<LogId, Seq>& ends) {
+        for (const auto& log_and_end : ends) {
+            const LogId& log = log_and_end.first;
+            const bool is_known = std::ranges::any_of(answers.holdings, [&](const auto& entry) {
+                return !is_outdated(entry.second, log) &&
+                       holds(entry.second, log, log_and_end.second);
+            });
+            if (is_known || is_succeeded(answers, ends, log)) known_.insert(log);
+        }
+    }
+    [[nodiscard]] bool include(const ViewHoldings& holdings, const LogId& log) const {
+        return !known_.contains(log) || !is_outdated(holdings, log);
+    }
+
+private:
+    std::set<LogId> known_;  // to somebody who was there
+};
+
 /// The member that answers on the address now, or was told to.
 std::optional<BrokerId> present_server(const Answers& answers, const Membership& membership,
                                        const Endpoint& address) {
@@ -62,11 +96,12 @@ std::map<BrokerId, std::uint64_t> loads(const Answers& answers, const Membership
 }
 
 /// The least loaded member that holds the log.
-std::optional<BrokerId> least_loaded(const Answers& answers, const LogId& log, Seq end,
+std::optional<BrokerId> least_loaded(const Answers& answers, const Witnesses& witnesses,
+                                     const LogPosition& end,
                                      const std::map<BrokerId, std::uint64_t>& load) {
     std::optional<BrokerId> best;
     for (const auto& [member, holdings] : answers.holdings) {
-        if (!holds(holdings, log, end)) continue;
+        if (!witnesses.include(holdings, end.log) || !holds(holdings, end.log, end.seq)) continue;
         if (!best || load.at(member.broker) < load.at(*best)) best = member.broker;
     }
     return best;
@@ -87,9 +122,12 @@ std::map<LogId, Seq> agreed_ends(const Answers& answers) {
 
 std::vector<Assignment> assign(const Answers& answers, const std::map<LogId, Seq>& ends,
                                const Membership& membership) {
+    const Witnesses witnesses(answers, ends);
     std::set<std::pair<LogId, Endpoint>> left;
     for (const auto& [member, holdings] : answers.holdings) {
-        for (const auto& [log, address] : holdings.addresses) left.emplace(log, address);
+        for (const auto& [log, address] : holdings.addresses) {
+            if (witnesses.include(holdings, log)) left.emplace(log, address);
+        }
     }
     auto load = loads(answers, membership);
     std::map<Endpoint, BrokerId> chosen;  // one heir an address, however many logs named it
@@ -104,9 +142,10 @@ std::vector<Assignment> assign(const Answers& answers, const std::map<LogId, Seq
         if (!heir) heir = owner(answers, membership, address);
         // One that serves the address but does not hold the log gets the sessions from an heir.
         if (!heir || std::ranges::none_of(answers.holdings, [&](const auto& entry) {
-                return entry.first.broker == *heir && holds(entry.second, log, end->second);
+                return entry.first.broker == *heir && witnesses.include(entry.second, log) &&
+                       holds(entry.second, log, end->second);
             })) {
-            heir = least_loaded(answers, log, end->second, load);
+            heir = least_loaded(answers, witnesses, {log, end->second}, load);
         }
         if (!heir) continue;
         chosen.try_emplace(address, *heir);

@@ -1,11 +1,12 @@
 // A member that was away, paused or starved, listens to its peers and says nothing meanwhile.
 //
 // It may have been replaced, and a beacon that was sent early in that time cannot know it yet: so
-// one that was sent late tells, by its tick.
+// one that was sent late tells, by its tick. Whoever does not hear us is about to replace us.
 #pragma once
 
 #include <cstdint>
 #include <map>
+#include <set>
 #include <utility>
 
 #include "overlay/cluster/membership.h"
@@ -21,14 +22,20 @@ public:
         has_heard_ = false;
         is_up_to_date_ = false;
         late_ticks_.clear();
+        doubting_.clear();
         for (const auto& [id, peer] : membership.peers()) {
             late_ticks_[peer.beacon.log] = peer.beacon.tick + beacon_times_away * 3 / 4;
         }
     }
     void end() { is_on_ = false; }
 
-    void on_beacon(const Beacon& beacon) {
+    void on_beacon(const LogId& self, const Beacon& beacon) {
         has_heard_ = true;
+        if (beacon.view.contains(self) && !beacon.hears_from(self.broker)) {
+            doubting_.insert(beacon.log.broker);
+        } else {
+            doubting_.erase(beacon.log.broker);
+        }
         const auto late = late_ticks_.find(beacon.log);
         if (late != late_ticks_.end() && beacon.tick >= late->second) is_up_to_date_ = true;
     }
@@ -38,12 +45,15 @@ public:
     bool take_heard() { return std::exchange(has_heard_, false); }
     /// A late one came.
     [[nodiscard]] bool is_up_to_date() const { return is_up_to_date_; }
+    /// Somebody who is in one view with us takes us for dead: we are about to be replaced.
+    [[nodiscard]] bool is_doubted() const { return !doubting_.empty(); }
 
 private:
     bool is_on_ = false;
     bool has_heard_ = false;
     bool is_up_to_date_ = true;
     std::map<LogId, std::uint64_t> late_ticks_;  // of each peer: sent late in that time
+    std::set<BrokerId> doubting_;
 };
 
 }  // namespace romano::cluster

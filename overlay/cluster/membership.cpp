@@ -21,7 +21,7 @@ bool Peer::is_serving(const Endpoint& address) const {
 }
 
 bool Peer::hears(BrokerId broker) const {
-    return std::ranges::count(beacon.hears, broker) > 0;
+    return beacon.hears_from(broker);
 }
 
 Membership::Membership(const ClusterOptions& options, BrokerId self, std::uint64_t seed)

@@ -4,9 +4,23 @@
 
 namespace romano::cluster {
 
+bool View::contains(const LogId& log) const {
+    return std::ranges::binary_search(members, log);
+}
+
 Seq Beacon::applied_through(const LogId& of) const {
     const auto found = std::ranges::find(applied, of, &LogPosition::log);
     return found == applied.end() ? 0 : found->seq;
+}
+
+bool Beacon::hears_from(BrokerId broker) const {
+    return std::ranges::count(hears, broker) > 0;
+}
+
+std::optional<Seq> Beacon::end_of(const LogId& of) const {
+    const auto found = std::ranges::find(ended, of, &LogPosition::log);
+    if (found == ended.end()) return std::nullopt;
+    return found->seq;
 }
 
 Delivery delivery_of(const ClusterMessage& message) {

@@ -39,6 +39,8 @@ struct View {
     ViewNumber number{};
     std::vector<LogId> members{};  // sorted
 
+    [[nodiscard]] bool contains(const LogId& log) const;
+
     friend bool operator==(const View&, const View&) = default;
 };
 
@@ -59,6 +61,7 @@ struct Beacon {
     election::Claim claim{};
     std::vector<BrokerId> hears{};       // whose beacons reach the sender: a link counts both ways
     std::vector<LogPosition> applied{};  // how far the sender applied each peer's log
+    std::vector<LogPosition> ended{};    // removed logs, and where its view says that they end
     std::vector<Endpoint>
         home_addresses{};  // the service addresses that are the sender's by configuration
     std::vector<Endpoint> serving{};  // the service addresses that it answers on now
@@ -71,6 +74,8 @@ struct Beacon {
 
     /// How far the sender applied the log.
     [[nodiscard]] Seq applied_through(const LogId& of) const;
+    [[nodiscard]] bool hears_from(BrokerId broker) const;
+    [[nodiscard]] std::optional<Seq> end_of(const LogId& of) const;
 };
 
 /// Events first_seq, first_seq + 1, ... of the sender's log.
@@ -110,6 +115,7 @@ struct LeftAddress {
 struct ViewHoldings {
     ViewNumber number{};
     std::vector<LogPosition> holds{};
+    std::vector<LogId> outdated{};  // of these: the sender was replaced when they were members' yet
     std::vector<LeftAddress> addresses{};  // the leader itself may be too new to know
 };
 /// "Send it the events of that log": the leader to the member that holds most of a removed one, and
@@ -175,6 +181,7 @@ struct AddressBound {
 /// Holder to owner: the sessions, in parts; with `last`, the owner adopts them and speaks for them.
 /// The holder keeps its copies, silent, until HandoffAck, so that a crash in between loses nothing.
 struct SessionHandoff {
+    LogId to{};          // that life of the owner only: it may have waited since before a later one
     Endpoint address{};  // family none: roaming, one session
     std::uint32_t part = 0;
     bool last = false;

@@ -147,6 +147,7 @@ void PeerLog::end_at(Seq end) {
 }
 
 void PeerLog::thaw() {
+    outdated_ = false;
     if (!frozen_) return;
     frozen_ = false;
     agreed_end_ = 0;

@@ -55,6 +55,10 @@ public:
     void freeze();
     void thaw();
     [[nodiscard]] bool is_frozen() const { return frozen_; }
+    /// We were replaced: until we are in one view with its writer again, others know better what is
+    /// left of it.
+    void become_outdated() { outdated_ = true; }
+    [[nodiscard]] bool is_outdated() const { return outdated_; }
     /// Of a frozen log: the last event that the members agreed on. Its writer may have lived on
     /// beyond an earlier one, in views that we missed: then what was taken from it is its own
     /// again.
@@ -69,9 +73,10 @@ public:
     /// Of a frozen log: the address has a new broker.
     void mark_served(const Endpoint& address) { serving_.erase(address); }
     /// What there is to go on from, should this log's broker be gone; null when it is not home to
-    /// the client, or when the session of a frozen log has a new home.
+    /// the client, or when the session of a frozen log has a new home, for all we know.
     [[nodiscard]] const broker::SessionHeader* session(const broker::ClientId& client) const {
-        return frozen_ && !left_.contains(client) ? nullptr : mirror_.header(client);
+        const bool is_taken = frozen_ && (outdated_ || !left_.contains(client));
+        return is_taken ? nullptr : mirror_.header(client);
     }
     /// Sessions of that address that have no new home yet: `most` of them.
     [[nodiscard]] std::vector<broker::SessionImage> sessions_left(const Endpoint& address,
@@ -96,6 +101,7 @@ private:
     std::optional<SnapshotPart> snapshot_;  // what has come of it
 
     bool frozen_ = false;
+    bool outdated_ = false;
     Seq agreed_end_ = 0;
     bool lived_on_ = false;                      // its writer was heard beyond that
     std::map<broker::ClientId, Endpoint> left_;  // of a frozen log: not taken; with their via

@@ -41,7 +41,7 @@ bool PublishOrder::is_worked_through(const Effects& effects, const LogPosition& 
     if (effects.broker.cursor(position.log) >= position.seq) return true;
     const auto log = logs.find(position.log);
     if (log != logs.end()) return log->second.applied() >= position.seq && !holds_up_to(position);
-    return position.log.broker == self_ || !std::ranges::binary_search(view.members, position.log);
+    return position.log.broker == self_ || !view.contains(position.log);
 }
 
 bool PublishOrder::holds_up_to(const LogPosition& position) const {

@@ -101,8 +101,7 @@ void Roaming::ask(Effects& effects, Fetching& fetching, const Homes& homes,
     const auto home = homes.of(fetching.client);
     if (!home || home->broker == fetching.asked) return;
     const Peer* peer = membership.find(home->broker);
-    if (peer == nullptr || !peer->alive ||
-        !std::ranges::binary_search(view.members, peer->beacon.log)) {
+    if (peer == nullptr || !peer->alive || !view.contains(peer->beacon.log)) {
         return;
     }
     fetching.since = effects.now;

@@ -10,24 +10,24 @@ constexpr std::size_t sessions_per_part = 16;
 
 }  // namespace
 
-void send_handoff(BrokerId to, const Endpoint& address, std::vector<broker::SessionImage> sessions,
-                  Outbox& out) {
+void send_handoff(const LogId& to, const Endpoint& address,
+                  std::vector<broker::SessionImage> sessions, Outbox& out) {
     (void)send_handoff_piece(to, address, 0, std::move(sessions), true, out);
 }
 
-std::uint32_t send_handoff_piece(BrokerId to, const Endpoint& address, std::uint32_t part,
+std::uint32_t send_handoff_piece(const LogId& to, const Endpoint& address, std::uint32_t part,
                                  std::vector<broker::SessionImage> sessions, bool last,
                                  Outbox& out) {
-    SessionHandoff message{.address = address, .part = part};
+    SessionHandoff message{.to = to, .address = address, .part = part};
     for (auto& image : sessions) {
         if (message.sessions.size() == sessions_per_part) {
-            SessionHandoff following{.address = address, .part = ++part};
-            out.push_back({to, std::exchange(message, std::move(following))});
+            SessionHandoff following{.to = to, .address = address, .part = ++part};
+            out.push_back({to.broker, std::exchange(message, std::move(following))});
         }
         message.sessions.push_back(std::move(image));
     }
     message.last = last;
-    out.push_back({to, std::move(message)});
+    out.push_back({to.broker, std::move(message)});
     return part + 1;
 }
 

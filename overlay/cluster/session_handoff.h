@@ -13,12 +13,12 @@
 namespace romano::cluster {
 
 /// All sessions of one service address, or with `address` none: one session that roams.
-void send_handoff(BrokerId to, const Endpoint& address, std::vector<broker::SessionImage> sessions,
-                  Outbox& out);
+void send_handoff(const LogId& to, const Endpoint& address,
+                  std::vector<broker::SessionImage> sessions, Outbox& out);
 
 /// Some of them, from part number `part` on. `last`: no more follow. Returns the next part's
 /// number.
-std::uint32_t send_handoff_piece(BrokerId to, const Endpoint& address, std::uint32_t part,
+std::uint32_t send_handoff_piece(const LogId& to, const Endpoint& address, std::uint32_t part,
                                  std::vector<broker::SessionImage> sessions, bool last,
                                  Outbox& out);
 

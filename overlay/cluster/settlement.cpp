@@ -26,8 +26,8 @@ void Settlement::carry_on(Effects& effects, const Logs& logs, const Membership& 
                           const HandBack& moving) {
     std::erase_if(leaving_, [&](const auto& entry) {
         const Leaving& leaving = entry.second;
-        const Peer* peer = membership.find(leaving.to);
-        const bool hopeless = peer == nullptr || !peer->alive;
+        const Peer* peer = membership.find(leaving.to.broker);
+        const bool hopeless = peer == nullptr || !membership.is_alive(leaving.to);
         if (!hopeless && effects.now < leaving.since + 10 * patience_) return false;
         adopt(effects, logs, leaving.image);  // it did not get there
         return true;
@@ -49,21 +49,21 @@ void Settlement::carry_on(Effects& effects, const Logs& logs, const Membership& 
     });
 }
 
-void Settlement::on_claim(Effects& effects, BrokerId from, const SessionClaim& claim,
+void Settlement::on_claim(Effects& effects, const LogId& from, const SessionClaim& claim,
                           const HandBack& moving) {
     const broker::ClientId& client = claim.header.client_id;
     auto own = effects.broker.image(client);
     if (!own || moving.is_silent(own->header.via)) return;
     const bool stays = broker::outranks(own->header, claim.header) ||
-                       (!broker::outranks(claim.header, own->header) && self_ > from);
+                       (!broker::outranks(claim.header, own->header) && self_ > from.broker);
     if (stays) {
-        conflicts_.emplace(client, from);  // and say so
+        conflicts_.emplace(client, from.broker);  // and say so
         return;
     }
     give_way(effects, from, *std::move(own));
 }
 
-void Settlement::on_request(Effects& effects, BrokerId from, const SessionRequest& request,
+void Settlement::on_request(Effects& effects, const LogId& from, const SessionRequest& request,
                             const HandBack& moving) {
     auto own = effects.broker.image(request.client_id);
     if (!own || moving.is_silent(own->header.via)) return;
@@ -71,7 +71,7 @@ void Settlement::on_request(Effects& effects, BrokerId from, const SessionReques
     give_way(effects, from, *std::move(own));
 }
 
-void Settlement::give_way(Effects& effects, BrokerId to, broker::SessionImage image) {
+void Settlement::give_way(Effects& effects, const LogId& to, broker::SessionImage image) {
     const broker::ClientId client = image.header.client_id;
     std::vector<broker::SessionImage> images;
     images.push_back(image);
@@ -82,7 +82,7 @@ void Settlement::give_way(Effects& effects, BrokerId to, broker::SessionImage im
 
 void Settlement::on_ack(BrokerId from, const HandoffAck& ack) {
     const auto leaving = leaving_.find(ack.client_id);
-    if (leaving != leaving_.end() && leaving->second.to == from) leaving_.erase(leaving);
+    if (leaving != leaving_.end() && leaving->second.to.broker == from) leaving_.erase(leaving);
 }
 
 void Settlement::restart() {

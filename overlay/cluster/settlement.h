@@ -32,10 +32,10 @@ public:
     /// Sessions of an address that is on its way (`moving`) are settled by the address's owner.
     void carry_on(Effects& effects, const Logs& logs, const Membership& membership,
                   const HandBack& moving);
-    void on_claim(Effects& effects, BrokerId from, const SessionClaim& claim,
+    void on_claim(Effects& effects, const LogId& from, const SessionClaim& claim,
                   const HandBack& moving);
     /// The client came to another broker: hand its session over.
-    void on_request(Effects& effects, BrokerId from, const SessionRequest& request,
+    void on_request(Effects& effects, const LogId& from, const SessionRequest& request,
                     const HandBack& moving);
     void on_ack(BrokerId from, const HandoffAck& ack);
     [[nodiscard]] bool is_settled() const { return conflicts_.empty(); }
@@ -45,12 +45,12 @@ private:
     /// On its way to its new home: forgotten here, so that two homes never speak to the client,
     /// but kept until the new home has it in its log.
     struct Leaving {
-        BrokerId to;
+        LogId to;
         Instant since;
         broker::SessionImage image;
     };
 
-    void give_way(Effects& effects, BrokerId to, broker::SessionImage image);
+    void give_way(Effects& effects, const LogId& to, broker::SessionImage image);
 
     BrokerId self_;
     Duration patience_;

@@ -13,12 +13,12 @@ namespace {
 constexpr std::size_t all = std::numeric_limits<std::size_t>::max();
 
 /// The address's own broker, when it is in the view and answers on the address already.
-std::optional<BrokerId> returned_owner(const Endpoint& address, BrokerId self,
-                                       const Membership& membership, const View& view) {
+std::optional<LogId> returned_owner(const Endpoint& address, BrokerId self,
+                                    const Membership& membership, const View& view) {
     for (const LogId& member : view.members) {
         if (member.broker == self || !membership.is_alive(member)) continue;
         const Peer& peer = *membership.find(member.broker);
-        if (peer.is_home_of(address) && peer.is_serving(address)) return member.broker;
+        if (peer.is_home_of(address) && peer.is_serving(address)) return member;
     }
     return std::nullopt;
 }
@@ -76,7 +76,7 @@ void TakeOver::carry_on(Effects& effects, const Logs& logs, const Membership& me
         }
         if (is_still_serving(pending.assignment, membership)) return false;
         const auto owner = returned_owner(address, self_, membership, view);
-        if (owner && !membership.find(*owner)->hears(self_)) return false;
+        if (owner && !membership.find(owner->broker)->hears(self_)) return false;
         const auto lacks = lacking(*log, logs, owner.has_value());
         if (lacks && !is_out_of_patience(effects, pending)) {
             ask_for(effects, pending, *lacks, membership, view);
@@ -124,7 +124,7 @@ void TakeOver::ask_for(Effects& effects, Pending& pending, const LogPosition& af
 }
 
 /// Those that the dead left, to the address's own broker, which is back and holds none of that.
-void TakeOver::hand_on(Effects& effects, BrokerId owner, const Endpoint& address, PeerLog& log,
+void TakeOver::hand_on(Effects& effects, const LogId& owner, const Endpoint& address, PeerLog& log,
                        const Logs& logs) {
     auto sessions = log.sessions_left(address, all);
     std::erase_if(sessions, [&](const broker::SessionImage& image) {

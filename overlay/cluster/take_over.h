@@ -54,7 +54,7 @@ private:
     [[nodiscard]] bool is_out_of_patience(Effects& effects, const Pending& pending) const;
     void ask_for(Effects& effects, Pending& pending, const LogPosition& after,
                  const Membership& membership, const View& view) const;
-    static void hand_on(Effects& effects, BrokerId owner, const Endpoint& address, PeerLog& log,
+    static void hand_on(Effects& effects, const LogId& owner, const Endpoint& address, PeerLog& log,
                         const Logs& logs);
     void begin(Effects& effects, const Assignment& assignment, PeerLog& log,
                const Membership& membership, ServiceAddresses& addresses);

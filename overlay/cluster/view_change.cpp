@@ -12,10 +12,6 @@ namespace {
 // On a busy machine it takes some detection times until two processes hear each other.
 constexpr int patience_with_the_unmet = 20;
 
-bool has(const View& view, const LogId& log) {
-    return std::ranges::binary_search(view.members, log);
-}
-
 /// A later life of that broker is in the view: we may not have heard of it yet.
 bool has_successor(const View& view, const LogId& log) {
     return std::ranges::any_of(view.members, [&](const LogId& member) {
@@ -27,7 +23,7 @@ bool has_successor(const View& view, const LogId& log) {
 /// has just started or follows another leader, serves its clients itself.
 void freeze_the_dead(const View& view, Surroundings around) {
     for (auto& [id, log] : around.logs) {
-        if (has(view, id)) continue;
+        if (view.contains(id)) continue;
         if (!around.membership.is_alive(id) || has_successor(view, id)) log.freeze();
     }
 }
@@ -35,7 +31,7 @@ void freeze_the_dead(const View& view, Surroundings around) {
 }  // namespace
 
 bool ViewChange::contains(const LogId& log) const {
-    return has(view_, log);
+    return view_.contains(log);
 }
 
 std::optional<ViewAnnouncement> ViewChange::take_installed() {
@@ -176,7 +172,7 @@ void ViewChange::propose(Instant now, std::vector<LogId> members, Surroundings a
     const View& view = proposal_->message.view;
     freeze_the_dead(view, around);
     for (const auto& [id, log] : around.logs) {
-        if (!has(view, id) && log.is_frozen()) proposal_->message.removed.push_back(id);
+        if (!view.contains(id) && log.is_frozen()) proposal_->message.removed.push_back(id);
     }
     proposal_->answers.emplace(self_, holdings(view, around));
     ask(now, out);
@@ -208,7 +204,7 @@ bool ViewChange::is_outnumbered(const Membership& membership) const {
     if (membership.leadership().term > proposed.number.term) return true;
     return std::ranges::any_of(membership.peers(), [&](const auto& entry) {
         const Beacon& beacon = entry.second.beacon;
-        return has(proposed, beacon.log) && beacon.view.number > proposed.number;
+        return proposed.contains(beacon.log) && beacon.view.number > proposed.number;
     });
 }
 
@@ -235,7 +231,7 @@ void ViewChange::give_up_on_silent(Instant now, const Membership& membership) {
 void ViewChange::on_holdings(Instant now, const LogId& from, const ViewHoldings& holdings,
                              Surroundings around, Outbox& out) {
     if (!proposal_ || holdings.number != proposal_->message.view.number) return;
-    if (!has(proposal_->message.view, from)) return;
+    if (!proposal_->message.view.contains(from)) return;
     proposal_->answers.emplace(from, holdings);
     conclude(now, around, out);
 }
@@ -323,14 +319,15 @@ void ViewChange::on_announcement(Instant now, const ViewAnnouncement& announceme
 }
 
 bool ViewChange::is_newer(const View& view) const {
-    return has(view, self_) && view.number >= promised_ && view.number > view_.number;
+    return view.contains(self_) && view.number >= promised_ && view.number > view_.number;
 }
 
 ViewHoldings ViewChange::holdings(const View& view, Surroundings around) const {
-    ViewHoldings answer{.number = view.number, .holds = {}, .addresses = {}};
+    ViewHoldings answer{.number = view.number};
     for (const auto& [id, log] : around.logs) {
-        if (has(view, id) || !log.is_frozen()) continue;
+        if (view.contains(id) || !log.is_frozen()) continue;
         answer.holds.push_back({id, log.applied()});
+        if (log.is_outdated()) answer.outdated.push_back(id);
         for (const Endpoint& address : log.addresses_left()) {
             answer.addresses.push_back({id, address});
         }
@@ -344,7 +341,7 @@ void ViewChange::install(Instant now, ViewAnnouncement announcement, PeerLogs& l
     promised_ = view_.number;
     installed_at_ = now;
     for (auto& [id, log] : logs) {
-        if (has(view_, id)) log.thaw();
+        if (view_.contains(id)) log.thaw();
     }
     for (const LogPosition& end : announcement.ends) {  // also if we did not hear the proposal
         const auto log = logs.find(end.log);

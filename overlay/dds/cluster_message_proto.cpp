@@ -113,6 +113,7 @@ struct Writer {
         to_proto(m.claim, *to.mutable_claim());
         for (const auto id : m.hears) to.add_hears(static_cast<std::uint64_t>(id));
         all_to_proto(m.applied, *to.mutable_applied());
+        all_to_proto(m.ended, *to.mutable_ended());
         all_to_proto(m.home_addresses, *to.mutable_home_addresses());
         all_to_proto(m.serving, *to.mutable_serving());
         to.set_sessions(m.sessions);
@@ -148,6 +149,7 @@ struct Writer {
         auto& to = *out.mutable_view_holdings();
         to_proto(m.number, *to.mutable_number());
         all_to_proto(m.holds, *to.mutable_holds());
+        all_to_proto(m.outdated, *to.mutable_outdated());
         for (const auto& left : m.addresses) to_proto(left, *to.add_addresses());
     }
     void operator()(const cluster::TailRequest& m) const {
@@ -188,6 +190,7 @@ struct Writer {
     }
     void operator()(const cluster::SessionHandoff& m) const {
         auto& to = *out.mutable_session_handoff();
+        to_proto(m.to, *to.mutable_to());
         to_proto(m.address, *to.mutable_address());
         to.set_part(m.part);
         to.set_last(m.last);
@@ -226,6 +229,7 @@ Maybe read_beacon(const Beacon& in) {
     out.leaving = in.leaving();
     for (const auto id : in.hears()) out.hears.push_back(broker::BrokerId{id});
     if (!all_from_proto(in.applied(), out.applied)) return std::nullopt;
+    if (!all_from_proto(in.ended(), out.ended)) return std::nullopt;
     if (!all_from_proto(in.home_addresses(), out.home_addresses)) return std::nullopt;
     if (!all_from_proto(in.serving(), out.serving)) return std::nullopt;
     return out;
@@ -259,8 +263,9 @@ Maybe read_view_proposal(const ViewProposal& in) {
 }
 
 Maybe read_view_holdings(const ViewHoldings& in) {
-    cluster::ViewHoldings out{number_from(in.number()), {}, {}};
+    cluster::ViewHoldings out{.number = number_from(in.number())};
     if (!all_from_proto(in.holds(), out.holds)) return std::nullopt;
+    if (!all_from_proto(in.outdated(), out.outdated)) return std::nullopt;
     for (const auto& item : in.addresses()) {
         const auto left = from_proto(item);
         if (!left) return std::nullopt;
@@ -294,9 +299,10 @@ Maybe read_snapshot_part(const SnapshotPart& in) {
 }
 
 Maybe read_session_handoff(const SessionHandoff& in) {
+    const auto to = from_proto(in.to());
     const auto address = from_proto(in.address());
-    if (!address) return std::nullopt;
-    cluster::SessionHandoff out{*address, in.part(), in.last(), {}};
+    if (!to || !address) return std::nullopt;
+    cluster::SessionHandoff out{*to, *address, in.part(), in.last(), {}};
     if (!all_from_proto(in.sessions(), out.sessions)) return std::nullopt;
     return out;
 }

@@ -125,7 +125,7 @@ std::string line(const Beacon& m) {
                       (m.claim.leader ? short_id(*m.claim.leader) : "nobody") + " term " +
                       number(m.claim.term) + " hears";
     for (const BrokerId id : m.hears) all += ' ' + short_id(id);
-    all += " applied" + text(m.applied) + " serving";
+    all += " applied" + text(m.applied) + " ended" + text(m.ended) + " serving";
     for (const Endpoint& address : m.serving) all += ' ' + to_text(address);
     return all + (m.leaving ? " leaving" : "");
 }
@@ -150,6 +150,7 @@ std::string line(const ViewProposal& m) {
 }
 std::string line(const ViewHoldings& m) {
     std::string all = "ViewHoldings " + text(m.number) + text(m.holds);
+    for (const LogId& log : m.outdated) all += " outdated " + text(log);
     for (const LeftAddress& left : m.addresses) {
         all += " left " + text(left.log) + ' ' + to_text(left.address);
     }

@@ -127,6 +127,27 @@ TEST_F(Heirs, OneThatKnowsOfTheLogAndHoldsNothingOfItDoesNotInherit) {
     EXPECT_EQ(heir_of(address(9)), b2.broker);
 }
 
+// What it takes for left lives on with others since (simulator, faults
+// `stop`, acks 2, seed 250).
+TEST_F(Heirs, P3_WhoWasReplacedMeanwhileKnowsOfNothingThatIsLeft) {
+    holds(b1, 9);
+    holds(b2, 5, {address(9)});
+    holdings[b2].outdated = {dead};
+    EXPECT_THAT(assign(answers(), agreed_ends(answers()), membership), IsEmpty());
+    holds(b3, 9, {address(9)});
+    beacon(b2, {address(9)}, 0, {address(9)});
+    EXPECT_NE(heir_of(address(9)), b2.broker) << "though the address is its own";
+}
+
+TEST_F(Heirs, P2_ButWhenNobodyElseHoldsTheLogItInherits) {
+    holds(b1, 0);
+    holds(b2, 5, {address(9)});
+    holdings[b2].outdated = {dead};
+    EXPECT_EQ(heir_of(address(9)), b2.broker);
+    holdings[b3].holds.push_back({test::log_of("b9", 2), 1});
+    EXPECT_EQ(heir_of(address(9)), BrokerId{}) << "unless others went on: there was a later life";
+}
+
 TEST_F(Heirs, OnlyOneThatHoldsTheLogInherits) {
     holds(b1, 9, {address(9)});
     EXPECT_EQ(heir_of(address(9)), b1.broker);

@@ -159,6 +159,21 @@ TEST(ManySessions, ANewHomeAdoptsThemInPiecesAndAcknowledgesAll) {
     EXPECT_EQ(home.take_sent<HandoffAck>().size(), 1U);
 }
 
+// It waited in a process that stood still and was replaced; meanwhile the sessions lived on
+// (simulator, fault `stop`, acks all, seed 167).
+TEST(ManySessions, P3_WhatWasHandedToAFormerLifeIsNotAdopted) {
+    Cluster home;
+    home.hear();
+    const auto hand_over = [&](const LogId& to) {
+        SessionHandoff all{.to = to, .address = ours, .last = true};
+        all.sessions.push_back(image(0, ours));
+        home.take(std::move(all));
+        return home.broker.session_count();
+    };
+    EXPECT_EQ(hand_over(test::log_of("self", 0)), 0U);
+    EXPECT_EQ(hand_over(self), 1U);
+}
+
 TEST(ManySessions, AHandOverThatLacksAPartIsNotAcknowledged) {
     NewHome home;
     Effects acting = home.effects();

@@ -201,6 +201,20 @@ TEST(PeerLog, AWriterThatLivedOnHasItsSessionsAgain) {
     }
 }
 
+// One that outranked the heir's copy would stop it from going on with that (simulator, faults
+// `stop`, seed 57).
+TEST(PeerLog, P2_AnOutdatedLogSaysNothingOfSessions) {
+    Held held;
+    held.take(1, {session("a", address(1))});
+    held.log.become_outdated();
+    EXPECT_NE(held.log.session("a"), nullptr) << "its writer lives";
+    held.log.freeze();
+    EXPECT_EQ(held.log.session("a"), nullptr);
+    held.log.thaw();
+    held.log.freeze();
+    EXPECT_NE(held.log.session("a"), nullptr) << "it died in a view that we were in";
+}
+
 TEST(PeerLog, AFrozenLogAsksItsWriterForNothing) {
     Held held;
     held.take(2, {session("b")});

@@ -40,12 +40,12 @@ static_assert(field_count<election::Claim>() == 3);
 static_assert(field_count<election::Ballot>() == 3);
 static_assert(field_count<cluster::ViewNumber>() == 3);
 static_assert(field_count<cluster::View>() == 2);
-static_assert(field_count<cluster::Beacon>() == 16);
+static_assert(field_count<cluster::Beacon>() == 17);
 static_assert(field_count<cluster::LogBatch>() == 3);
 static_assert(field_count<cluster::LogAck>() == 2);
 static_assert(field_count<cluster::ViewProposal>() == 2);
 static_assert(field_count<cluster::LeftAddress>() == 2);
-static_assert(field_count<cluster::ViewHoldings>() == 3);
+static_assert(field_count<cluster::ViewHoldings>() == 4);
 static_assert(field_count<cluster::TailRequest>() == 2);
 static_assert(field_count<cluster::LogTail>() == 4);
 static_assert(field_count<cluster::Assignment>() == 3);
@@ -53,7 +53,7 @@ static_assert(field_count<cluster::ViewAnnouncement>() == 3);
 static_assert(field_count<cluster::SnapshotRequest>() == 2);
 static_assert(field_count<cluster::SnapshotPart>() == 7);
 static_assert(field_count<cluster::AddressBound>() == 2);
-static_assert(field_count<cluster::SessionHandoff>() == 4);
+static_assert(field_count<cluster::SessionHandoff>() == 5);
 static_assert(field_count<cluster::HandoffAck>() == 2);
 
 // Two messages are equal when their octets are: encoding is deterministic. That no field is

@@ -190,6 +190,7 @@ cluster::Beacon beacon(Random& r) {
     out.claim = claim(r);
     out.hears = some(r, broker_id);
     out.applied = some(r, position);
+    out.ended = some(r, position);
     out.home_addresses = some(r, endpoint);
     out.serving = some(r, endpoint);
     out.sessions = r.next();
@@ -219,7 +220,8 @@ cluster::ClusterMessage random_message(std::size_t kind, Random& r) {
         case 5:
             return cluster::ViewProposal{view(r), some(r, log_id)};
         case 6:
-            return cluster::ViewHoldings{view_number(r), some(r, position), some(r, left_address)};
+            return cluster::ViewHoldings{view_number(r), some(r, position), some(r, log_id),
+                                         some(r, left_address)};
         case 7:
             return cluster::TailRequest{position(r), broker_id(r)};
         case 8:
@@ -237,7 +239,7 @@ cluster::ClusterMessage random_message(std::size_t kind, Random& r) {
         case 13:
             return cluster::AddressBound{endpoint(r), flag(r)};
         case 14:
-            return cluster::SessionHandoff{endpoint(r), r.next(), flag(r), some(r, image)};
+            return cluster::SessionHandoff{log_id(r), endpoint(r), r.next(), flag(r), some(r, image)};
         case 15:
             return cluster::SessionRequest{text(r)};
         case 16:

@@ -40,6 +40,30 @@ TEST(Member, AStalledBrokerThatWasReplacedDropsWhatItHadAndGetsItBack) {
     expect_unnoticed(robot);
 }
 
+// Those who made the view without it are gone; those who came later tell it (seeds 52 and 729).
+TEST(Member, P3_WhoWasAwayWhileAllOthersWereReplacedLearnsThatItWas) {
+    Brokers brokers;
+    start(brokers, {1, 2, 3});
+    Robot& robot = subscriber(brokers, "robot", 1, Qos::exactly_once);
+    Robot& other = publisher(brokers, "other", 3);
+    brokers.stall(3);
+    other.publish("pose", "1", Qos::exactly_once);  // waits there, and is sent again to the heir
+    brokers.run_for(settling);
+    for (const int rank : {1, 2}) {
+        brokers.kill(rank);
+        brokers.run_for(settling);
+        brokers.start(rank);
+        brokers.run_for(settling);
+    }
+    brokers.run_for(10s);
+    ASSERT_THAT(robot.received(), ElementsAre("1"));
+    brokers.wake_slowly(3, 0);
+    brokers.run_for(2s);
+    EXPECT_EQ(brokers.member(3).facts().replacements, 1U);
+    EXPECT_THAT(robot.received(), ElementsAre("1"));
+    expect_unnoticed(robot);
+}
+
 // Its patience ended in the second standstill, and nobody was there to tell it (simulator, faults
 // `starve`).
 TEST(Member, P3_WhoStandsStillAgainWhileItListensListensAnew) {

@@ -1,0 +1,28 @@
+// Where the logs of removed brokers ended: of each broker its newest life, as the views told that
+// we were in and as our peers know. Beacons tell it on.
+//
+// A broker that stood still for long learns from it that others went on for it, and from how far;
+// also from those who came when its sessions had long been taken over.
+#pragma once
+
+#include <map>
+#include <vector>
+
+#include "overlay/cluster/messages.h"
+
+namespace romano::cluster {
+
+class EndedLogs {
+public:
+    /// Whoever is a member of the view lives on, or again.
+    void on_view(const View& view, const std::vector<LogPosition>& ends);
+    /// What somebody else knows.
+    void learn(const View& view, const std::vector<LogPosition>& ends);
+
+    [[nodiscard]] std::vector<LogPosition> list() const;
+
+private:
+    std::map<BrokerId, LogPosition> ends_;
+};
+
+}  // namespace romano::cluster

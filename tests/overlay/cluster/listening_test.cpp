@@ -1,0 +1,53 @@
+#include "overlay/cluster/listening.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/overlay/cluster/events.h"
+
+namespace romano::cluster {
+namespace {
+
+const LogId self = test::log_of("self");
+const LogId peer = test::log_of("peer");
+
+Beacon beacon(std::uint64_t tick, bool in_view, bool hears_us) {
+    Beacon said{.log = peer, .tick = tick};
+    if (in_view) said.view.members = {std::min(self, peer), std::max(self, peer)};
+    if (hears_us) said.hears = {self.broker};
+    return said;
+}
+
+class ListeningTest : public testing::Test {
+protected:
+    ListeningTest() {
+        (void)membership.on_beacon(Instant{}, beacon(100, true, true));
+        listening.begin(membership, 40);
+    }
+
+    Membership membership{ClusterOptions{}, self.broker, 1};
+    Listening listening;
+};
+
+TEST_F(ListeningTest, ABeaconFromTheEndOfTheStallIsUpToDate) {
+    listening.on_beacon(self, beacon(101, true, true));
+    EXPECT_FALSE(listening.is_up_to_date());
+    listening.on_beacon(self, beacon(135, true, true));
+    EXPECT_TRUE(listening.is_up_to_date());
+}
+
+// It removes us as soon as the others agree: to speak now would be to speak beside our heir
+// (simulator, fault `stop`, acks all, seed 471).
+TEST_F(ListeningTest, AMemberThatDoesNotHearUsDoubtsUs) {
+    listening.on_beacon(self, beacon(135, true, false));
+    EXPECT_TRUE(listening.is_doubted());
+    listening.on_beacon(self, beacon(136, true, true));
+    EXPECT_FALSE(listening.is_doubted());
+}
+
+TEST_F(ListeningTest, AStrangerThatHasNeverHeardUsDoesNot) {
+    listening.on_beacon(self, beacon(135, false, false));
+    EXPECT_FALSE(listening.is_doubted());
+}
+
+}  // namespace
+}  // namespace romano::cluster
