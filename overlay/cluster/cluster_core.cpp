@@ -14,6 +14,18 @@ constexpr Duration cursors_every = 50ms;
 constexpr Duration trim_every = 100ms;
 constexpr Duration addresses_every = 500ms;
 
+/// Who is in the view, and whose are addresses and sessions: not for a broker that may have been
+/// replaced. What it asks or answers may also have waited since before that.
+bool asks_for_decision(const ClusterMessage& message) {
+    return std::holds_alternative<ViewProposal>(message) ||
+           std::holds_alternative<ViewHoldings>(message) ||
+           std::holds_alternative<ViewAnnouncement>(message) ||
+           std::holds_alternative<AddressOffer>(message) ||
+           std::holds_alternative<AddressBound>(message) ||
+           std::holds_alternative<SessionRequest>(message) ||
+           std::holds_alternative<SessionClaim>(message);
+}
+
 }  // namespace
 
 ClusterCore::ClusterCore(const ClusterOptions& options, const Identity& identity,
@@ -39,6 +51,7 @@ ClusterCore::ClusterCore(const ClusterOptions& options, const Identity& identity
 void ClusterCore::on_message(Effects& effects, const Envelope& envelope) {
     const BrokerId from = envelope.from.broker;
     if (from == own_.id().broker) return;
+    if (listening_.is_on() && asks_for_decision(envelope.message)) return;  // it comes again
     std::visit([&](const auto& message) { on(effects, from, message); }, envelope.message);
     after_input(effects);
 }
@@ -117,8 +130,9 @@ void ClusterCore::after_input(Effects& effects) {
     for (const BrokerId lost : membership_.take_lost()) {
         effects.local.push_back(Notice{"lost " + membership_.name_of(lost)});
     }
+    if (listening_.is_on()) return;
     if (const auto installed = view_change_.take_installed()) on_view(effects, *installed);
-    if (!listening_.is_on()) membership_.send_ballots(effects.peers);
+    membership_.send_ballots(effects.peers);
     hand_back_.forget_for_the_dead(effects, view(), addresses_);
     take_over_.carry_on(effects, logs(), membership_, view(), addresses_);
     last_words_.carry_on(effects, logs_, membership_, view());
@@ -132,7 +146,7 @@ void ClusterCore::after_input(Effects& effects) {
     break_silence(effects);
     // Others wait for these news.
     const bool news = leadership() != last_leadership_ || view().number != last_view_;
-    if (news && !listening_.is_on()) send_beacon(effects);
+    if (news) send_beacon(effects);
 }
 
 void ClusterCore::break_silence(Effects& effects) {
@@ -169,6 +183,7 @@ void ClusterCore::heed(const Beacon& beacon) {
     PeerLog& log = log_of(beacon.log);
     log.heard_end(beacon.last_seq);
     log.heard_serving(beacon.serving);
+    if (beacon.knows(own_.id())) log.heard_by_writer();
     watermark_.on_beacon(beacon.log, beacon.applied_through(own_.id()));
     ended_.learn(view(), beacon.ended);
     for (auto& [id, held] : logs_) {
@@ -187,7 +202,6 @@ void ClusterCore::heed_leader(Instant now, const ViewNumber& number) {
 }
 
 void ClusterCore::on(Effects& effects, BrokerId, const ViewProposal& message) {
-    if (listening_.is_on()) return;  // it is asked for again
     heed_leader(effects.now, message.view.number);
     view_change_.on_proposal(effects.now, message, surroundings(effects), effects.peers);
 }

@@ -30,6 +30,7 @@ public:
     void end() { is_on_ = false; }
 
     void on_beacon(const LogId& self, const Beacon& beacon) {
+        if (beacon.view.members.empty()) return;  // it knows no more than we do
         has_heard_ = true;
         if (beacon.view.contains(self) && !beacon.hears_from(self.broker)) {
             doubting_.insert(beacon.log.broker);

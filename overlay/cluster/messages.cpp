@@ -17,6 +17,10 @@ bool Beacon::hears_from(BrokerId broker) const {
     return std::ranges::count(hears, broker) > 0;
 }
 
+bool Beacon::knows(const LogId& other) const {
+    return std::ranges::count(applied, other, &LogPosition::log) > 0;
+}
+
 std::optional<Seq> Beacon::end_of(const LogId& of) const {
     const auto found = std::ranges::find(ended, of, &LogPosition::log);
     if (found == ended.end()) return std::nullopt;

@@ -75,6 +75,7 @@ struct Beacon {
     /// How far the sender applied the log.
     [[nodiscard]] Seq applied_through(const LogId& of) const;
     [[nodiscard]] bool hears_from(BrokerId broker) const;
+    [[nodiscard]] bool knows(const LogId& other) const;
     [[nodiscard]] std::optional<Seq> end_of(const LogId& of) const;
 };
 

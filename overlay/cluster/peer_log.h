@@ -55,9 +55,10 @@ public:
     void freeze();
     void thaw();
     [[nodiscard]] bool is_frozen() const { return frozen_; }
-    /// We were replaced: until we are in one view with its writer again, others know better what is
-    /// left of it.
+    /// We were replaced: until its writer hears us again, or is in one view with us, others know
+    /// better what is left of it.
     void become_outdated() { outdated_ = true; }
+    void heard_by_writer() { outdated_ = outdated_ && frozen_; }
     [[nodiscard]] bool is_outdated() const { return outdated_; }
     /// Of a frozen log: the last event that the members agreed on. Its writer may have lived on
     /// beyond an earlier one, in views that we missed: then what was taken from it is its own

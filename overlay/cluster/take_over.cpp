@@ -32,11 +32,14 @@ bool is_still_serving(const Assignment& assignment, const Membership& membership
     return peer.beacon.log == log && peer.is_serving(assignment.address);
 }
 
-/// The dead broker had handed the session over, and died before its log said so.
-bool was_handed_over(const broker::SessionHeader& left, const PeerLogs& logs) {
+/// The dead broker had handed the session over, and died before its log said so; or its log is
+/// outdated here, and another broker went on with the session.
+bool is_elsewhere(const broker::SessionHeader& left, const PeerLog& log, const Effects& effects,
+                  const PeerLogs& logs) {
+    if (log.is_outdated() && effects.broker.header(left.client_id) != nullptr) return true;
     return std::ranges::any_of(logs, [&](const auto& entry) {
         const broker::SessionHeader* other = entry.second.session(left.client_id);
-        return other != nullptr && broker::outranks(*other, left);
+        return other != nullptr && (log.is_outdated() || broker::outranks(*other, left));
     });
 }
 
@@ -75,6 +78,7 @@ void TakeOver::carry_on(Effects& effects, const Logs& logs, const Membership& me
             return may_go_on && adopt_some(effects, address, log->second, logs);
         }
         if (is_still_serving(pending.assignment, membership)) return false;
+        if (log->second.is_outdated() && !holds_all(logs, membership, view)) return false;
         const auto owner = returned_owner(address, self_, membership, view);
         if (owner && !membership.find(owner->broker)->hears(self_)) return false;
         const auto lacks = lacking(*log, logs, owner.has_value());
@@ -89,6 +93,18 @@ void TakeOver::carry_on(Effects& effects, const Logs& logs, const Membership& me
         begin(effects, pending.assignment, log->second, membership, addresses);
         pending.is_begun = true;
         return adopt_some(effects, address, log->second, logs);
+    });
+}
+
+/// All that the members say in this view: where their clients are.
+bool TakeOver::holds_all(const Logs& logs, const Membership& membership, const View& view) const {
+    return std::ranges::all_of(view.members, [&](const LogId& member) {
+        if (member.broker == self_) return true;
+        const Peer* peer = membership.find(member.broker);
+        const auto log = logs.peers.find(member);
+        return peer != nullptr && log != logs.peers.end() && peer->beacon.log == member &&
+               peer->beacon.view.number == view.number &&
+               log->second.applied() >= peer->beacon.last_seq;
     });
 }
 
@@ -128,7 +144,7 @@ void TakeOver::hand_on(Effects& effects, const LogId& owner, const Endpoint& add
                        const Logs& logs) {
     auto sessions = log.sessions_left(address, all);
     std::erase_if(sessions, [&](const broker::SessionImage& image) {
-        if (!was_handed_over(image.header, logs.peers)) return false;
+        if (!is_elsewhere(image.header, log, effects, logs.peers)) return false;
         log.mark_taken(image.header.client_id);
         return true;
     });
@@ -154,7 +170,9 @@ bool TakeOver::adopt_some(Effects& effects, const Endpoint& address, PeerLog& lo
     const bool may_be_more = sessions.size() == sessions_per_turn_;
     for (auto& image : sessions) {
         const broker::ClientId client = image.header.client_id;
-        if (!was_handed_over(image.header, logs.peers)) adopt(effects, logs, std::move(image));
+        if (!is_elsewhere(image.header, log, effects, logs.peers)) {
+            adopt(effects, logs, std::move(image));
+        }
         log.mark_taken(client);
     }
     return !may_be_more;

@@ -7,6 +7,9 @@
 // new life, and with all that they missed: a newcomer holds none of the removed brokers' logs. And
 // while the removed broker itself is heard to serve the address, it is left there.
 //
+// From an outdated log it takes what is nowhere else, and must hold all that the members say for
+// that.
+//
 // Many sessions are adopted in pieces, and what their clients say waits until all are here.
 #pragma once
 
@@ -49,6 +52,8 @@ private:
         bool is_begun = false;
     };
 
+    [[nodiscard]] bool holds_all(const Logs& logs, const Membership& membership,
+                                 const View& view) const;
     [[nodiscard]] static std::optional<LogPosition> lacking(const PeerLogs::value_type& dead,
                                                             const Logs& logs, bool for_another);
     [[nodiscard]] bool is_out_of_patience(Effects& effects, const Pending& pending) const;

@@ -261,8 +261,8 @@ void Member::State::end_stall(Instant now, MemberActions& out) {
     if (cluster_.was_replaced()) return restart(now, out);
     stall_->heard_in_a_row = cluster_.listening().take_heard() ? stall_->heard_in_a_row + 1 : 0;
     const cluster::Listening& listening = cluster_.listening();
-    const bool knows = !listening.is_doubted() && (listening.is_up_to_date() ||
-                                                   stall_->heard_in_a_row >= beacon_times_heard);
+    const bool knows = !listening.is_doubted() &&
+                       (listening.is_up_to_date() || stall_->heard_in_a_row >= beacon_times_heard);
     if (!knows && !cluster_.live_peers().empty() && stall_->beats_left-- > 0) {
         stall_->listen_until = now + options_.cluster.beacon_every;
         return;

@@ -12,6 +12,7 @@ const LogId peer = test::log_of("peer");
 
 Beacon beacon(std::uint64_t tick, bool in_view, bool hears_us) {
     Beacon said{.log = peer, .tick = tick};
+    said.view.members = {peer};
     if (in_view) said.view.members = {std::min(self, peer), std::max(self, peer)};
     if (hears_us) said.hears = {self.broker};
     return said;
@@ -47,6 +48,16 @@ TEST_F(ListeningTest, AMemberThatDoesNotHearUsDoubtsUs) {
 TEST_F(ListeningTest, AStrangerThatHasNeverHeardUsDoesNot) {
     listening.on_beacon(self, beacon(135, false, false));
     EXPECT_FALSE(listening.is_doubted());
+    EXPECT_TRUE(listening.take_heard());
+}
+
+// It cannot know that we were replaced (simulator, faults `stop` and `crash`, seed 161).
+TEST_F(ListeningTest, ANewcomerInNoViewTellsNothing) {
+    Beacon said = beacon(135, true, true);
+    said.view.members.clear();
+    listening.on_beacon(self, said);
+    EXPECT_FALSE(listening.take_heard());
+    EXPECT_FALSE(listening.is_up_to_date());
 }
 
 }  // namespace

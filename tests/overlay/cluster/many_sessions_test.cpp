@@ -174,6 +174,20 @@ TEST(ManySessions, P3_WhatWasHandedToAFormerLifeIsNotAdopted) {
     EXPECT_EQ(hand_over(self), 1U);
 }
 
+// They may have lived on elsewhere since; whoever asks asks again.
+TEST(ManySessions, P4_WhoMayHaveBeenReplacedGivesNoneAway) {
+    Cluster home;
+    home.hear();
+    (void)home.broker.adopt(home.now, image(0, ours), {}, home.clients);
+    home.keep_log();
+    home.core.listen_only(100ms);
+    home.take(SessionRequest{client(0)});
+    EXPECT_TRUE(home.take_sent<SessionHandoff>().empty());
+    home.core.resume(home.now);
+    home.take(SessionRequest{client(0)});
+    EXPECT_EQ(home.take_sent<SessionHandoff>().size(), 1U);
+}
+
 TEST(ManySessions, AHandOverThatLacksAPartIsNotAcknowledged) {
     NewHome home;
     Effects acting = home.effects();

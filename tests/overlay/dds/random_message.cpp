@@ -239,7 +239,8 @@ cluster::ClusterMessage random_message(std::size_t kind, Random& r) {
         case 13:
             return cluster::AddressBound{endpoint(r), flag(r)};
         case 14:
-            return cluster::SessionHandoff{log_id(r), endpoint(r), r.next(), flag(r), some(r, image)};
+            return cluster::SessionHandoff{log_id(r), endpoint(r), r.next(), flag(r),
+                                           some(r, image)};
         case 15:
             return cluster::SessionRequest{text(r)};
         case 16:
