@@ -14,18 +14,6 @@ constexpr Duration cursors_every = 50ms;
 constexpr Duration trim_every = 100ms;
 constexpr Duration addresses_every = 500ms;
 
-/// Who is in the view, and whose are addresses and sessions: not for a broker that may have been
-/// replaced. What it asks or answers may also have waited since before that.
-bool asks_for_decision(const ClusterMessage& message) {
-    return std::holds_alternative<ViewProposal>(message) ||
-           std::holds_alternative<ViewHoldings>(message) ||
-           std::holds_alternative<ViewAnnouncement>(message) ||
-           std::holds_alternative<AddressOffer>(message) ||
-           std::holds_alternative<AddressBound>(message) ||
-           std::holds_alternative<SessionRequest>(message) ||
-           std::holds_alternative<SessionClaim>(message);
-}
-
 }  // namespace
 
 ClusterCore::ClusterCore(const ClusterOptions& options, const Identity& identity,
@@ -51,7 +39,7 @@ ClusterCore::ClusterCore(const ClusterOptions& options, const Identity& identity
 void ClusterCore::on_message(Effects& effects, const Envelope& envelope) {
     const BrokerId from = envelope.from.broker;
     if (from == own_.id().broker) return;
-    if (listening_.is_on() && asks_for_decision(envelope.message)) return;  // it comes again
+    if (listening_.is_on() && asks_for_decision(envelope.message)) return;
     std::visit([&](const auto& message) { on(effects, from, message); }, envelope.message);
     after_input(effects);
 }
@@ -59,10 +47,12 @@ void ClusterCore::on_message(Effects& effects, const Envelope& envelope) {
 void ClusterCore::on_tick(Effects& effects, const std::set<Endpoint>& pending_output) {
     membership_.on_tick(effects.now);
     view_change_.on_tick(effects.now, surroundings(effects), effects.peers);
+    take_view(effects);
     hand_back_.compare(effects, membership_, view(), addresses_);
-    hand_back_.carry_on(
-        effects, membership_, view(), addresses_,
-        {.pending_output = pending_output, .half_adopted = take_over_.half_adopted()});
+    hand_back_.carry_on(effects, membership_, view(), addresses_,
+                        {.pending_output = pending_output,
+                         .half_adopted = take_over_.half_adopted(),
+                         .inheriting = take_over_.inheriting()});
     settlement_.carry_on(effects, logs(), membership_, hand_back_);
     catch_up(effects);
     after_input(effects);
@@ -131,7 +121,7 @@ void ClusterCore::after_input(Effects& effects) {
         effects.local.push_back(Notice{"lost " + membership_.name_of(lost)});
     }
     if (listening_.is_on()) return;
-    if (const auto installed = view_change_.take_installed()) on_view(effects, *installed);
+    take_view(effects);
     membership_.send_ballots(effects.peers);
     hand_back_.forget_for_the_dead(effects, view(), addresses_);
     take_over_.carry_on(effects, logs(), membership_, view(), addresses_);
@@ -216,6 +206,10 @@ void ClusterCore::on(Effects& effects, BrokerId from, const ViewHoldings& messag
 void ClusterCore::on(Effects& effects, BrokerId, const ViewAnnouncement& message) {
     heed_leader(effects.now, message.view.number);
     view_change_.on_announcement(effects.now, message, surroundings(effects));
+}
+
+void ClusterCore::take_view(Effects& effects) {
+    if (const auto installed = view_change_.take_installed()) on_view(effects, *installed);
 }
 
 void ClusterCore::on_view(Effects& effects, const ViewAnnouncement& announcement) {

@@ -180,6 +180,7 @@ private:
     void learn(const MessagePtr& message);
     void mark_taken(const broker::ClientId& client);
     void after_input(Effects& effects);
+    void take_view(Effects& effects);
     void on_view(Effects& effects, const ViewAnnouncement& announcement);
     void send_beacon(Effects& effects);
     /// What was said from an address while it was silent went nowhere: says it again.

@@ -77,13 +77,16 @@ void HandBack::carry_on(Effects& effects, const Membership& membership, const Vi
         return from == nullptr || !from->alive;
     });
     // A hand-over that gets no answer, or whose owner began anew meanwhile, is called off: the
-    // sessions speak from here again.
+    // sessions speak from here again. If the owner may have spoken for them, what it said comes
+    // first, from its log.
     std::erase_if(giving_, [&](const auto& entry) {
-        const Giving& giving = entry.second;
-        if (giving.stage == Stage::acknowledged) return !addresses.is_serving(entry.first);
+        const auto& [address, giving] = entry;
+        if (!addresses.is_serving(address)) return true;
+        if (giving.stage == Stage::acknowledged) return false;
         const Duration limit = (giving.stage == Stage::offered ? 3 : 10) * patience_;
-        return effects.now > giving.since + limit || !membership.is_alive(giving.owner) ||
-               !addresses.is_serving(entry.first);
+        if (effects.now > giving.since + limit) return true;
+        if (!giving.all_sent) return !membership.is_alive(giving.owner);
+        return !view.contains(giving.owner) && !not_yet.inheriting.contains(address);
     });
     const std::set<Endpoint> serving = addresses.serving();
     for (const Endpoint& address : serving) {

@@ -39,6 +39,7 @@ public:
     struct NotYet {
         const std::set<Endpoint>& pending_output;  // answers still wait to leave from there
         const std::set<Endpoint>& half_adopted;    // its sessions are not all here
+        const std::set<Endpoint>& inheriting;      // nor those that an heir, we, shall take over
     };
     /// Offers what belongs to others, and goes on with what is under way; many sessions leave, and
     /// are forgotten, in pieces.

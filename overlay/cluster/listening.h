@@ -8,12 +8,25 @@
 #include <map>
 #include <set>
 #include <utility>
+#include <variant>
 
 #include "overlay/cluster/membership.h"
 #include "overlay/cluster/messages.h"
 #include "romano/base/time.h"
 
 namespace romano::cluster {
+
+/// Who is in the view, and whose are addresses and sessions: not for a member that listens. What it
+/// asks or answers may also have waited since before it was replaced. It comes again.
+[[nodiscard]] inline bool asks_for_decision(const ClusterMessage& message) {
+    return std::holds_alternative<ViewProposal>(message) ||
+           std::holds_alternative<ViewHoldings>(message) ||
+           std::holds_alternative<ViewAnnouncement>(message) ||
+           std::holds_alternative<AddressOffer>(message) ||
+           std::holds_alternative<AddressBound>(message) ||
+           std::holds_alternative<SessionRequest>(message) ||
+           std::holds_alternative<SessionClaim>(message);
+}
 
 class Listening {
 public:

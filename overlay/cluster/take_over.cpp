@@ -192,4 +192,10 @@ std::set<Endpoint> TakeOver::half_adopted() const {
     return addresses;
 }
 
+std::set<Endpoint> TakeOver::inheriting() const {
+    std::set<Endpoint> addresses;
+    for (const Pending& pending : pending_) addresses.insert(pending.assignment.address);
+    return addresses;
+}
+
 }  // namespace romano::cluster

@@ -39,6 +39,8 @@ public:
     [[nodiscard]] bool is_busy() const { return !pending_.empty(); }
     /// Addresses of which sessions are here, and others not yet.
     [[nodiscard]] std::set<Endpoint> half_adopted() const;
+    /// Also those that are still to come.
+    [[nodiscard]] std::set<Endpoint> inheriting() const;
     [[nodiscard]] bool is_half_adopted(const Endpoint& address) const;
     /// Service addresses of the dead that were inherited so far.
     [[nodiscard]] std::uint64_t inherited() const { return inherited_; }

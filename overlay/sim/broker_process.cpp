@@ -116,7 +116,7 @@ void BrokerProcess::unbind(const Endpoint& address) {
 }
 
 void BrokerProcess::send(const Endpoint& via, const Endpoint& to, Bytes datagram) {
-    clients_.send(node_, via, to, datagram);
+    if (bound_.contains(via)) clients_.send(node_, via, to, datagram);  // else it has no socket
 }
 
 void BrokerProcess::on_envelope(cluster::Envelope envelope) {

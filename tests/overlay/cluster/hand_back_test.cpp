@@ -44,7 +44,7 @@ struct AfterAHeal {
     [[nodiscard]] std::size_t handed_over() {
         peers.clear();
         Effects acting = effects();
-        hand_back.carry_on(acting, membership, view, addresses, {{}, {}});
+        hand_back.carry_on(acting, membership, view, addresses, {{}, {}, {}});
         return peers.size();
     }
     void compare() {

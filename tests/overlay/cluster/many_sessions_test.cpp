@@ -230,10 +230,12 @@ struct Holder : Owner {
         adopt_all(theirs);
         clients.clear();
     }
-    void carry_on(const std::set<Endpoint>& half_adopted = {}) {
+    void carry_on(const std::set<Endpoint>& half_adopted = {},
+                  const std::set<Endpoint>& inheriting = {}) {
         Effects acting = effects();
-        hand_back.carry_on(acting, membership, view, addresses,
-                           {.pending_output = {}, .half_adopted = half_adopted});
+        hand_back.carry_on(
+            acting, membership, view, addresses,
+            {.pending_output = {}, .half_adopted = half_adopted, .inheriting = inheriting});
     }
     void acknowledge() {
         Effects acting = effects();
@@ -272,6 +274,26 @@ TEST(ManySessions, TheyAreHandedBackAndForgottenInPieces) {
         EXPECT_TRUE(holder.hand_back.is_deaf(theirs));
         holder.carry_on();
     }
+}
+
+// What it said for them comes first, from its log (simulator, seed 811931).
+TEST(ManySessions, P3_ThoseThatTheOwnerMayHaveSpokenForAreSilentUntilItsHeirHasThem) {
+    Holder holder;
+    holder.carry_on();
+    holder.now += 5ms;
+    do {
+        holder.carry_on();
+    } while (holder.hand_back.is_half_done());
+    (void)holder.membership.on_beacon(holder.now, {.log = peer, .tick = 2, .leaving = true});
+    holder.carry_on();
+    EXPECT_TRUE(holder.hand_back.is_silent(theirs)) << "a member, still";
+    holder.view.members = {self};
+    Effects acting = holder.effects();
+    holder.hand_back.compare(acting, holder.membership, holder.view, holder.addresses);
+    holder.carry_on({}, {theirs});
+    EXPECT_TRUE(holder.hand_back.is_silent(theirs)) << "its log is not complete here";
+    holder.carry_on();
+    EXPECT_FALSE(holder.hand_back.is_silent(theirs));
 }
 
 // Its heir, perhaps we, goes on from its copies.
