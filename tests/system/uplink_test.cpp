@@ -203,6 +203,7 @@ TEST_F(Uplink, TheLeadersDeathUnderTrafficLosesNothingAndDoublesNothing) {
         return identities;
     };
     EXPECT_TRUE(outside.wait_until([&] { return all_up().size() >= messages; }));
+    for (int i = 0; i < messages; ++i) EXPECT_TRUE(all_up().contains(std::to_string(i))) << i;
     // Whoever counts identities sees each once, however often it had to be sent.
     for (const auto& [number, identities] : all_up()) EXPECT_THAT(identities, SizeIs(1)) << number;
 }
