@@ -196,7 +196,7 @@ void TestClient::handle(const mqttsn::Message& message) {
 
 void TestClient::handle_publish(const mqttsn::Publish& publish) {
     ReceivedPublish delivery{topic_name(publish), std::string(as_text(publish.data)), publish.qos,
-                             publish.retain};
+                             publish.retain, publish.dup};
     switch (publish.qos) {
         case Qos::at_least_once:
             received.push_back(std::move(delivery));

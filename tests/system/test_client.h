@@ -21,6 +21,7 @@ struct ReceivedPublish {
     std::string data;
     mqttsn::Qos qos = mqttsn::Qos::at_most_once;
     bool retain = false;
+    bool dup = false;
 };
 
 class TestClient {

@@ -188,7 +188,11 @@ TEST_F(Uplink, TheLeadersDeathUnderTrafficLosesNothingAndDoublesNothing) {
     }
     const auto all_down = [&] {
         std::map<std::string, int> times;
-        for (const auto& message : robot->received) ++times[message.data];
+        for (const auto& message : robot->received) {
+            int& before = times[message.data];
+            // Of QoS 1, its home may repeat it, and says so.
+            if (!message.dup || before == 0) ++before;
+        }
         times.erase("open");
         return times;
     };
