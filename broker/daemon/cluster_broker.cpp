@@ -132,23 +132,24 @@ void ClusterBroker::open_links() {
 }
 
 void ClusterBroker::open_uplink(MakeUplink make_uplink) {
-    uplink_ = make_uplink(io_, settings_.uplink->mqtt,
-                          {.on_up =
-                               [this](bool resumed) {
-                                   member_->on_uplink_up(net::now(), resumed, actions_);
-                                   carry_out();
-                               },
-                           .on_down = [this] { member_->on_uplink_down(); },
-                           .on_confirmed =
-                               [this](const broker::LogPosition& position) {
-                                   member_->on_uplink_confirmed(net::now(), position, actions_);
-                                   carry_out();
-                               },
-                           .on_message =
-                               [this](const uplink::FromRemote& message, std::uint64_t token) {
-                                   member_->on_uplink_message(net::now(), message, token, actions_);
-                                   carry_out();
-                               }});
+    uplink_ =
+        make_uplink(io_, settings_.uplink->mqtt,
+                    {.on_up =
+                         [this](bool resumed) {
+                             member_->on_uplink_up(net::now(), resumed, actions_);
+                             carry_out();
+                         },
+                     .on_down = [this] { member_->on_uplink_down(); },
+                     .on_answer =
+                         [this](const broker::LogPosition& position, uplink::Answer answer) {
+                             member_->on_uplink_answer(net::now(), position, answer, actions_);
+                             carry_out();
+                         },
+                     .on_message =
+                         [this](const uplink::FromRemote& message, std::uint64_t token) {
+                             member_->on_uplink_message(net::now(), message, token, actions_);
+                             carry_out();
+                         }});
 }
 
 // Somebody has an address that we shall serve: fine if a peer's beacon says that it is the peer's

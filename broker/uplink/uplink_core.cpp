@@ -46,6 +46,7 @@ void UplinkCore::hold(bool holds, std::vector<UplinkAction>& out) {
     holds_ = holds;
     up_ = false;
     on_their_way_.clear();
+    is_busy_ = false;
     if (holds) {
         out.emplace_back(OpenLink{});
     } else {
@@ -61,7 +62,8 @@ void UplinkCore::on_up(bool resumed) {
 
 void UplinkCore::send(std::span<const Delivery> waiting, const LogPosition& safe,
                       std::vector<UplinkAction>& out) {
-    if (!up_) return;
+    is_busy_ = is_busy_ && !on_their_way_.empty();
+    if (!up_ || is_busy_) return;
     std::size_t seen = 0;
     for (const Delivery& delivery : waiting) {
         if (seen++ >= window || on_their_way_.size() >= window) return;
@@ -92,8 +94,14 @@ void UplinkCore::send_now(const broker::MessagePtr& message, std::vector<UplinkA
                                network_ + '/' + hex(unique_) + "/q" + hex(++counted_)});
 }
 
-void UplinkCore::on_confirmed(const LogPosition& position) {
-    if (std::erase(on_their_way_, position) != 0) ++counters_.confirmed;
+void UplinkCore::on_answer(const LogPosition& position, Answer answer) {
+    if (std::erase(on_their_way_, position) == 0) return;
+    if (answer == Answer::done) {
+        ++counters_.confirmed;
+    } else {
+        ++counters_.busy;
+        is_busy_ = true;
+    }
 }
 
 std::optional<Inbound> UplinkCore::receive(const FromRemote& message) {

@@ -58,11 +58,17 @@ struct FromRemote {
     std::uint16_t packet_id{};  // 0 at QoS 0
 };
 
+/// What the MQTT broker says of a message of QoS 1 or 2.
+enum class Answer : std::uint8_t {
+    done,  // it has the message, or never will
+    busy,  // it does not take the message now
+};
+
 /// What the shell that holds the link tells.
 struct LinkEvents {
     std::function<void(bool resumed)> on_up;
     std::function<void()> on_down;
-    std::function<void(const broker::LogPosition&)> on_confirmed;
+    std::function<void(const broker::LogPosition&, Answer)> on_answer;
     std::function<void(const FromRemote&, std::uint64_t token)> on_message;
 };
 
@@ -74,8 +80,9 @@ struct Inbound {
 
 struct UplinkCounters {
     std::uint64_t sent = 0;
-    std::uint64_t confirmed = 0;  // of QoS 1 and 2: the MQTT broker has it
+    std::uint64_t confirmed = 0;  // of QoS 1 and 2: done
     std::uint64_t received = 0;
+    std::uint64_t busy = 0;        // not taken, to be sent again
     std::uint64_t duplicates = 0;  // came in again
     std::uint64_t own = 0;         // came back
     std::uint64_t unwanted = 0;    // fits no rule, or cannot be published here
@@ -107,8 +114,8 @@ public:
               std::vector<UplinkAction>& out);
     /// A message of QoS 0: now or never.
     void send_now(const broker::MessagePtr& message, std::vector<UplinkAction>& out);
-    /// The MQTT broker has it.
-    void on_confirmed(const broker::LogPosition& position);
+    /// What is not taken is sent again when all others that are on their way are answered.
+    void on_answer(const broker::LogPosition& position, Answer answer);
 
     /// Empty when it shall not be published: known, our own, or not wanted.
     [[nodiscard]] std::optional<Inbound> receive(const FromRemote& message);
@@ -128,6 +135,7 @@ private:
     std::uint64_t unique_;
     std::uint64_t counted_ = 0;
     std::vector<broker::LogPosition> on_their_way_;
+    bool is_busy_ = false;  // the MQTT broker, since one of them came back
     SeenIdentities seen_;
     UplinkCounters counters_;
 };

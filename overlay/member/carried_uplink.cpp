@@ -95,10 +95,11 @@ Datagrams CarriedUplink::missing_subscriptions(const broker::BrokerCore& broker)
     return out;
 }
 
-void CarriedUplink::on_confirmed(Instant now, const broker::LogPosition& position,
-                                 broker::BrokerCore& broker, broker::Actions& actions) {
-    core_.on_confirmed(position);
-    broker.on_read(now, position, actions);
+void CarriedUplink::on_answer(Instant now, const broker::LogPosition& position,
+                              uplink::Answer answer, broker::BrokerCore& broker,
+                              broker::Actions& actions) {
+    core_.on_answer(position, answer);
+    if (answer == uplink::Answer::done) broker.on_read(now, position, actions);
 }
 
 void CarriedUplink::on_message(Instant now, const uplink::FromRemote& message, std::uint64_t token,

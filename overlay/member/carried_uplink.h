@@ -38,8 +38,8 @@ public:
 
     void on_up(bool resumed) { core_.on_up(resumed); }
     void on_down() { core_.on_down(); }
-    void on_confirmed(Instant now, const broker::LogPosition& position, broker::BrokerCore& broker,
-                      broker::Actions& actions);
+    void on_answer(Instant now, const broker::LogPosition& position, uplink::Answer answer,
+                   broker::BrokerCore& broker, broker::Actions& actions);
     void on_message(Instant now, const uplink::FromRemote& message, std::uint64_t token,
                     broker::BrokerCore& broker, broker::Actions& actions);
     void on_for_owner(const broker::MessagePtr& message, std::vector<uplink::UplinkAction>& out);

@@ -57,7 +57,8 @@ public:
     void on_link(Instant now, const LogId& process, election::Link link, MemberActions& out);
     void on_uplink_up(Instant now, bool resumed, MemberActions& out);
     void on_uplink_down();
-    void on_uplink_confirmed(Instant now, const broker::LogPosition& position, MemberActions& out);
+    void on_uplink_answer(Instant now, const broker::LogPosition& position, uplink::Answer answer,
+                          MemberActions& out);
     void on_uplink_message(Instant now, const uplink::FromRemote& message, std::uint64_t token,
                            MemberActions& out);
     void on_tick(Instant now, MemberActions& out);
@@ -418,11 +419,11 @@ void Member::State::on_uplink_down() {
     if (uplink_) uplink_->on_down();
 }
 
-void Member::State::on_uplink_confirmed(Instant now, const broker::LogPosition& position,
-                                        MemberActions& out) {
+void Member::State::on_uplink_answer(Instant now, const broker::LogPosition& position,
+                                     uplink::Answer answer, MemberActions& out) {
     if (!uplink_ || has_left_) return;
     notice_stall(now);
-    uplink_->on_confirmed(now, position, broker_, work_);
+    uplink_->on_answer(now, position, answer, broker_, work_);
     carry_out(now, out);
 }
 
@@ -530,9 +531,9 @@ void Member::on_uplink_up(Instant now, bool resumed, MemberActions& out) {
 void Member::on_uplink_down() {
     state_->on_uplink_down();
 }
-void Member::on_uplink_confirmed(Instant now, const broker::LogPosition& position,
-                                 MemberActions& out) {
-    state_->on_uplink_confirmed(now, position, out);
+void Member::on_uplink_answer(Instant now, const broker::LogPosition& position,
+                              uplink::Answer answer, MemberActions& out) {
+    state_->on_uplink_answer(now, position, answer, out);
 }
 void Member::on_uplink_message(Instant now, const uplink::FromRemote& message, std::uint64_t token,
                                MemberActions& out) {

@@ -75,8 +75,9 @@ public:
     /// The link to the MQTT broker, asked for by OpenLink, came up or was lost.
     void on_uplink_up(Instant now, bool resumed, MemberActions& out);
     void on_uplink_down();
-    /// The MQTT broker has what PublishUp brought it.
-    void on_uplink_confirmed(Instant now, const broker::LogPosition& position, MemberActions& out);
+    /// To what PublishUp brought it.
+    void on_uplink_answer(Instant now, const broker::LogPosition& position, uplink::Answer answer,
+                          MemberActions& out);
     /// `token` comes back in Acknowledge; 0: nobody waits for it.
     void on_uplink_message(Instant now, const uplink::FromRemote& message, std::uint64_t token,
                            MemberActions& out);

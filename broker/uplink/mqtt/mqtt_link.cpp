@@ -57,13 +57,13 @@ void MqttLink::open() {
                     spdlog::warn("uplink: no connection to {}: {}", where_, why);
                     events_.on_down();
                 },
-            .on_confirmed =
-                [this](int packet_id) {
+            .on_answer =
+                [this](int packet_id, Answer answer) {
                     const auto found = on_their_way_.find(packet_id);
                     if (found == on_their_way_.end()) return;  // QoS 0
                     const auto position = found->second;
                     on_their_way_.erase(found);
-                    events_.on_confirmed(position);
+                    events_.on_answer(position, answer);
                 },
             .on_message = [this](const FromRemote& message,
                                  std::uint64_t token) { events_.on_message(message, token); }});
@@ -86,7 +86,7 @@ void MqttLink::publish(const PublishUp& message) {
         // It never will. Said later: whoever hands it over is not done yet.
         boost::asio::post(
             io_, [alive = std::weak_ptr(thread_), this, position = message.message->position] {
-                if (!alive.expired()) events_.on_confirmed(position);
+                if (!alive.expired()) events_.on_answer(position, Answer::done);
             });
         return;
     }

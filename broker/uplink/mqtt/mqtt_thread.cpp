@@ -4,6 +4,7 @@
 
 // mqtt_protocol.h must stand first
 #include <mosquitto.h>
+#include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <boost/asio/post.hpp>
@@ -26,6 +27,8 @@ constexpr int keep_alive_s = 15;
 constexpr std::uint32_t session_kept_s = 24 * 60 * 60;
 constexpr auto shortest_rest = 500ms;
 constexpr auto longest_rest = 30'000ms;
+
+constexpr int first_error = 0x80;  // of the reason codes, MQTT 5 §2.4
 
 constexpr const char* identity_name = "romano-id";
 constexpr const char* qos_name = "romano-qos";
@@ -88,8 +91,8 @@ MqttThread::MqttThread(boost::asio::io_context& io, MqttSettings settings, MqttE
             self_of(object)->replaced_ = reason == MQTT_RC_SESSION_TAKEN_OVER;
         });
     mosquitto_publish_v5_callback_set(
-        mosquitto_, [](mosquitto*, void* object, int packet_id, int, const auto*) {
-            self_of(object)->tell([packet_id](MqttEvents& told) { told.on_confirmed(packet_id); });
+        mosquitto_, [](mosquitto*, void* object, int packet_id, int reason, const auto*) {
+            self_of(object)->on_answer(packet_id, reason);
         });
     mosquitto_message_v5_callback_set(
         mosquitto_,
@@ -228,6 +231,7 @@ void MqttThread::on_connected(int reason, bool resumed) {
         return;
     }
     connected_ = true;
+    resumed_ = resumed;
     tell([resumed](MqttEvents& events) { events.on_up(resumed); });
     for (const Filter& filter : settings_.filters) {
         const int qos = std::min(static_cast<int>(filter.qos), 1);
@@ -236,6 +240,19 @@ void MqttThread::on_connected(int reason, bool resumed) {
             MQTT_SUB_OPT_NO_LOCAL | MQTT_SUB_OPT_RETAIN_AS_PUBLISHED | MQTT_SUB_OPT_SEND_RETAIN_NEW,
             nullptr);
     }
+}
+
+/// MQTT 5 §3.4.2.1, §3.5.2.1 and §3.7.2.1.
+void MqttThread::on_answer(int packet_id, int reason) {
+    // To a repeated PUBREL: it has published the message, or forgotten it with the whole session.
+    const bool is_gone = reason == MQTT_RC_PACKET_ID_NOT_FOUND;
+    const bool is_busy = reason == MQTT_RC_QUOTA_EXCEEDED || (is_gone && !resumed_);
+    if (reason >= first_error && !is_busy && !is_gone) {
+        spdlog::warn("uplink: {} refuses a message: {}", settings_.host,
+                     mosquitto_reason_string(reason));
+    }
+    const Answer answer = is_busy ? Answer::busy : Answer::done;
+    tell([packet_id, answer](MqttEvents& told) { told.on_answer(packet_id, answer); });
 }
 
 void MqttThread::on_message(const mosquitto_message& message, std::string identity,

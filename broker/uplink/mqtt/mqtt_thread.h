@@ -27,7 +27,7 @@ namespace romano::uplink {
 struct MqttEvents {
     std::function<void(bool resumed)> on_up;
     std::function<void(const std::string& why)> on_down;
-    std::function<void(int packet_id)> on_confirmed;
+    std::function<void(int packet_id, Answer)> on_answer;
     std::function<void(const FromRemote&, std::uint64_t token)> on_message;
 };
 
@@ -55,6 +55,7 @@ private:
     template <typename Event>
     void tell(Event event);
     void on_connected(int reason, bool resumed);
+    void on_answer(int packet_id, int reason);
     void on_message(const mosquitto_message& message, std::string identity, mqttsn::Qos qos);
 
     boost::asio::io_context& io_;
@@ -69,6 +70,7 @@ private:
     std::uint64_t last_token_ = 0;
     std::uint64_t acknowledged_ = 0;  // of the tokens, which count up
     bool connected_ = false;          // its own thread only
+    bool resumed_ = false;            // likewise
     bool replaced_ = false;           // likewise: another broker has our session
     std::string trouble_;             // likewise: why the last connection ended
 };

@@ -123,10 +123,28 @@ TEST_F(Uplink, KeepsTheWindow) {
     for (std::uint64_t i = 1; i <= 100; ++i) queue.push_back(waiting({peer, i}));
     core.send(queue, all_safe, out);
     EXPECT_EQ(sent().size(), UplinkCore::window);
-    core.on_confirmed({peer, 1});
+    core.on_answer({peer, 1}, Answer::done);
     queue.erase(queue.begin());
     core.send(queue, all_safe, out);
     EXPECT_EQ(sent().size(), 1U);
+}
+
+TEST_F(Uplink, WhatIsNotTakenGoesAgainWhenTheOthersAreAnswered) {
+    connect();
+    std::vector queue{waiting({peer, 1}), waiting({peer, 2})};
+    core.send(queue, all_safe, out);
+    const auto first = sent();
+    core.on_answer({peer, 1}, Answer::busy);
+    queue.push_back(waiting({peer, 3}));
+    core.send(queue, all_safe, out);
+    EXPECT_THAT(sent(), IsEmpty()) << "it would be refused as well, or pass the one that was";
+    core.on_answer({peer, 2}, Answer::done);
+    queue.erase(queue.begin() + 1);
+    core.send(queue, all_safe, out);
+    const auto again = sent();
+    ASSERT_EQ(again.size(), 2U);
+    EXPECT_EQ(again[0], first[0]);
+    EXPECT_EQ(core.counters().busy, 1U);
 }
 
 TEST_F(Uplink, WhatIsNotSafeYetWaits) {

@@ -180,9 +180,9 @@ void Brokers::uplink_up(int rank, bool resumed) {
     carry_out(rank, actions);
 }
 
-void Brokers::uplink_confirms(int rank, const broker::LogPosition& position) {
+void Brokers::uplink_answers(int rank, const broker::LogPosition& position, uplink::Answer answer) {
     overlay::MemberActions actions;
-    running_.at(rank).member->on_uplink_confirmed(now_, position, actions);
+    running_.at(rank).member->on_uplink_answer(now_, position, answer, actions);
     carry_out(rank, actions);
 }
 

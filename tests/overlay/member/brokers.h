@@ -58,7 +58,7 @@ public:
         return uplink_actions_[rank];
     }
     void uplink_up(int rank, bool resumed);
-    void uplink_confirms(int rank, const broker::LogPosition& position);
+    void uplink_answers(int rank, const broker::LogPosition& position, uplink::Answer answer);
     void uplink_brings(int rank, const uplink::FromRemote& message, std::uint64_t token);
 
     void run_for(Duration time);

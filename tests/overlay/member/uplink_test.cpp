@@ -133,7 +133,7 @@ TEST_F(MemberWithUplink, WhatWasNotConfirmedIsSentAgainByTheNextLeaderUnderTheSa
     brokers.run_for(500ms);
     const auto first = sent(3);
     ASSERT_EQ(first.size(), 3U);
-    brokers.uplink_confirms(3, first[0].message->position);
+    brokers.uplink_answers(3, first[0].message->position, uplink::Answer::done);
     brokers.run_for(100ms);
     brokers.kill(3);
     brokers.run_for(3s);
@@ -141,6 +141,21 @@ TEST_F(MemberWithUplink, WhatWasNotConfirmedIsSentAgainByTheNextLeaderUnderTheSa
     brokers.uplink_up(2, true);
     EXPECT_THAT(texts(2), ElementsAre("b", "c"));
     EXPECT_EQ(sent(2)[0].identity, first[1].identity);
+}
+
+TEST_F(MemberWithUplink, WhatTheMqttBrokerDidNotTakeIsSentAgain) {
+    start({1, 2});
+    brokers.uplink_up(2, true);
+    publisher(1).publish("fleet/x", "a", Qos::at_least_once);
+    brokers.run_for(500ms);
+    const auto first = sent(2);
+    ASSERT_EQ(first.size(), 1U);
+    brokers.uplink_answers(2, first[0].message->position, uplink::Answer::busy);
+    ASSERT_EQ(sent(2).size(), 2U);
+    EXPECT_EQ(sent(2)[1].identity, first[0].identity);
+    brokers.uplink_answers(2, first[0].message->position, uplink::Answer::done);
+    brokers.run_for(500ms);
+    EXPECT_EQ(sent(2).size(), 2U);
 }
 
 TEST_F(MemberWithUplink, WhatWasQueuedGoesWithTheLeadershipThoughNobodyDied) {
