@@ -89,9 +89,10 @@ struct SessionHeader {
     return header.state == SessionState::active || header.state == SessionState::asleep ||
            header.state == SessionState::awake;
 }
-/// A publish of QoS 1 or 2 is kept for it.
+/// A publish of QoS 1 or 2 is kept for it. Also for a lost client's clean session: the client may
+/// be out of this broker's sight alone, and awake or asleep for all that it knows.
 [[nodiscard]] inline bool keeps_messages(const SessionHeader& header) {
-    return is_connected(header) || !header.clean;
+    return header.state != SessionState::disconnected || !header.clean;
 }
 
 struct SessionImage {

@@ -306,6 +306,22 @@ TEST_F(Connecting, CleanSessionIsKeptForAWhileAfterDisconnection) {  // G11
     broker.expects_mirror_to_agree();
 }
 
+// It may have spoken to another broker meanwhile, beyond a cut (simulator, seed 937788).
+TEST_F(Connecting, P2_WhatComesForACleanSessionThatWasLostWaits) {
+    robot.connects(true, 10);
+    robot.subscribes("cmd");
+    watcher.connects();
+    const TopicId topic = watcher.registers("cmd");
+    broker.waits(16s);
+    EXPECT_EQ(broker.core.image("robot")->header.state, SessionState::lost);
+    watcher.publishes(topic, "1", Qos::at_least_once);
+    robot.ignores_what_came();
+    robot.connects(false);
+    const auto name = robot.hears<Register>();
+    robot.says(Regack{name.topic_id, name.msg_id, ReturnCode::accepted});
+    robot.hears_publish("1", Qos::at_least_once);
+}
+
 TEST_F(Connecting, PromptsThatAreNeverAnsweredAreForgotten) {
     robot.says(robot.connect(true, 10, true));
     robot.hears<Willtopicreq>();
