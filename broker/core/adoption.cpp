@@ -53,6 +53,25 @@ bool learn(SessionImage& image, const SessionImage& told) {
     return is_new;
 }
 
+/// What the copy that gives way has begun to send at QoS 2, and only waits in the one that stays,
+/// goes on under its id: the client may have it. False when there is nothing of the kind.
+bool resume_exchanges(SessionImage& image, const SessionImage& other) {
+    bool resumes = false;
+    for (const Delivery& begun : other.deliveries) {
+        if (begun.qos != Qos::exactly_once || begun.stage == DeliveryStage::queued) continue;
+        const auto waiting =
+            std::ranges::find(image.deliveries, begun.position, &Delivery::position);
+        if (waiting == image.deliveries.end() || waiting->qos != Qos::exactly_once ||
+            waiting->stage != DeliveryStage::queued) {
+            continue;
+        }
+        waiting->stage = begun.stage;
+        waiting->msg_id = begun.msg_id;
+        resumes = true;
+    }
+    return resumes;
+}
+
 /// The store of a lone broker has only those of open exchanges.
 mqttsn::MsgId last_msg_id(const SessionImage& image) {
     mqttsn::MsgId last = image.last_msg_id;
@@ -101,10 +120,11 @@ bool Adoption::adopt(SessionImage image, std::span<const MessagePtr> missed, Tur
         comes = outranks(image.header, other.header);
         if (!comes) std::swap(image, other);
         elsewhere = other.last_msg_id;
+        const bool resumes = resume_exchanges(image, other);
         unfinished = left_open(other, image);
         const bool learns =
             other.header.last_heard > image.header.last_heard && learn(image, other);
-        if (!comes && !learns) {
+        if (!comes && !learns && !resumes) {
             if (unfinished != mqttsn::no_msg_id) session->unfinished = unfinished;
             deliveries_.release_unfinished(*session, turn);
             return false;

@@ -204,5 +204,61 @@ TEST_F(AnOpenExchange, P2_IsFinishedByTheCopyThatComes) {
     expects_it_released_until_it_answers();
 }
 
+/// Both copies have a message of a third broker, and one has begun to send it (simulator, seed
+/// 935207).
+class AnExchangeOfOneCopy : public AdoptingBrokers {
+protected:
+    AnExchangeOfOneCopy() {
+        robot.connects(false);
+        robot.subscribes("cmd");
+        waiting = image_of(home, "robot");
+        const LogPosition position{{broker_id_of("third"), 1}, 1};
+        const MessagePtr message = published_at(position, "go");
+        const SessionImage own = waiting;
+        home.core.release("robot", home.actions);
+        EXPECT_TRUE(home.core.adopt(home.now, own, {{message}}, home.actions));
+        home.drain();
+        begun = robot.hears<Publish>().msg_id;
+        waiting.deliveries = {{.position = position, .message = message, .qos = Qos::exactly_once}};
+    }
+    void meets_the_other_copy(std::uint64_t epochs_ahead, bool comes) {
+        waiting.header.epoch = image_of(home, "robot").header.epoch + epochs_ahead;
+        EXPECT_EQ(home.core.adopt(home.now, waiting, {}, home.actions), comes);
+        home.drain();
+    }
+
+    MsgId begun{};
+    SessionImage waiting;
+};
+
+TEST_F(AnExchangeOfOneCopy, P3_GoesOnUnderItsIdInTheCopyThatComes) {
+    meets_the_other_copy(1, true);
+    EXPECT_EQ(robot.hears<Publish>().msg_id, begun);
+}
+
+TEST_F(AnExchangeOfOneCopy, P3_WhatTheClientHasReceivedIsOnlyReleasedByTheCopyThatComes) {
+    robot.says(Pubrec{begun});
+    robot.hears<Pubrel>();
+    meets_the_other_copy(1, true);
+    EXPECT_EQ(robot.hears<Pubrel>().msg_id, begun);
+    robot.says(Pubcomp{begun});
+    robot.hears_nothing();
+}
+
+TEST_F(AnExchangeOfOneCopy, P3_OfTheCopyThatGivesWayGoesOnInTheOneThatStays) {
+    const SessionImage gives_way = image_of(home, "robot");
+    waiting.header.state = SessionState::asleep;
+    waiting.header.sleep_s = 100;
+    ++waiting.header.epoch;
+    EXPECT_TRUE(heir.core.adopt(heir.now, waiting, {}, heir.actions));
+    heir.drain();
+    robot.moves_to(heir);
+    EXPECT_FALSE(heir.core.adopt(heir.now, gives_way, {}, heir.actions));
+    heir.drain();
+    robot.hears_nothing();
+    robot.says(Pingreq{"robot"});
+    EXPECT_EQ(robot.hears<Publish>().msg_id, begun);
+}
+
 }  // namespace
 }  // namespace romano::broker
