@@ -55,7 +55,7 @@ std::vector<MessagePtr> missed_publishes(const broker::SessionImage& image,
 
 void leave_out_delivered(broker::SessionImage& image, std::vector<MessagePtr>& missed,
                          const broker::SessionImage& former) {
-    if (!broker::keeps_messages(former.header)) return;  // lost there: nothing was queued for it
+    if (!broker::keeps_messages(former.header)) return;  // nothing was queued for it
     const auto is_delivered = [&](const MessagePtr& message) {
         const LogPosition& position = message->position;
         if (position.seq > worked_through(former, position.log)) return false;

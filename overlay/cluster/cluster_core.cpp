@@ -30,7 +30,7 @@ ClusterCore::ClusterCore(const ClusterOptions& options, const Identity& identity
       take_over_(identity.log.broker, membership_.detection_time(), options.sessions_per_turn),
       last_words_(membership_.detection_time()),
       hand_back_(identity.log.broker, membership_.detection_time(), options.sessions_per_turn),
-      handoffs_(options.sessions_per_turn),
+      handoffs_(options.sessions_per_turn, membership_.detection_time()),
       settlement_(identity.log.broker, membership_.detection_time()),
       roaming_(membership_.detection_time()) {}
 
@@ -127,6 +127,7 @@ void ClusterCore::after_input(Effects& effects) {
     take_over_.carry_on(effects, logs(), membership_, view(), addresses_);
     last_words_.carry_on(effects, logs_, membership_, view());
     publish_order_.carry_on(effects, logs_, view());
+    heed_handoffs(effects);
     for (const auto& [from, address] : handoffs_.take_adopted()) {
         hand_back_.on_handed_over(from, address);
     }
@@ -570,7 +571,15 @@ void ClusterCore::on(Effects& effects, BrokerId from, const AddressBound& bound)
 
 void ClusterCore::on(Effects& effects, BrokerId from, const SessionHandoff& part) {
     if (part.to != own_.id()) return;
-    handoffs_.on_handoff(effects, logs(), from, part);
+    handoffs_.on_handoff(effects.now, from, part);
+    heed_handoffs(effects);
+    handoffs_.on_turn(effects, logs());
+}
+
+void ClusterCore::heed_handoffs(const Effects& effects) {
+    handoffs_.heed(effects.now, [&](const LogPosition& position) {
+        return publish_order_.is_worked_through(effects, position, logs_, view());
+    });
 }
 
 void ClusterCore::on(Effects& effects, BrokerId from, const HandoffAck& ack) {

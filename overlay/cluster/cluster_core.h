@@ -176,6 +176,7 @@ private:
     /// Up to `most` events that are here; the rest at the next ticks.
     void apply(Effects& effects, const LogId& id, PeerLog& log, std::size_t most);
     void catch_up(Effects& effects);
+    void heed_handoffs(const Effects& effects);
     void apply_event(Effects& effects, const LogId& id, PeerLog& log);
     void learn(const MessagePtr& message);
     void mark_taken(const broker::ClientId& client);

@@ -30,6 +30,9 @@ public:
     void allow(std::size_t publishes) { allowed_ += publishes; }
     /// Hands on what waits no more, as far as it may.
     void carry_on(Effects& effects, const PeerLogs& logs, const View& view);
+    /// What is not handed on yet counts not.
+    [[nodiscard]] bool is_worked_through(const Effects& effects, const LogPosition& position,
+                                         const PeerLogs& logs, const View& view) const;
     /// There was more that waits no more.
     [[nodiscard]] bool is_behind() const { return is_behind_; }
     /// Hands on all that waits of this log.
@@ -45,8 +48,6 @@ private:
         std::deque<MessagePtr> publishes;
     };
 
-    [[nodiscard]] bool is_worked_through(const Effects& effects, const LogPosition& position,
-                                         const PeerLogs& logs, const View& view) const;
     /// A publish of that log waits that is not beyond the position.
     [[nodiscard]] bool holds_up_to(const LogPosition& position) const;
     /// Returns how many it handed on.

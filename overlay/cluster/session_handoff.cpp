@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <iterator>
 
+#include "broker/core/cursors.h"
+
 namespace romano::cluster {
 namespace {
 
@@ -31,8 +33,7 @@ std::uint32_t send_handoff_piece(const LogId& to, const Endpoint& address, std::
     return part + 1;
 }
 
-void HandoffReceiver::on_handoff(Effects& effects, const Logs& logs, BrokerId from,
-                                 SessionHandoff part) {
+void HandoffReceiver::on_handoff(Instant now, BrokerId from, SessionHandoff part) {
     const std::pair key{from, part.address};
     if (part.part == 0) incoming_[key] = {};  // an earlier one was called off
     const auto found = incoming_.find(key);
@@ -44,18 +45,38 @@ void HandoffReceiver::on_handoff(Effects& effects, const Logs& logs, BrokerId fr
     }
     std::ranges::move(part.sessions, std::back_inserter(incoming.sessions));
     if (!part.last) return;
-    Arrived arrived{
-        .from = from, .ack = {.address = part.address}, .sessions = std::move(incoming.sessions)};
+    Arrived arrived{.from = from,
+                    .ack = {.address = part.address},
+                    .sessions = std::move(incoming.sessions),
+                    .after = {},
+                    .until = now + patience_};
     incoming_.erase(found);
-    if (!adopt_some(effects, logs, arrived)) arrived_.push_back(std::move(arrived));
+    for (const broker::SessionImage& image : arrived.sessions) {
+        arrived.after = broker::later_of(arrived.after, image.worked_through);
+    }
+    arrived_.push_back(std::move(arrived));
+}
+
+void HandoffReceiver::heed(Instant now, const IsWorkedThrough& is_worked_through) {
+    for (Arrived& arrived : arrived_) {
+        if (now >= arrived.until) arrived.after.clear();
+        std::erase_if(arrived.after, is_worked_through);
+    }
 }
 
 void HandoffReceiver::on_turn(Effects& effects, const Logs& logs) {
-    std::erase_if(arrived_, [&](Arrived& arrived) { return adopt_some(effects, logs, arrived); });
+    std::erase_if(arrived_, [&](Arrived& arrived) {
+        return arrived.after.empty() && adopt_some(effects, logs, arrived);
+    });
+}
+
+bool HandoffReceiver::is_half_done() const {
+    return std::ranges::any_of(arrived_,
+                               [](const Arrived& arrived) { return arrived.after.empty(); });
 }
 
 bool HandoffReceiver::adopt_some(Effects& effects, const Logs& logs, Arrived& arrived) {
-    auto& [from, ack, sessions, adopted] = arrived;
+    auto& [from, ack, sessions, after, until, adopted] = arrived;
     const std::size_t end = std::min(adopted + sessions_per_turn_, sessions.size());
     for (; adopted < end; ++adopted) {
         broker::SessionImage& image = sessions[adopted];

@@ -1,8 +1,11 @@
 // Sessions on their way from one live home to another: sent in parts, adopted when the last part is
 // there and none is missing, acknowledged when the adoption is safe with peers. Until then the
-// sender keeps them. Many are adopted in pieces.
+// sender keeps them. Many are adopted in pieces. What their clients publish here comes after what
+// their former home had worked through: they wait for that, but for no longer than a tail takes to
+// come.
 #pragma once
 
+#include <functional>
 #include <map>
 #include <utility>
 #include <vector>
@@ -24,8 +27,8 @@ std::uint32_t send_handoff_piece(const LogId& to, const Endpoint& address, std::
 
 class HandoffReceiver {
 public:
-    explicit HandoffReceiver(std::size_t sessions_per_turn)
-        : sessions_per_turn_(sessions_per_turn) {}
+    HandoffReceiver(std::size_t sessions_per_turn, Duration patience)
+        : sessions_per_turn_(sessions_per_turn), patience_(patience) {}
 
     /// From whom all sessions of an address are adopted now.
     struct Adopted {
@@ -33,12 +36,16 @@ public:
         Endpoint address;
     };
 
-    void on_handoff(Effects& effects, const Logs& logs, BrokerId from, SessionHandoff part);
-    /// A new turn: goes on with what is half adopted.
+    void on_handoff(Instant now, BrokerId from, SessionHandoff part);
+    /// Looks who need not wait any more.
+    using IsWorkedThrough = std::function<bool(const LogPosition&)>;
+    void heed(Instant now, const IsWorkedThrough& is_worked_through);
+    /// A new turn: adopts some of those that wait for nothing.
     void on_turn(Effects& effects, const Logs& logs);
     /// Since the last call.
     [[nodiscard]] std::vector<Adopted> take_adopted() { return std::exchange(adopted_, {}); }
-    [[nodiscard]] bool is_half_done() const { return !arrived_.empty(); }
+    /// There is something for the next turn.
+    [[nodiscard]] bool is_half_done() const;
     /// Sends the acknowledgements that the safe watermark allows.
     void carry_on(Effects& effects, Seq safe);
     void restart();
@@ -52,6 +59,8 @@ private:
         BrokerId from;
         HandoffAck ack;
         std::vector<broker::SessionImage> sessions;
+        std::vector<LogPosition> after;  // by log
+        Instant until;
         std::size_t adopted = 0;
     };
     struct WaitingAck {
@@ -64,6 +73,7 @@ private:
     bool adopt_some(Effects& effects, const Logs& logs, Arrived& arrived);
 
     std::size_t sessions_per_turn_;
+    Duration patience_;
     // Bounded: one hand-over an address and peer; its size is the sender's own limit of sessions.
     std::map<std::pair<BrokerId, Endpoint>, Incoming> incoming_;
     std::vector<Arrived> arrived_;  // whole, and not all adopted

@@ -65,11 +65,11 @@ TEST(Adoption, P2_WhatWasNotForTheSessionAtItsFormerHomeWasNotDelivered) {
     EXPECT_THAT(numbers(homes.winner.deliveries), ElementsAre(2, 3, 4));
 }
 
-// Cut off, it heard nothing of the client for longer than its keep-alive.
-TEST(Adoption, P2_AFormerHomeThatHadLostTheClientDeliveredNothing) {
+// Nothing waits for a clean session whose client said goodbye.
+TEST(Adoption, P2_AFormerHomeThatTheClientHadLeftDeliveredNothing) {
     TwoHomes homes;
     homes.former.header.clean = true;
-    homes.former.header.state = broker::SessionState::lost;
+    homes.former.header.state = broker::SessionState::disconnected;
     leave_out_delivered(homes.winner, homes.missed, homes.former);
     EXPECT_THAT(numbers(homes.missed), ElementsAre(5, 6, 7));
     EXPECT_THAT(numbers(homes.winner.deliveries), ElementsAre(2, 3, 4));
