@@ -100,8 +100,8 @@ bool ClusterCore::must_wait(const Endpoint& via, const Endpoint& from) const {
 }
 
 bool ClusterCore::must_fetch(Effects& effects, const Endpoint& from, Bytes datagram) {
-    return is_fetching(from) ||
-           roaming_.on_datagram(effects, from, datagram, homes_, membership_, view());
+    return is_fetching(from) || roaming_.on_datagram(effects, from, datagram,
+                                                     peer_sessions_.homes(), membership_, view());
 }
 
 void ClusterCore::on_address(Effects& effects, const Endpoint& address, bool served) {
@@ -132,7 +132,7 @@ void ClusterCore::after_input(Effects& effects) {
         hand_back_.on_handed_over(from, address);
     }
     handoffs_.carry_on(effects, safe());
-    roaming_.carry_on(effects, logs(), homes_, membership_, view());
+    roaming_.carry_on(effects, logs(), peer_sessions_.homes(), membership_, view());
     snapshots_.carry_on(effects.now, logs(), membership_, effects.peers);
     break_silence(effects);
     // Others wait for these news.
@@ -225,11 +225,13 @@ void ClusterCore::on_view(Effects& effects, const ViewAnnouncement& announcement
     // silent, at the very moment at which it takes the address over.
     for (const LogPosition& end : announcement.ends) membership_.on_left_out(effects.now, end.log);
     for (const auto& [id, log] : logs_) {
-        if (log.is_frozen() && is_in_tables(id)) forget_interest(id.broker);
+        if (log.is_frozen()) peer_sessions_.on_end(id);
     }
     for (const LogId& member : view().members) {
         const auto log = logs_.find(member);
-        if (log != logs_.end() && !is_in_tables(member)) reset_tables(member, log->second);
+        if (log != logs_.end() && !peer_sessions_.follow(member)) {
+            peer_sessions_.reset(member, log->second.mirror());
+        }
     }
     // Another member hands us what our earlier life left at our address, if it has not done so yet.
     for (const Assignment& assignment : announcement.assignments) {
@@ -336,7 +338,7 @@ void ClusterCore::restart(Effects& effects, LogId log) {
 
 void ClusterCore::append(Seq seq, LogEvent event) {
     if (const auto* session = std::get_if<broker::SessionPut>(&event)) {
-        forget_dead_homes(session->image.header.client_id);
+        peer_sessions_.on_living_home(session->image.header.client_id, logs_);
     }
     own_.append(seq, std::move(event));
 }
@@ -350,7 +352,7 @@ Seq ClusterCore::safe() {
 }
 
 void ClusterCore::forward(const MessagePtr& message, Outbox& out) const {
-    for (const BrokerId peer : interest_.interested_in(message->topic)) {
+    for (const BrokerId peer : peer_sessions_.interest().interested_in(message->topic)) {
         out.push_back({peer, ForwardBatch{{message}}});
     }
 }
@@ -438,7 +440,7 @@ void ClusterCore::on(Effects& effects, BrokerId from, const SnapshotPart& part) 
     for (const LogPosition& position : log.mirror().unresolved()) {
         if (const auto message = logs().publish_at(position)) log.mirror().resolve(message);
     }
-    reset_tables(id, log);
+    peer_sessions_.reset(id, log.mirror());
     for (const auto& image : snapshot->sessions) mark_taken(image.header.client_id);
     effects.broker.advance_cursor(snapshot->as_of);
     settlement_.compare(effects, logs_, view());
@@ -467,10 +469,9 @@ void ClusterCore::apply_event(Effects& effects, const LogId& id, PeerLog& log) {
             const auto* session = log.session(erased->client_id);
             if (session != nullptr) roaming_.on_let_go(effects.now, *session);
         }
-        interest_.on_event(id.broker, event);
-        homes_.on_event(id.broker, event);
-    } else if (is_in_tables(id)) {
-        in_tables_.erase(id.broker);  // they lack this event
+        peer_sessions_.on_event(id, event);
+    } else {
+        peer_sessions_.on_late_event(id);
     }
     MessagePtr published;
     if (const auto* publish = std::get_if<broker::Published>(&event)) published = publish->message;
@@ -495,7 +496,7 @@ void ClusterCore::apply_event(Effects& effects, const LogId& id, PeerLog& log) {
     }
     if (!put.empty() && !log.is_frozen()) {
         mark_taken(put);
-        forget_dead_homes(put);
+        peer_sessions_.on_living_home(put, logs_);
         settlement_.on_peer_session(effects, id.broker, put);
     }
 }
@@ -503,29 +504,6 @@ void ClusterCore::apply_event(Effects& effects, const LogId& id, PeerLog& log) {
 /// A peer is home to the client now: what the dead left of it is nobody's to adopt any more.
 void ClusterCore::mark_taken(const broker::ClientId& client) {
     for (auto& [id, log] : logs_) log.mark_taken(client);
-}
-
-/// The client has a living home.
-void ClusterCore::forget_dead_homes(const broker::ClientId& client) {
-    for (const auto& [id, log] : logs_) {
-        if (!in_tables_.contains(id.broker)) homes_.forget(id.broker, client);
-    }
-}
-
-void ClusterCore::reset_tables(const LogId& id, const PeerLog& log) {
-    interest_.reset(id.broker, log.mirror());
-    homes_.reset(id.broker, log.mirror());
-    in_tables_.insert_or_assign(id.broker, id);
-}
-
-bool ClusterCore::is_in_tables(const LogId& id) const {
-    const auto shown = in_tables_.find(id.broker);
-    return shown != in_tables_.end() && shown->second == id;
-}
-
-void ClusterCore::forget_interest(BrokerId peer) {
-    interest_.forget(peer);
-    in_tables_.erase(peer);
 }
 
 void ClusterCore::learn(const MessagePtr& message) {
@@ -545,8 +523,7 @@ void ClusterCore::trim(Effects& effects) {
     const auto expired = keeping_.expire(effects.now, logs_, membership_, view_change_);
     for (const LogId& id : expired) {
         watermark_.forget(id);
-        if (is_in_tables(id)) forget_interest(id.broker);
-        if (!in_tables_.contains(id.broker)) homes_.forget(id.broker);
+        peer_sessions_.forget(id);
         logs_.erase(id);
     }
     if (!expired.empty()) forget_old_lives(effects);

@@ -22,14 +22,13 @@
 #include "overlay/cluster/effects.h"
 #include "overlay/cluster/ended_logs.h"
 #include "overlay/cluster/hand_back.h"
-#include "overlay/cluster/homes.h"
-#include "overlay/cluster/interest.h"
 #include "overlay/cluster/last_words.h"
 #include "overlay/cluster/listening.h"
 #include "overlay/cluster/log_keeping.h"
 #include "overlay/cluster/membership.h"
 #include "overlay/cluster/own_log.h"
 #include "overlay/cluster/peer_log.h"
+#include "overlay/cluster/peer_sessions.h"
 #include "overlay/cluster/publish_order.h"
 #include "overlay/cluster/roaming.h"
 #include "overlay/cluster/service_addresses.h"
@@ -75,7 +74,7 @@ public:
     void flush(Outbox& out);
     /// To peers with a matching subscriber.
     void forward(const MessagePtr& message, Outbox& out) const;
-    [[nodiscard]] const broker::Audience& audience() const { return interest_; }
+    [[nodiscard]] const broker::Audience& audience() const { return peer_sessions_.interest(); }
     /// The log is held by enough peers up to here.
     Seq safe();
 
@@ -106,7 +105,7 @@ public:
     [[nodiscard]] bool is_short_of_peers() const;
     /// A peer says that it is home to the client.
     [[nodiscard]] bool is_homed_at_peer(const broker::ClientId& client) const {
-        return homes_.of(client).has_value();
+        return peer_sessions_.homes().of(client).has_value();
     }
     /// A newer view was made without us, and its members hold all that we promised to clients: when
     /// they do not, we come back with our log, as in a heal.
@@ -170,7 +169,7 @@ private:
     PeerLog& log_of(const LogId& id) {
         const auto [at, is_new] = logs_.try_emplace(id, id, options_.log_events_kept);
         // A leader may have put it into the view before we hear it.
-        if (is_new && view_change_.contains(id)) reset_tables(id, at->second);
+        if (is_new && view_change_.contains(id)) peer_sessions_.reset(id, at->second.mirror());
         return at->second;
     }
     /// Up to `most` events that are here; the rest at the next ticks.
@@ -186,11 +185,6 @@ private:
     void send_beacon(Effects& effects);
     /// What was said from an address while it was silent went nowhere: says it again.
     void break_silence(Effects& effects);
-    /// Interest and homes follow the events of logs that are not frozen.
-    void reset_tables(const LogId& id, const PeerLog& log);
-    void forget_dead_homes(const broker::ClientId& client);
-    void forget_interest(BrokerId peer);
-    [[nodiscard]] bool is_in_tables(const LogId& id) const;
     /// Tries again for addresses that should be served here and are served by nobody.
     void seek_addresses(Effects& effects);
     void ask_for_gaps(Effects& effects);
@@ -209,9 +203,7 @@ private:
     PeerLogs logs_;
     LogKeeping keeping_;
     PublishOrder publish_order_;
-    Interest interest_;
-    Homes homes_;
-    std::map<BrokerId, LogId> in_tables_;  // whose sessions the two tables have, all of them
+    PeerSessions peer_sessions_;
     Watermark watermark_;
     ViewChange view_change_;
     TakeOver take_over_;

@@ -8,9 +8,7 @@ namespace {
 
 /// That life of its broker, or a later one, is a member.
 bool lives_on(const View& view, const LogId& log) {
-    return std::ranges::any_of(view.members, [&](const LogId& member) {
-        return member.broker == log.broker && member.incarnation >= log.incarnation;
-    });
+    return view.contains(log) || view.has_later_life_of(log);
 }
 
 }  // namespace
@@ -25,6 +23,7 @@ void EndedLogs::on_view(const View& view, const std::vector<LogPosition>& ends) 
 void EndedLogs::learn(const View& view, const std::vector<LogPosition>& ends) {
     for (const LogPosition& end : ends) {
         if (lives_on(view, end.log)) continue;
+        if (ends_.size() == most && !ends_.contains(end.log.broker)) continue;
         LogPosition& known = ends_.try_emplace(end.log.broker, end).first->second;
         known = std::max(known, end);
     }

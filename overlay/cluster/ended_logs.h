@@ -5,6 +5,7 @@
 // also from those who came when its sessions had long been taken over.
 #pragma once
 
+#include <cstddef>
 #include <map>
 #include <vector>
 
@@ -14,6 +15,9 @@ namespace romano::cluster {
 
 class EndedLogs {
 public:
+    /// Of so many brokers. Whoever comes after them learns by the views alone that it was replaced.
+    static constexpr std::size_t most = 256;
+
     /// Whoever is a member of the view lives on, or again.
     void on_view(const View& view, const std::vector<LogPosition>& ends);
     /// What somebody else knows.

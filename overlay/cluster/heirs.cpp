@@ -32,7 +32,7 @@ bool is_outdated(const ViewHoldings& holdings, const LogId& log) {
 bool is_succeeded(const Answers& answers, const std::map<LogId, Seq>& ends, const LogId& log) {
     const auto next = ends.upper_bound(log);
     return (next != ends.end() && next->first.broker == log.broker) ||
-           std::ranges::count(answers.view.members, log.broker, &LogId::broker) > 0;
+           answers.view.has_later_life_of(log);
 }
 
 /// Whose answers count for a log: those who were there all the time. Whoever was replaced knows of

@@ -8,6 +8,11 @@ bool View::contains(const LogId& log) const {
     return std::ranges::binary_search(members, log);
 }
 
+bool View::has_later_life_of(const LogId& log) const {
+    const auto next = std::ranges::upper_bound(members, log);
+    return next != members.end() && next->broker == log.broker;
+}
+
 Seq Beacon::applied_through(const LogId& of) const {
     const auto found = std::ranges::find(applied, of, &LogPosition::log);
     return found == applied.end() ? 0 : found->seq;

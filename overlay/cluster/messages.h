@@ -40,6 +40,8 @@ struct View {
     std::vector<LogId> members{};  // sorted
 
     [[nodiscard]] bool contains(const LogId& log) const;
+    /// Another life of that log's broker, a later one, is a member.
+    [[nodiscard]] bool has_later_life_of(const LogId& log) const;
 
     friend bool operator==(const View&, const View&) = default;
 };

@@ -12,19 +12,13 @@ namespace {
 // On a busy machine it takes some detection times until two processes hear each other.
 constexpr int patience_with_the_unmet = 20;
 
-/// A later life of that broker is in the view: we may not have heard of it yet.
-bool has_successor(const View& view, const LogId& log) {
-    return std::ranges::any_of(view.members, [&](const LogId& member) {
-        return member.broker == log.broker && member.incarnation > log.incarnation;
-    });
-}
-
 /// Freezes what is left of brokers that are gone. One that is alive and not in the view, because it
-/// has just started or follows another leader, serves its clients itself.
+/// has just started or follows another leader, serves its clients itself. Of the later life of one
+/// that is in the view we may not have heard yet.
 void freeze_the_dead(const View& view, Surroundings around) {
     for (auto& [id, log] : around.logs) {
         if (view.contains(id)) continue;
-        if (!around.membership.is_alive(id) || has_successor(view, id)) log.freeze();
+        if (!around.membership.is_alive(id) || view.has_later_life_of(id)) log.freeze();
     }
 }
 

@@ -48,5 +48,23 @@ TEST(EndedLogs, WhoIsAMemberLivesOn) {
     EXPECT_THAT(ended.list(), IsEmpty()) << "its later life got all";
 }
 
+TEST(EndedLogs, AreBounded) {
+    EndedLogs ended;
+    for (std::size_t i = 0; i < EndedLogs::most + 10; ++i) {
+        ended.learn({}, {{test::log_of("gone" + std::to_string(i)), 1}});
+    }
+    EXPECT_EQ(ended.list().size(), EndedLogs::most);
+    const LogId known = ended.list().front().log;
+    ended.learn({}, {{known, 2}});
+    EXPECT_EQ(ended.list().front(), (LogPosition{known, 2}));
+}
+
+TEST(View, KnowsOfTheLaterLifeOfABroker) {
+    const View view = view_of({second_life, other});
+    EXPECT_TRUE(view.has_later_life_of(first_life));
+    EXPECT_FALSE(view.has_later_life_of(second_life));
+    EXPECT_FALSE(view.has_later_life_of(test::log_of("b3", 0)));
+}
+
 }  // namespace
 }  // namespace romano::cluster

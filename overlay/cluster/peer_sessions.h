@@ -1,0 +1,40 @@
+// What the peers' sessions want, and where they are: the tables that follow the events of logs
+// which go on. A log that has ended is followed no more; its interest is forgotten, and its homes
+// stay until a living one takes their place.
+#pragma once
+
+#include <map>
+
+#include "overlay/cluster/homes.h"
+#include "overlay/cluster/interest.h"
+#include "overlay/cluster/peer_log.h"
+
+namespace romano::cluster {
+
+class PeerSessions {
+public:
+    [[nodiscard]] const Interest& interest() const { return interest_; }
+    [[nodiscard]] const Homes& homes() const { return homes_; }
+
+    /// The next event of a log that goes on.
+    void on_event(const LogId& log, const broker::LogEvent& event);
+    /// An event of a log that has ended: the tables lack it.
+    void on_late_event(const LogId& log);
+    /// Replaces all that is known of the log's broker.
+    void reset(const LogId& log, const broker::Mirror& sessions);
+    /// The tables have all sessions of that log.
+    [[nodiscard]] bool follow(const LogId& log) const;
+    /// It has ended.
+    void on_end(const LogId& log);
+    /// It is not held any more.
+    void forget(const LogId& log);
+    /// The client has a living home: what ended logs say of it is over.
+    void on_living_home(const broker::ClientId& client, const PeerLogs& logs);
+
+private:
+    Interest interest_;
+    Homes homes_;
+    std::map<BrokerId, LogId> followed_;
+};
+
+}  // namespace romano::cluster
