@@ -31,15 +31,15 @@ const LogHistory* Logs::history_of(const LogId& log) const {
 }
 
 MessagePtr Logs::publish_at(const LogPosition& position) const {
-    const LogHistory* history = history_of(position.log);
-    return history == nullptr ? MessagePtr{} : history->publish_at(position.seq);
+    if (position.log == own.id()) return own.history().publish_at(position.seq);
+    const auto peer = peers.find(position.log);
+    return peer == peers.end() ? MessagePtr{} : peer->second.publish_at(position.seq);
 }
 
 std::vector<MessagePtr> missed_publishes(const broker::SessionImage& image,
                                          const broker::BrokerCore& broker, const Logs& logs) {
     std::vector<MessagePtr> missed;
-    const auto take = [&](const LogHistory& history, const LogId& log, Seq through) {
-        auto publishes = history.publishes_after(worked_through(image, log));
+    const auto take = [&](std::vector<MessagePtr> publishes, Seq through) {
         while (!publishes.empty() && publishes.back()->position.seq > through) publishes.pop_back();
         const auto middle = static_cast<std::ptrdiff_t>(missed.size());
         missed.insert(missed.end(), publishes.begin(), publishes.end());
@@ -48,8 +48,11 @@ std::vector<MessagePtr> missed_publishes(const broker::SessionImage& image,
                                return a->published_at < b->published_at;
                            });
     };
-    take(logs.own.history(), logs.own.id(), logs.own.last());
-    for (const auto& [id, log] : logs.peers) take(log.history(), id, broker.cursor(id));
+    const LogId& self = logs.own.id();
+    take(logs.own.history().publishes_after(worked_through(image, self)), logs.own.last());
+    for (const auto& [id, log] : logs.peers) {
+        take(log.publishes_after(worked_through(image, id)), broker.cursor(id));
+    }
     return missed;
 }
 

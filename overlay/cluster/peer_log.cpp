@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <iterator>
 #include <utility>
 
 namespace romano::cluster {
@@ -33,6 +34,21 @@ void PeerLog::offer(Seq first_seq, std::vector<LogEvent> events) {
         early_events_ -= follows.mapped().size();
         offer(follows.key(), std::move(follows.mapped()));
     }
+}
+
+std::vector<MessagePtr> PeerLog::publishes_after(Seq seq) const {
+    auto publishes = history_.publishes_after(seq);
+    std::ranges::copy_if(ahead_, std::back_inserter(publishes), [&](const MessagePtr& message) {
+        return message->position.seq > std::max(seq, applied());
+    });
+    return publishes;
+}
+
+MessagePtr PeerLog::publish_at(Seq seq) const {
+    if (seq <= applied()) return history_.publish_at(seq);
+    const auto found = std::ranges::lower_bound(
+        ahead_, seq, {}, [](const MessagePtr& message) { return message->position.seq; });
+    return found == ahead_.end() || (*found)->position.seq != seq ? MessagePtr{} : *found;
 }
 
 const LogEvent* PeerLog::next() const {
@@ -75,13 +91,19 @@ std::optional<SnapshotRequest> PeerLog::ask(Instant now, Duration patience) {
 }
 
 bool PeerLog::offer(Instant now, SnapshotPart part) {
+    const auto is_beyond = [this](const MessagePtr& message) {
+        return message->position.seq > (ahead_.empty() ? applied() : ahead_.back()->position.seq);
+    };
+    const bool follows = part.part == 0 || (snapshot_ && snapshot_->as_of == part.as_of &&
+                                            snapshot_->part + 1 == part.part);
+    if (!follows) {
+        snapshot_.reset();  // parts are lost: the gap remains and is asked for again
+        return false;
+    }
+    std::ranges::copy_if(part.publishes, std::back_inserter(ahead_), is_beyond);
     if (part.part == 0) {
         snapshot_ = std::move(part);
     } else {
-        if (!snapshot_ || snapshot_->as_of != part.as_of || snapshot_->part + 1 != part.part) {
-            snapshot_.reset();  // parts are lost: the gap remains and is asked for again
-            return false;
-        }
         const auto append = [](auto& all, auto& more) {
             all.insert(all.end(), std::make_move_iterator(more.begin()),
                        std::make_move_iterator(more.end()));
@@ -109,6 +131,7 @@ void PeerLog::restart(const SnapshotPart& snapshot) {
     ready_.erase(ready_.begin(), ready_.begin() + static_cast<std::ptrdiff_t>(covered));
     mirror_ = broker::Mirror(snapshot.as_of, snapshot.sessions, snapshot.cursors);
     history_.restart(snapshot.as_of.seq, snapshot.publishes);
+    ahead_.clear();
     heard_end(snapshot.as_of.seq);
     while (!early_.empty()) {
         auto next = early_.extract(early_.begin());

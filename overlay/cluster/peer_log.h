@@ -29,6 +29,9 @@ public:
     [[nodiscard]] broker::Mirror& mirror() { return mirror_; }
     [[nodiscard]] const LogHistory& history() const { return history_; }
     [[nodiscard]] LogHistory& history() { return history_; }
+    /// Of the history, and of a snapshot whose last part is not here yet.
+    [[nodiscard]] std::vector<MessagePtr> publishes_after(Seq seq) const;
+    [[nodiscard]] MessagePtr publish_at(Seq seq) const;
 
     // --- events
     void offer(Seq first_seq, std::vector<LogEvent> events);
@@ -100,6 +103,7 @@ private:
     Instant asked_at_ = Instant::min();
     Seq asked_after_ = 0;
     std::optional<SnapshotPart> snapshot_;  // what has come of it
+    std::vector<MessagePtr> ahead_;         // beyond applied(), of the parts of a snapshot
 
     bool frozen_ = false;
     bool outdated_ = false;

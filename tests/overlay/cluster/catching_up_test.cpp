@@ -147,6 +147,24 @@ TEST_F(CatchingUp, ThePublishesOfASnapshotAreHandedOnAsTheyCome) {
     EXPECT_EQ(applied(), 1'000U);
 }
 
+// They have passed the broker by when the session comes (simulator, seed 970610).
+TEST_F(CatchingUp, P2_ASessionThatComesAmidASnapshotGetsItsPublishes) {
+    SnapshotPart part{.as_of = {peer, 1'000}};
+    for (Seq seq = 1; seq <= 10; ++seq) {
+        part.publishes.push_back(std::get<broker::Published>(test::published(peer, seq)).message);
+    }
+    take(part);
+    SessionHandoff handoff{.to = self, .last = true};
+    broker::SessionImage& image = handoff.sessions.emplace_back();
+    image.header.client_id = "robot";
+    image.subscriptions = {{.filter = "pose", .granted = mqttsn::Qos::at_least_once}};
+    image.worked_through = {{peer, 6}};
+    take(handoff);
+    const auto robot = broker.image("robot");
+    ASSERT_TRUE(robot);
+    EXPECT_EQ(robot->deliveries.size(), 4U);
+}
+
 // What came before a lost part must not stand for what was in it.
 TEST_F(CatchingUp, NothingOfASnapshotWithAHoleIsHandedOnBehindTheHole) {
     take(SnapshotPart{.as_of = {peer, 1'000}});

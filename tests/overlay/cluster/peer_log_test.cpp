@@ -10,6 +10,7 @@ namespace {
 using namespace std::chrono_literals;
 using test::address;
 using test::erased;
+using test::published;
 using test::session;
 using testing::ElementsAre;
 using testing::IsEmpty;
@@ -101,6 +102,34 @@ TEST(PeerLog, ASnapshotWithAMissingPartIsDropped) {
     EXPECT_TRUE(held.log.offer(start, first));
     EXPECT_FALSE(held.log.offer(start, third));
     EXPECT_FALSE(held.log.take_snapshot());
+}
+
+TEST(PeerLog, ThePublishesOfAnUnfinishedSnapshotAreFoundUntilTheHistoryHasThem) {
+    const LogId b1 = test::log_of("b1");
+    const auto part = [&](std::uint32_t number, std::initializer_list<Seq> publishes, bool last) {
+        SnapshotPart made{.as_of = {b1, 50}, .part = number, .last = last};
+        for (const Seq seq : publishes) {
+            made.publishes.push_back(std::get<broker::Published>(published(b1, seq)).message);
+        }
+        return made;
+    };
+    const auto found = [](const PeerLog& log) {
+        std::vector<Seq> seqs;
+        for (const auto& message : log.publishes_after(2)) seqs.push_back(message->position.seq);
+        return seqs;
+    };
+    Held held;
+    EXPECT_TRUE(held.log.offer(start, part(0, {1, 3}, false)));
+    EXPECT_THAT(found(held.log), ElementsAre(3));
+    EXPECT_TRUE(held.log.publish_at(3));
+    EXPECT_FALSE(held.log.publish_at(4));
+    EXPECT_FALSE(held.log.offer(start, part(2, {40}, true))) << "a part is lost";
+    EXPECT_THAT(found(held.log), ElementsAre(3));
+    EXPECT_TRUE(held.log.offer(start, part(0, {1, 3}, false)));
+    EXPECT_TRUE(held.log.offer(start, part(1, {20, 40}, true)));
+    EXPECT_THAT(found(held.log), ElementsAre(3, 20, 40));
+    held.log.restart(*held.log.take_snapshot());
+    EXPECT_THAT(found(held.log), ElementsAre(3, 20, 40));
 }
 
 TEST(PeerLog, EventsThatCameDuringASnapshotFollowIt) {
