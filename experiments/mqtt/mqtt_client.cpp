@@ -24,6 +24,8 @@ struct MqttClient::State {
 
 namespace {
 
+constexpr int receive_maximum = 65'535;
+
 std::string identity_in(const mosquitto_property* properties) {
     char* name = nullptr;
     char* value = nullptr;
@@ -49,6 +51,8 @@ MqttClient::MqttClient(const MosquittoServer& server, const std::string& address
     State& state = *state_;
     state.client = mosquitto_new(client_id.c_str(), true, &state);
     mosquitto_int_option(state.client, MOSQ_OPT_PROTOCOL_VERSION, MQTT_PROTOCOL_V5);
+    // mosquitto 2.0.11 sends more at QoS 2 than the 20 that libmosquitto lets it unless told.
+    mosquitto_int_option(state.client, MOSQ_OPT_RECEIVE_MAXIMUM, receive_maximum);
     mosquitto_username_pw_set(state.client, MosquittoServer::username, MosquittoServer::password);
     if (server.has_tls()) {
         mosquitto_tls_set(state.client, server.ca_file().c_str(), nullptr, nullptr, nullptr,
