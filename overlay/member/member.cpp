@@ -264,7 +264,10 @@ void Member::State::end_stall(Instant now, MemberActions& out) {
     const cluster::Listening& listening = cluster_.listening();
     const bool knows = !listening.is_doubted() &&
                        (listening.is_up_to_date() || stall_->heard_in_a_row >= beacon_times_heard);
-    if (!knows && !cluster_.live_peers().empty() && stall_->beats_left-- > 0) {
+    // Also the later life of a member, or somebody who came since, may say what happened.
+    const bool is_alone = std::ranges::none_of(cluster_.membership().peers(),
+                                               [](const auto& peer) { return peer.second.alive; });
+    if (!knows && !is_alone && stall_->beats_left-- > 0) {
         stall_->listen_until = now + options_.cluster.beacon_every;
         return;
     }

@@ -64,6 +64,34 @@ TEST(Member, P3_WhoWasAwayWhileAllOthersWereReplacedLearnsThatItWas) {
     expect_unnoticed(robot);
 }
 
+// The only other member of its view has begun a new life, and knows nothing yet; who went on for
+// both is heard a moment later (simulator, seed 993428).
+TEST(Member, P3_WhoWasAwayWaitsForThoseWhoCameSince) {
+    Brokers brokers;
+    start(brokers, {1, 3});
+    Robot& robot = subscriber(brokers, "robot", 1, Qos::exactly_once);
+    Robot& other = publisher(brokers, "other", 3);
+    brokers.stall(3);
+    other.publish("pose", "1", Qos::exactly_once);  // waits there, and is sent again to the heir
+    brokers.run_for(settling);
+    brokers.start(2);
+    brokers.run_for(settling);
+    brokers.kill(1);
+    brokers.run_for(10s);
+    ASSERT_THAT(robot.received(), ElementsAre("1"));
+    brokers.cut(1, 2);
+    brokers.cut(2, 3);
+    brokers.start(1);
+    brokers.run_for(20ms);
+    brokers.wake_slowly(3, 0);
+    brokers.run_for(100ms);
+    brokers.heal();
+    brokers.run_for(2s);
+    EXPECT_EQ(brokers.member(3).facts().replacements, 1U);
+    EXPECT_THAT(robot.received(), ElementsAre("1"));
+    expect_unnoticed(robot);
+}
+
 // Its patience ended in the second standstill, and nobody was there to tell it (simulator, faults
 // `starve`).
 TEST(Member, P3_WhoStandsStillAgainWhileItListensListensAnew) {
