@@ -68,7 +68,11 @@ std::optional<BrokerId> present_server(const Answers& answers, const Membership&
         if (peer == nullptr || peer->beacon.log != member || !peer->is_serving(address)) continue;
         if (!found || peer->is_home_of(address)) found = member.broker;
     }
-    return found;
+    if (found) return found;
+    const auto appointed = answers.appointed.find(address);
+    if (appointed == answers.appointed.end() || !answers.view.contains(appointed->second))
+        return {};
+    return appointed->second.broker;
 }
 
 /// The member whose address it is.

@@ -13,11 +13,15 @@
 
 namespace romano::cluster {
 
+/// To whom the last view gave an address, and in which life: its beacons may not say so yet.
+using Appointed = std::map<Endpoint, LogId>;
+
 struct Answers {
     const View& view;
     const std::map<LogId, ViewHoldings>& holdings;  // of all members
     const std::vector<Endpoint>& serving;           // by the leader itself
     const std::vector<Endpoint>& home;              // of the leader itself
+    const Appointed& appointed;
     LogId leader;
     std::uint32_t leader_sessions = 0;
 };

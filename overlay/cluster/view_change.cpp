@@ -40,6 +40,7 @@ void ViewChange::restart(LogId self) {
     proposal_.reset();
     early_.reset();
     installed_.reset();
+    appointed_.clear();
 }
 
 // --- the leader's side
@@ -237,6 +238,7 @@ void ViewChange::conclude(Instant now, Surroundings around, Outbox& out) {
                           .holdings = done.answers,
                           .serving = around.serving,
                           .home = around.home,
+                          .appointed = appointed_,
                           .leader = self_,
                           .leader_sessions = around.sessions};
     const auto ends = agreed_ends(answers);
@@ -342,6 +344,11 @@ void ViewChange::install(Instant now, ViewAnnouncement announcement, PeerLogs& l
         if (log == logs.end()) continue;
         log->second.freeze();
         log->second.end_at(end.seq);
+    }
+    appointed_.clear();
+    for (const Assignment& assignment : announcement.assignments) {
+        const auto heir = std::ranges::find(view_.members, assignment.heir, &LogId::broker);
+        if (heir != view_.members.end()) appointed_.insert_or_assign(assignment.address, *heir);
     }
     // A view that nobody has looked at yet leaves its assignments to the next one.
     if (installed_) {

@@ -13,6 +13,7 @@
 #include <set>
 #include <vector>
 
+#include "overlay/cluster/heirs.h"
 #include "overlay/cluster/membership.h"
 #include "overlay/cluster/peer_log.h"
 
@@ -80,6 +81,7 @@ private:
     Instant installed_at_{};
     bool was_replaced_ = false;  // and is in no view since
     std::optional<ViewAnnouncement> installed_;
+    Appointed appointed_;  // by the view
 
     /// Of a leader that we do not follow yet: it noticed before we did that the former one is gone.
     /// Or it leaves somebody out whom we hear well: it may hear that one again. Answered when that

@@ -40,6 +40,7 @@ protected:
                 .holdings = holdings,
                 .serving = serving,
                 .home = home,
+                .appointed = appointed,
                 .leader = b1,
                 .leader_sessions = 5};
     }
@@ -59,6 +60,7 @@ protected:
     std::map<LogId, ViewHoldings> holdings;
     std::vector<Endpoint> serving;
     std::vector<Endpoint> home;
+    Appointed appointed;
     std::uint64_t ticks = 0;
 };
 
@@ -67,6 +69,22 @@ TEST_F(Heirs, TheAgreedEndIsTheLastEventThatAnybodyHolds) {
     holds(b2, 9);
     holds(b3, 7);
     EXPECT_EQ(agreed_ends(answers()).at(dead), 9U);
+}
+
+// It has adopted the sessions, and the leader has not heard of it (simulator, seed 990523).
+TEST_F(Heirs, P3_WhoWasGivenTheAddressByTheLastViewKeepsIt) {
+    holds(b1, 5, {address(9)});
+    holds(b2, 5);
+    holds(b3, 5, {address(9)});
+    beacon(b2, {}, 100);  // not the least loaded one
+    EXPECT_NE(heir_of(address(9)), b2.broker);
+    appointed = {{address(9), b2}};
+    EXPECT_EQ(heir_of(address(9)), b2.broker);
+    beacon(b3, {address(9)});
+    EXPECT_EQ(heir_of(address(9)), b3.broker) << "or who says that it serves it";
+    beacon(b3, {});
+    appointed = {{address(9), test::log_of("b2", 0)}};
+    EXPECT_NE(heir_of(address(9)), b2.broker) << "that was a former life";
 }
 
 TEST_F(Heirs, WhoLacksTheTailGetsItFromOneThatHasIt) {
