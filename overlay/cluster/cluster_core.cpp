@@ -348,6 +348,7 @@ void ClusterCore::flush(Outbox& out) {
 }
 
 Seq ClusterCore::safe() {
+    if (view_change_.is_stranded(membership_, logs_)) return watermark_.safe();
     return watermark_.advance(own_.last(), live_peers());
 }
 

@@ -38,7 +38,7 @@ void HandBack::compare(Effects& effects, const Membership& membership, const Vie
             const bool is_member = view.contains(peer.beacon.log);
             if (!peer.is_serving(address) || (!is_member && !membership.is_heard(id))) continue;
             if (addresses.is_home(address)) {
-                if ((is_member || peer.alive) && !peer.is_home_of(address)) rivals.insert(id);
+                if (!peer.is_home_of(address)) rivals.insert(id);
             } else if (peer.is_home_of(address) || id > self_) {
                 contested_.insert(address);
             }

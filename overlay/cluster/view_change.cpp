@@ -28,6 +28,15 @@ bool ViewChange::contains(const LogId& log) const {
     return view_.contains(log);
 }
 
+bool ViewChange::is_stranded(const Membership& membership, const PeerLogs& logs) const {
+    bool has_met_all = true;
+    for (const LogId& member : view_.members) {
+        if (membership.is_alive(member)) return false;
+        if (member != self_ && !logs.contains(member)) has_met_all = false;
+    }
+    return !has_met_all;
+}
+
 std::optional<ViewAnnouncement> ViewChange::take_installed() {
     return std::exchange(installed_, std::nullopt);
 }
@@ -60,7 +69,7 @@ void ViewChange::on_tick(Instant now, Surroundings around, Outbox& out) {
         }
         return;
     }
-    if (waits_for_company(now, around.membership)) {
+    if (waits_for_company(now, around)) {
         proposal_.reset();
         return;
     }
@@ -83,8 +92,9 @@ void ViewChange::on_tick(Instant now, Surroundings around, Outbox& out) {
 /// The first view of a newcomer opens it to clients, whose sessions may be with a peer that does
 /// not follow us yet, or of whom we know nothing: it is given a moment. Longer, whoever is there
 /// but was not met yet: a view without them would take their clients over.
-bool ViewChange::waits_for_company(Instant now, const Membership& membership) {
-    if (has_view()) return false;
+bool ViewChange::waits_for_company(Instant now, Surroundings around) {
+    const Membership& membership = around.membership;
+    if (has_view() && !is_stranded(membership, around.logs)) return false;
     if (led_since_ == never) led_since_ = now;
     if (now < led_since_ + patience_with_the_unmet * patience_ && misses_company(membership)) {
         return true;

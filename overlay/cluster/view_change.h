@@ -45,6 +45,9 @@ public:
     [[nodiscard]] const View& view() const { return view_; }
     [[nodiscard]] bool has_view() const { return !view_.members.empty(); }
     [[nodiscard]] bool contains(const LogId& log) const;
+    /// Of the others in the view nobody is left whom we reach, and some were never met here: they
+    /// may be about to go on without us.
+    [[nodiscard]] bool is_stranded(const Membership& membership, const PeerLogs& logs) const;
     /// Goes on as another member: in no view until the leader takes it into one.
     void restart(LogId self);
 
@@ -56,7 +59,7 @@ private:
         Instant asked_at;
     };
 
-    [[nodiscard]] bool waits_for_company(Instant now, const Membership& membership);
+    [[nodiscard]] bool waits_for_company(Instant now, Surroundings around);
     [[nodiscard]] bool misses_company(const Membership& membership) const;
     [[nodiscard]] std::vector<LogId> desired_members(const Membership& membership);
     [[nodiscard]] bool needs_change(Instant now, const std::vector<LogId>& desired,

@@ -79,6 +79,16 @@ TEST(HandBack, P3_WhoIsOnlySuspectedMaySpeakStill) {
     EXPECT_FALSE(healed.hand_back.is_silent(ours));
 }
 
+// It took the address over, because it does not hear us (simulator, seed 1042460).
+TEST(HandBack, P3_WhoIsHeardOneWayMaySpeakForOurAddress) {
+    AfterAHeal healed{std::vector<BrokerId>{}};
+    healed.view.members = {self};
+    healed.compare();
+    ASSERT_FALSE(healed.membership.is_alive(rival));
+    EXPECT_TRUE(healed.hand_back.is_silent(ours));
+    EXPECT_TRUE(healed.hand_back.is_silent(theirs));
+}
+
 // An heir that had nothing left to hand over; the rival was heir before it (simulator, seed
 // 116938).
 TEST(HandBack, OnlyTheRivalsOwnWordEndsTheWaitForIt) {

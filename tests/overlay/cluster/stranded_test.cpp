@@ -1,0 +1,69 @@
+// A newcomer whom a view takes in has met the leader, and the other members perhaps not yet. When
+// the leader dies then, those may be about to go on without it.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <string>
+
+#include "tests/overlay/cluster/two_brokers.h"
+
+namespace romano::cluster {
+namespace {
+
+const LogId other = test::log_of("other");
+
+/// In a view with the peer, which leads it and is gone now, and with one that it never met.
+class Stranded : public testing::Test {
+protected:
+    Stranded() {
+        Beacon leads{.name = "peer", .log = peer, .tick = 1, .hears = {self.broker}};
+        leads.claim = {.rank = {.capability = 9, .id = node_of(peer.broker)},
+                       .term = 5,
+                       .leader = node_of(peer.broker)};
+        cluster.take(leads);
+        View view{.number = {.term = 5, .leader = peer.broker, .count = 1},
+                  .members = {self, peer, other}};
+        std::ranges::sort(view.members);
+        cluster.take(ViewAnnouncement{.view = view, .assignments = {}, .ends = {}});
+        cluster.core.append(1, test::session("robot"));
+        EXPECT_TRUE(cluster.core.view().contains(other));
+    }
+    /// Its beacons come here, and ours do not reach it.
+    void hear_the_other_for(Duration time) {
+        for (const Instant end = cluster.now + time; cluster.now < end;) {
+            Effects acting = cluster.effects();
+            cluster.core.on_message(acting, {other, Beacon{.log = other, .tick = ++other_ticks}});
+            cluster.pass();
+        }
+    }
+    void hear_nothing_for(Duration time) {
+        for (const Instant end = cluster.now + time; cluster.now < end;) cluster.pass();
+    }
+
+    Cluster cluster;
+    std::uint64_t other_ticks = 0;
+};
+
+// P3: the other one took the address over meanwhile (simulator, seed 1042460).
+TEST_F(Stranded, ANewcomerDoesNotGoOnAloneWhileItHearsWhomItDoesNotReachYet) {
+    hear_the_other_for(500ms);
+    ASSERT_TRUE(cluster.core.live_peers().empty());
+    EXPECT_EQ(cluster.core.view().members.size(), 3U);
+    EXPECT_EQ(cluster.core.safe(), 0U) << "nobody holds what clients would be told";
+}
+
+TEST_F(Stranded, ANewcomerGoesOnAloneWhenNobodyIsToBeHeard) {
+    hear_nothing_for(500ms);
+    EXPECT_EQ(cluster.core.view().members.size(), 1U);
+    EXPECT_EQ(cluster.core.safe(), 1U);
+}
+
+TEST_F(Stranded, ANewcomerWhomAMemberNeverHearsGoesOnAloneInTheEnd) {
+    hear_the_other_for(3s);
+    EXPECT_EQ(cluster.core.view().members.size(), 1U);
+    EXPECT_EQ(cluster.core.safe(), 1U);
+}
+
+}  // namespace
+}  // namespace romano::cluster
