@@ -5,6 +5,7 @@
 
 #include "broker/core/session_deadline.h"
 #include "broker/core/session_image_of.h"
+#include "broker/core/two_copies.h"
 #include "romano/mqttsn/topic.h"
 
 namespace romano::broker {
@@ -23,55 +24,6 @@ Qos granted_to(const SessionImage& image, const Message& message) {
     return most;
 }
 
-/// Two homes had the session, and the client was heard last by the one that gives way: what it was
-/// told there, of topic ids and subscriptions, stays true. False when that is nothing new.
-bool learn(SessionImage& image, const SessionImage& told) {
-    bool is_new = false;
-    for (const TopicBinding& binding : told.topics) {
-        const auto at = std::ranges::lower_bound(image.topics, binding.id, {}, &TopicBinding::id);
-        if (at == image.topics.end() || at->id != binding.id) {
-            image.topics.insert(at, binding);
-        } else if (*at != binding) {
-            *at = binding;
-        } else {
-            continue;
-        }
-        is_new = true;
-    }
-    for (const Subscription& subscription : told.subscriptions) {
-        const auto same =
-            std::ranges::find(image.subscriptions, subscription.filter, &Subscription::filter);
-        if (same == image.subscriptions.end()) {
-            image.subscriptions.push_back(subscription);
-        } else if (*same != subscription) {
-            *same = subscription;
-        } else {
-            continue;
-        }
-        is_new = true;
-    }
-    return is_new;
-}
-
-/// What the copy that gives way has begun to send at QoS 2, and only waits in the one that stays,
-/// goes on under its id: the client may have it. False when there is nothing of the kind.
-bool resume_exchanges(SessionImage& image, const SessionImage& other) {
-    bool resumes = false;
-    for (const Delivery& begun : other.deliveries) {
-        if (begun.qos != Qos::exactly_once || begun.stage == DeliveryStage::queued) continue;
-        const auto waiting =
-            std::ranges::find(image.deliveries, begun.position, &Delivery::position);
-        if (waiting == image.deliveries.end() || waiting->qos != Qos::exactly_once ||
-            waiting->stage != DeliveryStage::queued) {
-            continue;
-        }
-        waiting->stage = begun.stage;
-        waiting->msg_id = begun.msg_id;
-        resumes = true;
-    }
-    return resumes;
-}
-
 /// The store of a lone broker has only those of open exchanges.
 mqttsn::MsgId last_msg_id(const SessionImage& image) {
     mqttsn::MsgId last = image.last_msg_id;
@@ -80,17 +32,6 @@ mqttsn::MsgId last_msg_id(const SessionImage& image) {
         if (delivery.msg_id != mqttsn::no_msg_id) last = delivery.msg_id;
     }
     return last;
-}
-
-/// Of the QoS 2 exchange that the copy which gives way had open, and the one that stays has not.
-mqttsn::MsgId left_open(const SessionImage& gives_way, const SessionImage& stays) {
-    const auto is_open = [](const Delivery& delivery) {
-        return delivery.qos == Qos::exactly_once && delivery.msg_id != mqttsn::no_msg_id;
-    };
-    const auto open = std::ranges::find_if(gives_way.deliveries, is_open);
-    if (open == gives_way.deliveries.end()) return mqttsn::no_msg_id;
-    const bool goes_on = std::ranges::count(stays.deliveries, open->msg_id, &Delivery::msg_id) > 0;
-    return goes_on ? mqttsn::no_msg_id : open->msg_id;
 }
 
 /// The msg ids go on where no other home has been lately: one that is cut off from us may speak to
@@ -109,42 +50,34 @@ std::uint16_t far_from(mqttsn::MsgId one, mqttsn::MsgId other, Random& random) {
 
 }  // namespace
 
-bool Adoption::adopt(SessionImage image, std::span<const MessagePtr> missed, Turn& turn) {
+bool Adoption::adopt(SessionImage image, std::vector<MessagePtr> missed, Turn& turn) {
     tables_.clock.observe(image.header.last_heard);
     Session* session = tables_.sessions.find(image.header.client_id);
-    bool comes = true;
-    auto elsewhere = mqttsn::no_msg_id;
-    auto unfinished = mqttsn::no_msg_id;
+    Settled settled;
     if (session != nullptr) {
-        SessionImage other = image_of(*session, tables_);
-        comes = outranks(image.header, other.header);
-        if (!comes) std::swap(image, other);
-        elsewhere = other.last_msg_id;
-        const bool resumes = resume_exchanges(image, other);
-        unfinished = left_open(other, image);
-        const bool learns =
-            other.header.last_heard > image.header.last_heard && learn(image, other);
-        if (!comes && !learns && !resumes) {
-            if (unfinished != mqttsn::no_msg_id) session->unfinished = unfinished;
-            deliveries_.release_unfinished(*session, turn);
-            return false;
+        settled = settle(image_of(*session, tables_), std::move(image), missed);
+        if (settled.is_new) {
+            tables_.sessions.come_back(*session);
+            tables_.sessions.unmap(*session);
+            lifecycle_.wipe(*session);
         }
-        tables_.sessions.come_back(*session);
-        tables_.sessions.unmap(*session);
-        lifecycle_.wipe(*session);
     } else {
-        session = &tables_.sessions.create(image.header.client_id);
-        session->read_by_owner = image.header.client_id == tables_.options.read_by_owner;
+        settled.image = std::move(image);
+        session = &tables_.sessions.create(settled.image.header.client_id);
+        session->read_by_owner = settled.image.header.client_id == tables_.options.read_by_owner;
     }
-    if (comes) image = caught_up(std::move(image), missed);
-    session->last_msg_id = far_from(last_msg_id(image), elsewhere, tables_.random);
-    restore(*session, image, turn);
-    tables_.log.append(turn.out, [&] { return SessionPut{bare_image_of(*session)}; });
-    schedule(tables_, *session);
-    if (unfinished != mqttsn::no_msg_id) session->unfinished = unfinished;
+    if (settled.is_new) {
+        if (settled.comes) settled.image = caught_up(std::move(settled.image), missed);
+        session->last_msg_id =
+            far_from(last_msg_id(settled.image), settled.last_msg_id_elsewhere, tables_.random);
+        restore(*session, settled.image, turn);
+        tables_.log.append(turn.out, [&] { return SessionPut{bare_image_of(*session)}; });
+        schedule(tables_, *session);
+    }
+    if (settled.unfinished != mqttsn::no_msg_id) session->unfinished = settled.unfinished;
     deliveries_.release_unfinished(*session, turn);
-    deliveries_.go_on(*session, turn);
-    return comes;
+    if (settled.is_new) deliveries_.go_on(*session, turn);
+    return settled.comes;
 }
 
 void Adoption::restore(Session& session, SessionImage& image, Turn& turn) {

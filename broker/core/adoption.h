@@ -5,6 +5,7 @@
 #include <optional>
 #include <span>
 #include <string_view>
+#include <vector>
 
 #include "broker/core/delivery_flow.h"
 #include "broker/core/lifecycle.h"
@@ -23,7 +24,7 @@ public:
           subscriptions_(subscriptions) {}
 
     /// See BrokerCore::adopt.
-    bool adopt(SessionImage image, std::span<const MessagePtr> missed, Turn& turn);
+    bool adopt(SessionImage image, std::vector<MessagePtr> missed, Turn& turn);
     /// See BrokerCore::caught_up.
     SessionImage caught_up(SessionImage image, std::span<const MessagePtr> missed);
     /// See BrokerCore::forget_logs.

@@ -348,12 +348,12 @@ void BrokerCore::forget_logs(const std::function<bool(const LogId&)>& are_over, 
     state_->adoption.forget_logs(are_over, out);
 }
 
-bool BrokerCore::adopt(Instant now, SessionImage image, std::span<const MessagePtr> missed,
+bool BrokerCore::adopt(Instant now, SessionImage image, std::vector<MessagePtr> missed,
                        Actions& out) {
     // The image that goes into the log is worked through up to here, and its mirrors must know.
     append_cursors(out);
     Turn turn{now, out};
-    return state_->adoption.adopt(std::move(image), missed, turn);
+    return state_->adoption.adopt(std::move(image), std::move(missed), turn);
 }
 
 SessionImage BrokerCore::caught_up(SessionImage image, std::span<const MessagePtr> missed) {

@@ -67,7 +67,7 @@ public:
     /// `missed`: what this broker has worked through and the image's `worked_through` has not, of
     /// all logs, the own one included. The other way round needs nothing: what the image is ahead
     /// of is skipped for this session when it comes here.
-    bool adopt(Instant now, SessionImage image, std::span<const MessagePtr> missed, Actions& out);
+    bool adopt(Instant now, SessionImage image, std::vector<MessagePtr> missed, Actions& out);
 
     /// The image as adopt() would take it, for another home that lacks what was `missed` and may
     /// lack the logs that it stands in: queued, and worked through as far as this broker is.

@@ -12,6 +12,11 @@ bool same_delivery(const Delivery& a, const Delivery& b) {
 
 }  // namespace
 
+Seq worked_through(const SessionImage& image, const LogId& log) {
+    const auto found = std::ranges::find(image.worked_through, log, &LogPosition::log);
+    return found == image.worked_through.end() ? 0 : found->seq;
+}
+
 bool same_state(const SessionImage& a, const SessionImage& b) {
     SessionHeader header = a.header;
     header.last_heard = b.header.last_heard;

@@ -108,6 +108,9 @@ struct SessionImage {
     mqttsn::MsgId last_msg_id = mqttsn::no_msg_id;  // that the home gave; a mirror knows PUBLISH's
 };
 
+/// How far the home had worked through that log.
+[[nodiscard]] Seq worked_through(const SessionImage& image, const LogId& log);
+
 /// True when both describe the same session in the same state, apart from when it was heard last
 /// and departed, and the last msg id; messages are compared by their positions.
 [[nodiscard]] bool same_state(const SessionImage& a, const SessionImage& b);

@@ -3,15 +3,8 @@
 #include <algorithm>
 #include <utility>
 
-#include "romano/mqttsn/topic.h"
-
 namespace romano::cluster {
 namespace {
-
-Seq worked_through(const broker::SessionImage& image, const LogId& log) {
-    const auto found = std::ranges::find(image.worked_through, log, &LogPosition::log);
-    return found == image.worked_through.end() ? 0 : found->seq;
-}
 
 /// A mirror knows queued messages by position; what it has not seen itself may be here.
 void find_missing_messages(broker::SessionImage& image, const Effects& effects, const Logs& logs) {
@@ -56,29 +49,6 @@ std::vector<MessagePtr> missed_publishes(const broker::SessionImage& image,
     return missed;
 }
 
-void leave_out_delivered(broker::SessionImage& image, std::vector<MessagePtr>& missed,
-                         const broker::SessionImage& former) {
-    if (!broker::keeps_messages(former.header)) return;  // nothing was queued for it
-    const auto is_delivered = [&](const MessagePtr& message) {
-        const LogPosition& position = message->position;
-        if (position.seq > worked_through(former, position.log)) return false;
-        const bool was_queued =
-            std::ranges::any_of(former.subscriptions, [&](const auto& subscription) {
-                return subscription.granted != mqttsn::Qos::at_most_once &&
-                       mqttsn::matches(subscription.filter, message->topic);
-            });
-        const bool still_waits =
-            std::ranges::count(former.deliveries, position, &broker::Delivery::position) > 0;
-        return was_queued && !still_waits;
-    };
-    std::erase_if(missed, is_delivered);
-    // What the image's home had received: the client knows, and waits for its end.
-    std::erase_if(image.deliveries, [&](const broker::Delivery& delivery) {
-        return delivery.message && !delivery.retain &&
-               delivery.stage != broker::DeliveryStage::released && is_delivered(delivery.message);
-    });
-}
-
 broker::SessionImage caught_up(const Effects& effects, const Logs& logs,
                                broker::SessionImage image) {
     find_missing_messages(image, effects, logs);
@@ -89,10 +59,7 @@ broker::SessionImage caught_up(const Effects& effects, const Logs& logs,
 bool adopt(Effects& effects, const Logs& logs, broker::SessionImage image) {
     find_missing_messages(image, effects, logs);
     auto missed = missed_publishes(image, effects.broker, logs);
-    if (const auto own = effects.broker.image(image.header.client_id)) {
-        leave_out_delivered(image, missed, *own);
-    }
-    return effects.broker.adopt(effects.now, std::move(image), missed, effects.clients);
+    return effects.broker.adopt(effects.now, std::move(image), std::move(missed), effects.clients);
 }
 
 }  // namespace romano::cluster

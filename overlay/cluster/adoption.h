@@ -27,12 +27,6 @@ struct Logs {
                                                        const broker::BrokerCore& broker,
                                                        const Logs& logs);
 
-/// Of `missed`, and of what waits in the image, what a former home of the session already
-/// delivered, as its own image tells: it worked through it and has it in no queue any more. A home
-/// that was cut off hears of it only after the heal, when its copy may win.
-void leave_out_delivered(broker::SessionImage& image, std::vector<MessagePtr>& missed,
-                         const broker::SessionImage& former);
-
 /// The image of a dead home's session for another one than us: with all that it missed and we have.
 [[nodiscard]] broker::SessionImage caught_up(const Effects& effects, const Logs& logs,
                                              broker::SessionImage image);

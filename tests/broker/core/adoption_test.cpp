@@ -206,7 +206,7 @@ TEST_F(Adoption, TheHeirsLogSaysHowFarTheSessionWasWorkedThrough) {
     const MessagePtr missed = published_at({peer, 7}, "once");
     heir.core.on_peer_message(heir.now, missed, heir.actions);  // for none of its own
     heir.drain();
-    EXPECT_TRUE(heir.core.adopt(heir.now, image_of(home, "robot"), {&missed, 1}, heir.actions));
+    EXPECT_TRUE(heir.core.adopt(heir.now, image_of(home, "robot"), {missed}, heir.actions));
     heir.drain();
     for (const LogEvent& event : heir.log) heir.mirror.apply(heir.mirror.applied() + 1, event);
     const auto image = *heir.mirror.image("robot");

@@ -216,7 +216,7 @@ protected:
         const MessagePtr message = published_at(position, "go");
         const SessionImage own = waiting;
         home.core.release("robot", home.actions);
-        EXPECT_TRUE(home.core.adopt(home.now, own, {{message}}, home.actions));
+        EXPECT_TRUE(home.core.adopt(home.now, own, {message}, home.actions));
         home.drain();
         begun = robot.hears<Publish>().msg_id;
         waiting.deliveries = {{.position = position, .message = message, .qos = Qos::exactly_once}};
