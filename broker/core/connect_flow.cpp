@@ -166,8 +166,9 @@ void ConnectFlow::accept(const Origin& origin, const Prompt& prompt, WillAnswer 
     session->probe_at = never;
     session->exchange = {};
     session->paused_until = {};
-    if (prompt.clean) {
-        lifecycle_.wipe(*session);
+    if (prompt.clean) lifecycle_.wipe(*session);
+    // Only a stranger's kept session may be with a home that is out of sight.
+    if (prompt.clean || !is_new) {
         header.epoch = std::max(header.epoch + 1, header.last_heard.value);
     }
 

@@ -76,8 +76,9 @@ struct SessionHeader {
     bool clean = true;
     std::uint16_t keep_alive_s = 0;
     std::uint16_t sleep_s = 0;
-    /// Counts the homes at which the client was heard. A session that was begun anew counts from
-    /// the time of that, so that it outranks older ones of which its broker knew nothing.
+    /// Counts the homes at which the client was heard. A session that was begun anew, or that the
+    /// client has connected to again, counts from the time of that, so that it outranks older ones
+    /// of which its broker knew nothing, and those that do not know of it.
     std::uint64_t epoch = 1;
     bool provisional = false;  // adopted, and the client was not heard at this home yet
     HybridTime last_heard;     // a mirror's is as of the last event, not of the last datagram

@@ -55,6 +55,27 @@ TEST_F(TwoHomes, ASessionThatIsBegunAnewOutranksOneThatItsBrokerNeverSaw) {
     EXPECT_TRUE(outranks(stranger.core.image("robot")->header, older.header));
 }
 
+// It was asleep as the heir knows, and the heir hears a word of then late (simulator, seed
+// 1107968).
+TEST_F(TwoHomes, TheCopyThatTheClientConnectedToOutranksOneThatHeardItLater) {
+    robot.connects(false);
+    robot.says(Pingreq{});
+    robot.hears<Pingresp>();
+    const SessionImage former = image_of(home, "robot");
+    robot.connects(false);
+    const SessionHeader connected = image_of(home, "robot").header;
+    ASSERT_TRUE(heir.core.adopt(heir.now, former, {}, heir.actions));
+    heir.drain();
+    heir.waits(1s);
+    robot.moves_to(heir);
+    robot.says(Pingreq{});
+    robot.hears<Pingresp>();
+    const SessionHeader late = heir.core.image("robot")->header;
+    ASSERT_FALSE(late.provisional);
+    ASSERT_GT(late.last_heard, connected.last_heard);
+    EXPECT_TRUE(outranks(connected, late));
+}
+
 /// A kept session in two halves: the robot's home is out of sight, and its next broker, to whom it
 /// is a stranger, gives the same topic id to another topic (simulator, seed 82022).
 class TwoHalves : public AdoptingBrokers {
