@@ -41,21 +41,26 @@ bool learn(SessionImage& image, const SessionImage& told) {
     return is_new;
 }
 
-/// What the copy that gives way has begun to send at QoS 2, and only waits in the one that stays,
-/// goes on under its id: the client may have it. False when there is nothing of the kind.
-bool resume_exchanges(SessionImage& image, const SessionImage& other) {
+/// What the copy that gives way has begun to send at QoS 2, and only waits or is missed in the one
+/// that stays, goes on under its id: the client may have it. False when there is nothing of the
+/// kind.
+bool resume_exchanges(SessionImage& stays, std::vector<MessagePtr>& missed,
+                      const SessionImage& gives_way) {
     bool resumes = false;
-    for (const Delivery& begun : other.deliveries) {
+    for (const Delivery& begun : gives_way.deliveries) {
         if (begun.qos != Qos::exactly_once || begun.stage == DeliveryStage::queued) continue;
+        const bool was_missed = std::erase_if(missed, [&](const MessagePtr& message) {
+                                    return message->position == begun.position;
+                                }) != 0;
+        if (was_missed) stays.deliveries.push_back(begun);
         const auto waiting =
-            std::ranges::find(image.deliveries, begun.position, &Delivery::position);
-        if (waiting == image.deliveries.end() || waiting->qos != Qos::exactly_once ||
-            waiting->stage != DeliveryStage::queued) {
-            continue;
+            std::ranges::find(stays.deliveries, begun.position, &Delivery::position);
+        if (waiting == stays.deliveries.end() || waiting->qos != Qos::exactly_once) continue;
+        if (waiting->stage == DeliveryStage::queued) {
+            waiting->stage = begun.stage;
+            waiting->msg_id = begun.msg_id;
+            resumes = true;
         }
-        waiting->stage = begun.stage;
-        waiting->msg_id = begun.msg_id;
-        resumes = true;
     }
     return resumes;
 }
@@ -106,7 +111,7 @@ Settled settle(SessionImage own, SessionImage comes, std::vector<MessagePtr>& mi
     const SessionImage before = stays;
     settled.last_msg_id_elsewhere = other.last_msg_id;
     const bool leaves_out = leave_out_delivered(stays, missed, other);
-    const bool resumes = resume_exchanges(stays, other);
+    const bool resumes = resume_exchanges(stays, missed, other);
     settled.unfinished = left_open(other, stays);
     if (settled.unfinished == mqttsn::no_msg_id) settled.unfinished = left_open(before, stays);
     const bool learns = other.header.last_heard > stays.header.last_heard && learn(stays, other);

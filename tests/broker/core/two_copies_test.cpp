@@ -78,6 +78,16 @@ TEST_F(TwoCopies, P3_WhatTheOtherHomeDeliveredIsLeftOutOfTheCopyThatStays) {
     EXPECT_EQ(settled.unfinished, sent);
 }
 
+// It may have left already, and the copy that comes would send it anew (simulator, seed 1120970).
+TEST_F(TwoCopies, P3_WhatTheFormerHomeHasBegunAndTheOtherOneMissedGoesOnUnderItsId) {
+    other.deliveries.push_back(delivery(6, DeliveryStage::published, sent));
+    const Settled settled = settle(other, winner, missed);
+    EXPECT_THAT(numbers(missed), ElementsAre(7));
+    ASSERT_THAT(numbers(settled.image.deliveries), ElementsAre(2, 4, 6));
+    EXPECT_EQ(settled.image.deliveries.back().msg_id, sent);
+    EXPECT_EQ(settled.image.deliveries.back().stage, DeliveryStage::published);
+}
+
 TEST_F(TwoCopies, WhatTellsNothingNewLeavesTheOwnCopyAsItIs) {
     other.worked_through.clear();
     missed.clear();
