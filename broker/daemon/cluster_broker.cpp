@@ -271,7 +271,9 @@ void ClusterBroker::carry_out_locally() {
             moved_.remove(give_up->address);
             spdlog::info("no longer serving {}", net::to_text(give_up->address));
         } else {
-            spdlog::info("{}", std::get<overlay::Notice>(action).text);
+            const auto& notice = std::get<overlay::Notice>(action);
+            spdlog::log(notice.is_warning ? spdlog::level::warn : spdlog::level::info, "{}",
+                        notice.text);
         }
     }
 }

@@ -38,7 +38,12 @@ ClusterCore::ClusterCore(const ClusterOptions& options, const Identity& identity
 
 void ClusterCore::on_message(Effects& effects, const Envelope& envelope) {
     const BrokerId from = envelope.from.broker;
-    if (from == own_.id().broker) return;
+    if (from == own_.id().broker) {
+        if (auto notice = namesake_.on_message(name_, link_.process, envelope.from.incarnation)) {
+            effects.local.push_back(*std::move(notice));
+        }
+        return;
+    }
     if (listening_.is_on() && asks_for_decision(envelope.message)) return;
     std::visit([&](const auto& message) { on(effects, from, message); }, envelope.message);
     after_input(effects);

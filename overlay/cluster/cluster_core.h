@@ -26,6 +26,7 @@
 #include "overlay/cluster/listening.h"
 #include "overlay/cluster/log_keeping.h"
 #include "overlay/cluster/membership.h"
+#include "overlay/cluster/namesake.h"
 #include "overlay/cluster/own_log.h"
 #include "overlay/cluster/peer_log.h"
 #include "overlay/cluster/peer_sessions.h"
@@ -217,6 +218,7 @@ private:
     std::set<Endpoint> silent_;  // of those that are served
 
     Listening listening_;
+    Namesake namesake_;
     Instant next_tick_ = Instant::min();
     Instant next_cursors_ = Instant::min();
     Instant next_trim_ = Instant::min();

@@ -22,6 +22,7 @@ struct GiveUpAddress {
 /// A line for the trace: something that people want to know.
 struct Notice {
     std::string text;
+    bool is_warning = false;
 };
 
 using LocalAction = std::variant<TakeAddress, GiveUpAddress, Notice>;
