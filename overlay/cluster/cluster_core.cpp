@@ -177,7 +177,7 @@ void ClusterCore::heed_news_of_peers(Effects& effects) {
 
 void ClusterCore::heed(const Beacon& beacon) {
     PeerLog& log = log_of(beacon.log);
-    log.heard_end(beacon.last_seq);
+    log.heard_end(beacon.last_seq, beacon.view.number);
     log.heard_serving(beacon.serving);
     if (beacon.knows(own_.id())) log.heard_by_writer();
     watermark_.on_beacon(beacon.log, beacon.applied_through(own_.id()));

@@ -16,7 +16,7 @@ PeerLog::PeerLog(LogId id, std::size_t events_kept) : id_(id), mirror_(id), hist
 
 void PeerLog::offer(Seq first_seq, std::vector<LogEvent> events) {
     if (events.empty() || first_seq == 0) return;
-    heard_end(first_seq + events.size() - 1);
+    known_end_ = std::max(known_end_, first_seq + events.size() - 1);
     const Seq expected = received() + 1;
     if (first_seq > expected) {
         if (early_events_ + events.size() > early_events_most || early_.contains(first_seq)) return;
@@ -132,7 +132,7 @@ void PeerLog::restart(const SnapshotPart& snapshot) {
     mirror_ = broker::Mirror(snapshot.as_of, snapshot.sessions, snapshot.cursors);
     history_.restart(snapshot.as_of.seq, snapshot.publishes);
     ahead_.clear();
-    heard_end(snapshot.as_of.seq);
+    known_end_ = std::max(known_end_, snapshot.as_of.seq);
     while (!early_.empty()) {
         auto next = early_.extract(early_.begin());
         early_events_ -= next.mapped().size();
@@ -158,15 +158,15 @@ void PeerLog::leave_all() {
     });
 }
 
-void PeerLog::heard_end(Seq last) {
+void PeerLog::heard_end(Seq last, const ViewNumber& view) {
     known_end_ = std::max(known_end_, last);
-    lived_on_ |= frozen_ && agreed_end_ != 0 && last > agreed_end_;
+    lived_on_ |= frozen_ && agreed_end_ != 0 && last > agreed_end_ && view > ended_in_;
 }
 
-void PeerLog::end_at(Seq end) {
+void PeerLog::end_at(Seq end, const ViewNumber& view) {
     if (lived_on_ && end > agreed_end_) leave_all();
     lived_on_ = false;
-    agreed_end_ = end;
+    if (std::exchange(agreed_end_, end) != end) ended_in_ = view;
 }
 
 void PeerLog::thaw() {

@@ -40,8 +40,8 @@ public:
     /// The next event in order, or null. It stays there until apply().
     [[nodiscard]] const LogEvent* next() const;
     void apply();
-    /// The writer says that its log ends there.
-    void heard_end(Seq last);
+    /// The writer says that its log ends there, and in which view it is.
+    void heard_end(Seq last, const ViewNumber& view);
     /// A request for what is missing, at most one in `patience` and not before it was missing for
     /// as long.
     [[nodiscard]] std::optional<SnapshotRequest> ask(Instant now, Duration patience);
@@ -63,10 +63,10 @@ public:
     void become_outdated() { outdated_ = true; }
     void heard_by_writer() { outdated_ = outdated_ && frozen_; }
     [[nodiscard]] bool is_outdated() const { return outdated_; }
-    /// Of a frozen log: the last event that the members agreed on. Its writer may have lived on
-    /// beyond an earlier one, in views that we missed: then what was taken from it is its own
-    /// again.
-    void end_at(Seq end);
+    /// Of a frozen log: the last event that the members of that view agreed on. Its writer may have
+    /// lived on beyond an earlier one, in views that we missed: then what was taken from it is its
+    /// own again.
+    void end_at(Seq end, const ViewNumber& view);
     [[nodiscard]] bool has_agreed_end() const { return applied() >= agreed_end_; }
     /// The addresses that the writer's beacon names: robots may come there at any time.
     void heard_serving(const std::vector<Endpoint>& addresses) {
@@ -108,7 +108,8 @@ private:
     bool frozen_ = false;
     bool outdated_ = false;
     Seq agreed_end_ = 0;
-    bool lived_on_ = false;                      // its writer was heard beyond that
+    ViewNumber ended_in_;                        // the first view that agreed on that
+    bool lived_on_ = false;                      // its writer was heard in a later one
     std::map<broker::ClientId, Endpoint> left_;  // of a frozen log: not taken; with their via
     std::set<Endpoint> serving_;
 };

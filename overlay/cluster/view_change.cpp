@@ -353,7 +353,7 @@ void ViewChange::install(Instant now, ViewAnnouncement announcement, PeerLogs& l
         const auto log = logs.find(end.log);
         if (log == logs.end()) continue;
         log->second.freeze();
-        log->second.end_at(end.seq);
+        log->second.end_at(end.seq, view_.number);
     }
     appointed_.clear();
     for (const Assignment& assignment : announcement.assignments) {

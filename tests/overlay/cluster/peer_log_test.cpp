@@ -69,7 +69,7 @@ TEST(PeerLog, ABeaconThatNamesALaterEndIsAGap) {
     Held held;
     held.take(1, {session("a")});
     EXPECT_FALSE(held.log.ask(start, 20ms));
-    held.log.heard_end(2);
+    held.log.heard_end(2, {});
     EXPECT_FALSE(held.log.ask(start + 10ms, 20ms));
     EXPECT_TRUE(held.log.ask(start + 30ms, 20ms));
 }
@@ -154,7 +154,7 @@ TEST(PeerLog, WhatIsHereAndFollowsASnapshotStays) {
 
 TEST(PeerLog, WhileASnapshotComesItIsNotAskedForAgain) {
     Held held;
-    held.log.heard_end(50);
+    held.log.heard_end(50, {});
     EXPECT_TRUE(held.log.ask(start, 20ms));
     SnapshotPart part{.as_of = {test::log_of("b1"), 50}, .part = 0};
     for (Instant now = start; now < start + 100ms; now += 10ms, ++part.part) {
@@ -214,20 +214,38 @@ TEST(PeerLog, ATailOfAFrozenLogCounts) {
 // P2: a member that missed the view in which the writer was taken back, with its sessions, is the
 // next one's heir (simulator, faults `starve`, seed 142).
 TEST(PeerLog, AWriterThatLivedOnHasItsSessionsAgain) {
+    const ViewNumber removed{.term = 2};
+    const ViewNumber taken_back{.term = 3};
     for (const bool is_heard : {false, true}) {
         Held held;
         held.take(1, {session("a", address(1)), session("b", address(1))});
         held.log.freeze();
-        held.log.end_at(2);
+        held.log.end_at(2, removed);
         held.log.mark_taken("a");
-        if (is_heard) held.log.heard_end(4);
-        held.log.end_at(4);
+        if (is_heard) held.log.heard_end(4, taken_back);
+        held.log.end_at(4, {.term = 4});
         held.take(3, {erased("b"), session("c", address(1))});
         const auto left = held.log.sessions_left(address(1), 100);
         ASSERT_EQ(left.size(), is_heard ? 2U : 1U);
         EXPECT_EQ(left.front().header.client_id, is_heard ? "a" : "c");
         EXPECT_EQ(left.back().header.client_id, "c");
     }
+}
+
+// P3: its last beacon, and the last events that another member held, come after its end was agreed
+// on: the heir went on with its sessions, and would adopt them once more.
+TEST(PeerLog, TheLastWordsOfADeadWriterLeaveNothingAgain) {
+    const ViewNumber before{.term = 1};
+    Held held;
+    held.take(1, {session("a", address(1)), session("b", address(1))});
+    held.log.freeze();
+    held.log.end_at(2, {.term = 2});
+    held.log.mark_taken("a");
+    held.log.mark_taken("b");
+    held.log.heard_end(4, before);
+    held.take(3, {published(test::log_of("b1"), 3)});
+    held.log.end_at(3, {.term = 3});
+    EXPECT_THAT(held.log.sessions_left(address(1), 100), IsEmpty());
 }
 
 // One that outranked the heir's copy would stop it from going on with that (simulator, faults
@@ -268,7 +286,7 @@ TEST(PeerLog, WhatAFrozenLogMissedIsAskedForAsSoonAsItsWriterIsBack) {
     held.take(1, {session("a")});
     held.log.freeze();
     EXPECT_FALSE(held.log.ask(start, 20ms));
-    held.log.heard_end(3);
+    held.log.heard_end(3, {});
     held.log.thaw();
     EXPECT_TRUE(held.log.ask(start + 1ms, 20ms));
     EXPECT_FALSE(held.log.ask(start + 2ms, 20ms)) << "once";
