@@ -34,6 +34,7 @@ HeldOutput::Waiting::iterator HeldOutput::erase(Waiting::iterator datagram) {
 
 void HeldOutput::clear() {
     waiting_.clear();
+    detained_.clear();
     octets_ = 0;
 }
 

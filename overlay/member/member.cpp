@@ -360,7 +360,8 @@ void Member::State::send(Instant now, const broker::Send& send, broker::Seq safe
     if (send.to.endpoint == broker::owner_endpoint || cluster_.is_silent(send.via)) return;
     const Bytes octets = work_.octets(send);
     if (cut_off_.withholds(now, send.to.endpoint, octets)) return;
-    if (stall_ || send.after > safe || cluster_.is_taking(send.via)) {
+    if (cluster_.is_taking(send.via)) held_.detain(send.to);
+    if (stall_ || send.after > safe || held_.detains(send.to)) {
         held_.hold(send, octets);
         return;
     }

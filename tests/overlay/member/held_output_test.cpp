@@ -19,8 +19,10 @@ Endpoint via(std::uint16_t port) {
 struct Output {
     HeldOutput held;
 
-    void hold(broker::Seq after, std::string_view text, std::uint16_t port = 1) {
-        held.hold({.via = via(port), .to = {}, .after = after}, as_octets(text));
+    void hold(broker::Seq after, std::string_view text, std::uint16_t port = 1,
+              std::string_view client = {}) {
+        held.hold({.via = via(port), .to = {{}, std::string(client)}, .after = after},
+                  as_octets(text));
     }
     std::vector<std::string> release(broker::Seq safe,
                                      HeldOutput::Fate of_port_2 = HeldOutput::Fate::leaves) {
@@ -56,10 +58,24 @@ TEST(HeldOutput, KeepsTheOrderWithinOnePosition) {
     EXPECT_THAT(output.release(3), ElementsAre("first", "second"));
 }
 
+// P3: a client that roamed to the heir has answered the PUBLISH that waits for its former address,
+// and would take it for a new one behind the PUBREL.
+TEST(HeldOutput, NothingOvertakesWhatWaitsForItsAddress) {
+    Output output;
+    output.hold(3, "publish", 2, "robot");
+    output.hold(4, "pubrel", 1, "robot");
+    output.hold(4, "other's", 1, "other");
+    EXPECT_THAT(output.release(4, HeldOutput::Fate::waits), ElementsAre("other's"));
+    EXPECT_TRUE(output.held.detains({{}, "robot"}));
+    EXPECT_FALSE(output.held.detains({{}, "other"}));
+    EXPECT_THAT(output.release(4), ElementsAre("publish", "pubrel"));
+    EXPECT_FALSE(output.held.detains({{}, "robot"}));
+}
+
 TEST(HeldOutput, WaitsForItsAddress) {
     Output output;
     output.hold(1, "elsewhere", 2);
-    output.hold(2, "here", 1);
+    output.hold(2, "here", 1, "other");
     EXPECT_THAT(output.release(9, HeldOutput::Fate::waits), ElementsAre("here"));
     EXPECT_THAT(output.release(9), ElementsAre("elsewhere"));
 }
