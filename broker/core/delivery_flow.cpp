@@ -89,9 +89,12 @@ void DeliveryFlow::go_on(Session& session, Turn& turn) {
            session.paused_until <= turn.now) {
         if (open_front(session, turn)) break;
     }
-    if (session.header.state == SessionState::awake && !session.exchange.is_open()) {
+    const bool is_awake = session.header.state == SessionState::awake;
+    const bool may_be_awake = session.owes_pingresp && session.seems_connected();
+    if ((is_awake || may_be_awake) && !session.exchange.is_open()) {
         if (session.reachable) outbox_.send(session, mqttsn::Pingresp{}, Gate::open, turn);
-        fall_asleep(session, turn);
+        session.owes_pingresp = false;
+        if (is_awake) fall_asleep(session, turn);
     }
     schedule(tables_, session);
 }

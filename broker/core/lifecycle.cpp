@@ -31,6 +31,7 @@ void Lifecycle::wipe(Session& session) {
     session.awaited.clear();
     session.begun.clear();
     session.unfinished = mqttsn::no_msg_id;
+    session.owes_pingresp = false;
     session.will.reset();
     session.exchange = {};
     session.paused_until = {};

@@ -29,11 +29,15 @@ void Liveness::on_heard(Session& session, const Endpoint& via, MsgType type, Tur
     header.via = via;
     // A sleeper that speaks as the connected do has connected, it seems, at its former home, out of
     // our sight; also one that was awake when it was seen last. In doubt it keeps its sleeping
-    // time: should it sleep, it will say so (and an awake one asks again for its PINGRESP).
-    const bool was_sleeper =
-        header.state == SessionState::asleep || header.state == SessionState::awake;
+    // time: should it sleep, it will say so. One that is awake still waits for its PINGRESP, and
+    // may not ask again while messages come: it gets it, which does a connected one no harm.
+    const bool was_awake = header.state == SessionState::awake;
+    const bool was_sleeper = was_awake || header.state == SessionState::asleep;
     const bool seems_connected = is_first_word && was_sleeper && !is_of_sleepers(type);
-    if (seems_connected) header.state = SessionState::active;
+    if (seems_connected) {
+        header.state = SessionState::active;
+        session.owes_pingresp = was_awake;
+    }
     lifecycle_.log_header(session, turn);
     if (seems_connected) deliveries_.go_on(session, turn);
 }

@@ -73,6 +73,7 @@ struct alignas(64) Session {
     bool fresh_will = false;        // and that CONNACK ended the will prompts
     bool ignores_register = false;  // G14
     bool held = false;              // by the owner: nothing new is sent, it waits
+    bool owes_pingresp = false;     // adopted awake, connected perhaps (Liveness)
     bool read_by_owner = false;     // nothing is ever sent: the owner takes from the queue
     std::uint16_t last_msg_id = 0;  // of the broker's requests to this client
 

@@ -406,16 +406,24 @@ protected:
 
 // It connected at its former home, which was cut off (simulator, seed 205595).
 TEST_F(AdoptionOfAnAwakened, WhoMayHaveConnectedIsNotLeftAsleep) {  // P2
-    robot.hears_nothing();
+    robot.hears<Pingresp>();
     EXPECT_EQ(state(), SessionState::active);
     publisher.moves_to(heir);
     publisher.connects();
     publisher.publishes(publisher.registers("cmd"), "two", Qos::at_least_once);
     answers("two");
+    robot.hears_nothing();
     heir.expects_mirror_to_agree();
 }
 
-TEST_F(AdoptionOfAnAwakened, WhoIsAwakeAsksAgainAndSleepsOn) {  // 6.14b
+// It asks again only when nothing comes for Tretry (6.14d).
+TEST_F(AdoptionOfAnAwakened, WhoIsAwakeGetsItsPingrespWhenNothingWaits) {  // 6.14b
+    robot.hears<Pingresp>();
+    robot.hears_nothing();
+}
+
+TEST_F(AdoptionOfAnAwakened, WhoIsAwakeMayAskAgainAndSleepsOn) {  // 6.14b
+    robot.ignores_what_came();
     robot.says(Pingreq{"robot"});
     robot.hears<Pingresp>();
     EXPECT_EQ(state(), SessionState::asleep);
