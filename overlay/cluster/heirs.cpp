@@ -114,12 +114,21 @@ std::optional<BrokerId> least_loaded(const Answers& answers, const Witnesses& wi
 }  // namespace
 
 std::map<LogId, Seq> agreed_ends(const Answers& answers) {
-    std::map<LogId, Seq> ends;
+    std::map<LogId, Seq> last;
     for (const auto& [member, holdings] : answers.holdings) {
         for (const LogPosition& position : holdings.holds) {
-            Seq& end = ends[position.log];
-            end = std::max(end, position.seq);
+            Seq& seq = last[position.log];
+            seq = std::max(seq, position.seq);
         }
+    }
+    std::map<LogId, Seq> ends;
+    for (const auto& [log, seq] : last) {
+        std::optional<Seq> known;  // to those who were there
+        for (const auto& [member, holdings] : answers.holdings) {
+            if (is_outdated(holdings, log) || !holds(holdings, log, seq)) continue;
+            known = std::max(known, held_of(holdings, log));
+        }
+        ends.emplace(log, known.value_or(seq));
     }
     return ends;
 }
@@ -170,7 +179,7 @@ std::vector<std::pair<BrokerId, TailRequest>> missing_tails(const Answers& answe
             answers.holdings, [&](const auto& entry) { return held_of(entry.second, log) == end; });
         for (const auto& [member, holdings] : answers.holdings) {
             const auto held = held_of(holdings, log);
-            if (!held || *held == end) continue;
+            if (!held || *held >= end) continue;
             requests.emplace_back(best->first.broker,
                                   TailRequest{.after = {log, *held}, .to = member.broker});
         }

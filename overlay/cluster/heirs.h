@@ -26,7 +26,9 @@ struct Answers {
     std::uint32_t leader_sessions = 0;
 };
 
-/// The agreed last event of every log that somebody holds and that has no member.
+/// The agreed last event of every log that somebody holds and that has no member: the last one that
+/// is held, but for what only those hold who were replaced meanwhile. It came to them while they
+/// stood still, others had agreed on an earlier end, and clients said it again to the heir.
 [[nodiscard]] std::map<LogId, Seq> agreed_ends(const Answers& answers);
 [[nodiscard]] std::vector<Assignment> assign(const Answers& answers,
                                              const std::map<LogId, Seq>& ends,

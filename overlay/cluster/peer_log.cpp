@@ -38,6 +38,7 @@ void PeerLog::offer(Seq first_seq, std::vector<LogEvent> events) {
 
 std::vector<MessagePtr> PeerLog::publishes_after(Seq seq) const {
     auto publishes = history_.publishes_after(seq);
+    while (!publishes.empty() && publishes.back()->position.seq > end()) publishes.pop_back();
     std::ranges::copy_if(ahead_, std::back_inserter(publishes), [&](const MessagePtr& message) {
         return message->position.seq > std::max(seq, applied());
     });
@@ -45,7 +46,7 @@ std::vector<MessagePtr> PeerLog::publishes_after(Seq seq) const {
 }
 
 MessagePtr PeerLog::publish_at(Seq seq) const {
-    if (seq <= applied()) return history_.publish_at(seq);
+    if (seq <= applied()) return seq <= end() ? history_.publish_at(seq) : MessagePtr{};
     const auto found = std::ranges::lower_bound(
         ahead_, seq, {}, [](const MessagePtr& message) { return message->position.seq; });
     return found == ahead_.end() || (*found)->position.seq != seq ? MessagePtr{} : *found;

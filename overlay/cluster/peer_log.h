@@ -7,6 +7,7 @@
 // and the members must agree on its last event; only tails that peers send continue it.
 #pragma once
 
+#include <algorithm>
 #include <deque>
 #include <map>
 #include <optional>
@@ -25,11 +26,16 @@ public:
     PeerLog(LogId id, std::size_t events_kept);
 
     [[nodiscard]] Seq applied() const { return history_.last(); }
+    /// What counts of it: of a frozen log no more than was agreed on, though a process that stood
+    /// still may hold more.
+    [[nodiscard]] Seq end() const {
+        return frozen_ && agreed_end_ != 0 ? std::min(applied(), agreed_end_) : applied();
+    }
     [[nodiscard]] const broker::Mirror& mirror() const { return mirror_; }
     [[nodiscard]] broker::Mirror& mirror() { return mirror_; }
     [[nodiscard]] const LogHistory& history() const { return history_; }
     [[nodiscard]] LogHistory& history() { return history_; }
-    /// Of the history, and of a snapshot whose last part is not here yet.
+    /// Of the history up to end(), and of a snapshot whose last part is not here yet.
     [[nodiscard]] std::vector<MessagePtr> publishes_after(Seq seq) const;
     [[nodiscard]] MessagePtr publish_at(Seq seq) const;
 

@@ -31,7 +31,7 @@ Snapshot::Snapshot(const broker::BrokerCore& broker, const Logs& logs)
       published_(0) {}
 
 Snapshot::Snapshot(const PeerLogs::value_type& removed, Seq after)
-    : as_of_{removed.first, removed.second.applied()}, published_(after) {}
+    : as_of_{removed.first, removed.second.end()}, published_(after) {}
 
 SnapshotPart Snapshot::next(const Logs& logs) {
     SnapshotPart part{.as_of = as_of_, .part = next_part_++};

@@ -72,6 +72,28 @@ TEST_F(Heirs, TheAgreedEndIsTheLastEventThatAnybodyHolds) {
 }
 
 // It has adopted the sessions, and the leader has not heard of it (simulator, seed 990523).
+// P3: a client that was not answered said the last publish again, to the heir.
+TEST_F(Heirs, P3_WhatOnlyAReplacedMemberHoldsIsBeyondTheEnd) {
+    holds(b1, 5);
+    holds(b2, 9);
+    holds(b3, 4);
+    holdings[b2].outdated.push_back(dead);
+    const auto ends = agreed_ends(answers());
+    EXPECT_THAT(ends, ElementsAre(std::pair{dead, Seq{5}}));
+    const auto tails = missing_tails(answers(), ends);
+    ASSERT_EQ(tails.size(), 1U);
+    EXPECT_EQ(tails[0].first, b1.broker);
+    EXPECT_EQ(tails[0].second.to, b3.broker);
+}
+
+TEST_F(Heirs, P2_AReplacedMemberIsBelievedWhenNobodyElseHoldsAsMuch) {
+    holds(b1, 0);
+    holds(b2, 2'000);
+    holds(b3, 100);  // it was cut off
+    holdings[b2].outdated.push_back(dead);
+    EXPECT_THAT(agreed_ends(answers()), ElementsAre(std::pair{dead, Seq{2'000}}));
+}
+
 TEST_F(Heirs, P3_WhoWasGivenTheAddressByTheLastViewKeepsIt) {
     holds(b1, 5, {address(9)});
     holds(b2, 5);

@@ -248,6 +248,19 @@ TEST(PeerLog, TheLastWordsOfADeadWriterLeaveNothingAgain) {
     EXPECT_THAT(held.log.sessions_left(address(1), 100), IsEmpty());
 }
 
+// P3: only a member that was replaced holds more than was agreed on (heirs.h).
+TEST(PeerLog, WhatStandsBeyondTheAgreedEndWasNotPublished) {
+    Held held;
+    const LogId writer = test::log_of("b1");
+    held.take(1, {published(writer, 1), published(writer, 2), published(writer, 3)});
+    held.log.freeze();
+    held.log.end_at(2, {.term = 1});
+    ASSERT_EQ(held.log.publishes_after(0).size(), 2U);
+    EXPECT_TRUE(held.log.publish_at(2));
+    EXPECT_FALSE(held.log.publish_at(3));
+    EXPECT_TRUE(held.log.has_agreed_end());
+}
+
 // One that outranked the heir's copy would stop it from going on with that (simulator, faults
 // `stop`, seed 57).
 TEST(PeerLog, P2_AnOutdatedLogSaysNothingOfSessions) {
