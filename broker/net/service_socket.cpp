@@ -112,6 +112,7 @@ Endpoint ServiceSocket::via(const ReceiveBatch& batch, std::size_t slot) const {
 void ServiceSocket::queue(const Endpoint& via, const Endpoint& to, Bytes octets,
                           NetCounters& counters) {
     if (outgoing_.full()) flush(counters);
+    queued_for_.set(to.hash() % queued_for_.size());
     if (wildcard_ && !is_wildcard(via)) {
         outgoing_.add_from(via, to, octets);
     } else {
@@ -120,7 +121,9 @@ void ServiceSocket::queue(const Endpoint& via, const Endpoint& to, Bytes octets,
 }
 
 void ServiceSocket::flush(NetCounters& counters) {
-    if (!outgoing_.empty()) outgoing_.flush(socket_.native_handle(), counters);
+    if (outgoing_.empty()) return;
+    outgoing_.flush(socket_.native_handle(), counters);
+    queued_for_.reset();
 }
 
 }  // namespace romano::net

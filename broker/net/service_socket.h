@@ -5,6 +5,7 @@
 // stopped process. Of several sockets on one address Linux gives the datagrams to the newest.
 #pragma once
 
+#include <bitset>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/udp.hpp>
 #include <boost/system/error_code.hpp>
@@ -42,6 +43,10 @@ public:
 
     void queue(const Endpoint& via, const Endpoint& to, Bytes octets, NetCounters& counters);
     void flush(NetCounters& counters);
+    /// Something for that receiver is queued, perhaps.
+    [[nodiscard]] bool may_hold_for(const Endpoint& to) const {
+        return queued_for_[to.hash() % queued_for_.size()];
+    }
 
     template <typename Handler>
     void async_wait_readable(Handler handler) {
@@ -58,6 +63,7 @@ private:
     Endpoint bound_;
     bool wildcard_ = false;
     SendBatch outgoing_;
+    std::bitset<2048> queued_for_;  // by the receivers' hashes
 };
 
 }  // namespace romano::net

@@ -116,6 +116,7 @@ void UdpService::carry_out(const broker::Actions& actions) {
     for (const broker::Action& action : actions.list()) {
         if (const auto* send = std::get_if<broker::Send>(&action)) {
             if (ServiceSocket* socket = socket_of(send->via)) {
+                keep_order(send->to.endpoint, socket);
                 socket->queue(send->via, send->to.endpoint, actions.octets(*send), counters_);
             } else {
                 ++counters_.no_such_socket;
@@ -125,6 +126,14 @@ void UdpService::carry_out(const broker::Actions& actions) {
         }
     }
     flush();
+}
+
+void UdpService::keep_order(const Endpoint& to, const ServiceSocket* socket) {
+    if (services_.size() < 2) return;
+    for (const auto& channel : services_) {
+        ServiceSocket& other = channel->socket;
+        if (&other != socket && other.may_hold_for(to)) other.flush(counters_);
+    }
 }
 
 void UdpService::multicast(Bytes octets) {

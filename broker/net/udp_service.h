@@ -66,6 +66,8 @@ private:
     void read(const std::shared_ptr<Channel>& channel);
     [[nodiscard]] ServiceSocket* socket_of(const Endpoint& via);
     [[nodiscard]] const Endpoint* first_address(Endpoint::Family family) const;
+    /// What waits for that receiver at other sockets leaves first.
+    void keep_order(const Endpoint& to, const ServiceSocket* socket);
     void multicast(Bytes octets);
     void flush();
 

@@ -169,6 +169,27 @@ TEST_F(UdpServiceTest, AllIpv6AddressesLeaveTheSamePortOfIpv4ToOthers) {
     EXPECT_FALSE(broker.udp.open(at(("0.0.0.0:" + std::to_string(v6.port)).c_str()), Bind::alone));
 }
 
+// P3: a client that roamed is sent from its new address only after what it is sent from the former
+// one: a PUBLISH behind its own PUBREL would be a new message.
+TEST_F(UdpServiceTest, AClientGetsWhatSeveralAddressesSendItInOrder) {
+    const Endpoint one = broker.serve("127.77.1.1:0");
+    const Endpoint two = broker.serve("127.77.1.2:0");
+    const Peer client(at("127.77.1.3:0"));
+    const Peer other(at("127.77.1.4:0"));
+    broker::Actions actions;
+    add_send(actions, two, client.endpoint(), as_octets("publish"));
+    add_send(actions, one, other.endpoint(), as_octets("other's"));
+    add_send(actions, one, client.endpoint(), as_octets("pubrel"));
+    add_send(actions, two, client.endpoint(), as_octets("next"));
+    broker.udp.carry_out(actions);
+    for (const char* text : {"publish", "pubrel", "next"}) {
+        const auto received = client.receive();
+        ASSERT_TRUE(received);
+        EXPECT_EQ(received->text, text);
+    }
+    EXPECT_TRUE(other.receive());
+}
+
 TEST_F(UdpServiceTest, ServesSeveralAddresses) {
     const Endpoint one = broker.serve("127.77.1.1:0");
     const Endpoint two = broker.serve("127.77.1.2:0");
