@@ -108,7 +108,11 @@ void Mirror::on(const TopicBound& event) {
 
 void Mirror::on(const Published& event) {
     if (!event.publisher.empty()) {
-        if (SessionImage* image = find(event.publisher)) image->unreleased.push_back(event.msg_id);
+        if (SessionImage* image = find(event.publisher)) {
+            image->unreleased.push_back(event.msg_id);
+            HybridTime& heard = image->header.last_heard;
+            heard = std::max(heard, event.message->published_at);
+        }
     }
     if (!event.will_of.empty()) {
         if (SessionImage* image = find(event.will_of)) {

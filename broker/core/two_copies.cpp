@@ -12,7 +12,8 @@ using mqttsn::Qos;
 namespace {
 
 /// Two homes had the session, and the client was heard last by the one that gives way: what it was
-/// told there, of topic ids and subscriptions, stays true. False when that is nothing new.
+/// told there, of topic ids and subscriptions, stays true, and what it has begun to publish there
+/// is published. False when that is nothing new.
 bool learn(SessionImage& image, const SessionImage& told) {
     bool is_new = false;
     for (const TopicBinding& binding : told.topics) {
@@ -36,6 +37,11 @@ bool learn(SessionImage& image, const SessionImage& told) {
         } else {
             continue;
         }
+        is_new = true;
+    }
+    for (const mqttsn::MsgId id : told.unreleased) {
+        if (std::ranges::count(image.unreleased, id) > 0) continue;
+        image.unreleased.push_back(id);
         is_new = true;
     }
     return is_new;

@@ -96,6 +96,20 @@ TEST_F(TwoCopies, WhatTellsNothingNewLeavesTheOwnCopyAsItIs) {
     EXPECT_FALSE(settled.is_new);
 }
 
+// The client says it again, with DUP, to the home that stays (simulator, seed 1403805).
+TEST_F(TwoCopies, P3_WhatTheClientPublishedLastAtTheOtherHomeIsPublished) {
+    winner.unreleased = {mqttsn::MsgId{1}, mqttsn::MsgId{2}};
+    other.unreleased = {mqttsn::MsgId{2}, mqttsn::MsgId{3}};
+    other.header.last_heard = HybridTime{2};
+    winner.header.last_heard = HybridTime{1};
+    EXPECT_THAT(settle(winner, other, missed).image.unreleased,
+                ElementsAre(mqttsn::MsgId{1}, mqttsn::MsgId{2}, mqttsn::MsgId{3}));
+    // Of an older copy the client may have released it since, and use the id anew.
+    other.header.last_heard = HybridTime{};
+    EXPECT_THAT(settle(winner, other, missed).image.unreleased,
+                ElementsAre(mqttsn::MsgId{1}, mqttsn::MsgId{2}));
+}
+
 TEST_F(TwoCopies, P2_WhatWasNotForTheSessionAtItsFormerHomeWasNotDelivered) {
     other.subscriptions = {{.filter = "map", .granted = mqttsn::Qos::exactly_once},
                            {.filter = "pose", .granted = mqttsn::Qos::at_most_once}};

@@ -76,6 +76,19 @@ TEST_F(TwoHomes, TheCopyThatTheClientConnectedToOutranksOneThatHeardItLater) {
     EXPECT_TRUE(outranks(connected, late));
 }
 
+// Of two copies the later heard one knows what the client has begun (simulator, seed 1403805).
+TEST_F(TwoHomes, AMirrorKnowsThatAPublisherWasHeard) {
+    publisher.connects();
+    const auto topic = publisher.registers("cmd");
+    const HybridTime before = image_of(home, "publisher").header.last_heard;
+    home.waits(1s);
+    publisher.says(Publish{false, Qos::exactly_once, false, mqttsn::TopicIdType::normal, topic,
+                           MsgId{9}, as_octets("go")});
+    const SessionImage image = image_of(home, "publisher");
+    EXPECT_GT(image.header.last_heard, before);
+    EXPECT_THAT(image.unreleased, testing::ElementsAre(MsgId{9}));
+}
+
 /// A kept session in two halves: the robot's home is out of sight, and its next broker, to whom it
 /// is a stranger, gives the same topic id to another topic (simulator, seed 82022).
 class TwoHalves : public AdoptingBrokers {
