@@ -61,8 +61,8 @@ public:
 
     /// Becomes the home of the session: appends SessionPut, queues the `missed` messages that match
     /// its subscriptions, in order, and sends again what was in flight (PUBLISH with DUP). An own
-    /// session of the same client id stays unless the image outranks() it; then the image is
-    /// dropped: returns false.
+    /// session of the same client id stays unless the image outranks() it: returns false then. The
+    /// copy that stays takes from the other what the client knows or has from that (two_copies.h).
     ///
     /// `missed`: what this broker has worked through and the image's `worked_through` has not, of
     /// all logs, the own one included. The other way round needs nothing: what the image is ahead
