@@ -433,11 +433,9 @@ void ClusterCore::on(Effects& effects, BrokerId from, const SnapshotPart& part) 
     PeerLog& log = found->second;
     for (const auto& message : part.retained) effects.broker.put_retained(message);
     if (part.as_of.seq <= log.applied() || !log.offer(effects.now, part)) return;
-    publish_order_.release(effects, id);
+    publish_order_.on_snapshot(effects, id, logs_);
     for (const auto& message : part.publishes) {
-        if (message->position.seq > effects.broker.cursor(id)) {
-            effects.broker.on_peer_message(effects.now, message, effects.clients);
-        }
+        publish_order_.on_publish(effects, message);
         learn(message);
     }
     const auto snapshot = log.take_snapshot();
@@ -448,7 +446,7 @@ void ClusterCore::on(Effects& effects, BrokerId from, const SnapshotPart& part) 
     }
     peer_sessions_.reset(id, log.mirror());
     for (const auto& image : snapshot->sessions) mark_taken(image.header.client_id);
-    effects.broker.advance_cursor(snapshot->as_of);
+    publish_order_.on_snapshot_end(effects, snapshot->as_of);
     settlement_.compare(effects, logs_, view());
     apply(effects, id, log, options_.events_per_turn);
     effects.peers.push_back({from, LogAck{{id, log.applied()}, own_.id()}});

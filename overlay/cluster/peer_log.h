@@ -46,6 +46,10 @@ public:
     /// The next event in order, or null. It stays there until apply().
     [[nodiscard]] const LogEvent* next() const;
     void apply();
+    /// As far as it will come, for all that is known.
+    [[nodiscard]] Seq known_end() const {
+        return frozen_ ? agreed_end_ : std::max(known_end_, applied());
+    }
     /// The writer says that its log ends there, and in which view it is.
     void heard_end(Seq last, const ViewNumber& view);
     /// A request for what is missing, at most one in `patience` and not before it was missing for

@@ -6,10 +6,15 @@
 // events are applied and acknowledged meanwhile: only subscribers wait. Not in vain: no log waits
 // for what came after it, none for one that is neither held nor a member's who was not met yet, and
 // none for longer than a tail takes to come.
+//
+// A snapshot does not tell which of its publishes followed what: it waits for all that the others
+// are known to have written by then. Logs that wait for each other, and have come so far, go on
+// with what was published first.
 #pragma once
 
 #include <deque>
 #include <map>
+#include <optional>
 #include <vector>
 
 #include "overlay/cluster/effects.h"
@@ -24,6 +29,10 @@ public:
     /// `writer` is about to apply a SessionPut of this image.
     void on_session(const Effects& effects, const PeerLog& writer,
                     const broker::SessionImage& image, const PeerLogs& logs, const View& view);
+    /// The publishes of a part of a snapshot of that log follow.
+    void on_snapshot(const Effects& effects, const LogId& log, const PeerLogs& logs);
+    /// All publishes that are in it have followed.
+    void on_snapshot_end(Effects& effects, const LogPosition& as_of);
     /// Hands the publish of a peer's log on to the broker, now or later.
     void on_publish(Effects& effects, const MessagePtr& message);
     /// The next carry_on() may hand that many on, beside twice as many as came to wait.
@@ -35,8 +44,7 @@ public:
                                          const PeerLogs& logs, const View& view) const;
     /// There was more that waits no more.
     [[nodiscard]] bool is_behind() const { return is_behind_; }
-    /// Hands on all that waits of this log.
-    void release(Effects& effects, const LogId& log);
+    /// Hands on all that waits.
     void release_all(Effects& effects);
 
     static constexpr std::size_t held_most = 20'000;  // publishes; beyond it, nothing waits
@@ -46,16 +54,25 @@ private:
         std::vector<LogPosition> after;  // by log
         Instant until;
         std::deque<MessagePtr> publishes;
+        std::optional<LogPosition> snapshot;  // nothing up to there follows these publishes
     };
+    using HeldParts =
+        std::deque<Held>;  // of one log, in its order; with more than one, none is empty
 
     /// A publish of that log waits that is not beyond the position.
     [[nodiscard]] bool holds_up_to(const LogPosition& position) const;
+    /// The logs that wait for each other and for nothing that is not here.
+    [[nodiscard]] std::vector<LogId> circle(const Effects& effects, const PeerLogs& logs,
+                                            const View& view) const;
+    /// Hands on what was published first in a circle; returns how many.
+    std::size_t hand_on_first(Effects& effects, const std::vector<LogId>& circle, std::size_t most);
     /// Returns how many it handed on.
     std::size_t hand_on(Effects& effects, Held& held, std::size_t most);
+    void finish(Effects& effects, const Held& held);
 
     BrokerId self_;
     Duration patience_;
-    std::map<LogId, std::deque<Held>> by_log_;  // mostly empty; no deque is
+    std::map<LogId, HeldParts> by_log_;  // mostly empty; no deque is
     std::size_t held_ = 0;
     std::size_t allowed_ = 0;
     bool is_behind_ = false;

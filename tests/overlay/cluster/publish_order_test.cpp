@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <utility>
+#include <vector>
+
 #include "tests/overlay/cluster/events.h"
 
 namespace romano::cluster {
@@ -41,6 +44,42 @@ protected:
         Effects acting = effects();
         order.allow(allowed);
         order.carry_on(acting, logs, view);
+    }
+    /// A part of a snapshot: publishes at these positions, each published at the time of that
+    /// count.
+    void part(const LogId& id, const std::vector<Seq>& publishes) {
+        Effects acting = effects();
+        order.on_snapshot(acting, id, logs);
+        for (const Seq seq : publishes) {
+            broker::Message message =
+                *std::get<broker::Published>(test::published(id, seq)).message;
+            message.published_at = {seq};
+            order.on_publish(acting, broker::MessagePtr{std::move(message)});
+        }
+    }
+    /// The last part.
+    void snapshot(const LogId& id, const std::vector<Seq>& publishes, Seq as_of) {
+        part(id, publishes);
+        logs.at(id).restart({.as_of = {id, as_of}});
+        Effects acting = effects();
+        order.on_snapshot_end(acting, {id, as_of});
+        carry_on();
+    }
+    /// Somebody here gets what the broker is handed.
+    void subscribe() {
+        broker::SessionImage image;
+        image.header.client_id = "listener";
+        image.subscriptions = {{.filter = "pose", .granted = mqttsn::Qos::at_least_once}};
+        (void)broker.adopt(now, std::move(image), {}, clients);
+    }
+    /// What it is to get, in order.
+    [[nodiscard]] std::vector<LogPosition> queued() const {
+        std::vector<LogPosition> positions;
+        const auto listener = broker.image("listener");
+        for (const auto& delivery : listener->deliveries) {
+            positions.push_back(delivery.position);
+        }
+        return positions;
     }
     /// The session comes from a home that had worked through `log` so far.
     void move_session(const LogId& to, const LogId& log, Seq seq) {
@@ -155,6 +194,80 @@ TEST_F(PublishOrderTest, P8_WhatWaitsIsBounded) {
     EXPECT_GT(broker.cursor(next), 0U);
     while (order.is_behind()) carry_on();
     EXPECT_EQ(broker.cursor(next), logs.at(next).applied());
+}
+
+// A client that moved while this broker was away has publishes in a snapshot, and later ones in
+// another log; or the other way round.
+TEST_F(PublishOrderTest, ASnapshotWaitsForAllThatTheOthersAreKnownToHave) {
+    logs.at(former).heard_end(2, {});
+    publish(former);
+    snapshot(next, {3, 4}, 6);
+    EXPECT_EQ(broker.cursor(next), 0U);
+    publish(former);
+    EXPECT_EQ(broker.cursor(next), 6U);
+}
+
+TEST_F(PublishOrderTest, ASnapshotThatNothingIsMissingForIsHandedOnAtOnce) {
+    publish(former);
+    snapshot(next, {3, 4}, 6);
+    EXPECT_EQ(broker.cursor(next), 6U);
+}
+
+TEST_F(PublishOrderTest, ASnapshotWithoutPublishesWaitsWithWhatFollows) {
+    logs.at(former).heard_end(1, {});
+    snapshot(next, {}, 6);
+    publish(next);  // 7
+    EXPECT_EQ(broker.cursor(next), 0U);
+    publish(former);
+    EXPECT_EQ(broker.cursor(next), 7U);
+}
+
+// Its parts come again when one was lost.
+TEST_F(PublishOrderTest, ASnapshotThatComesAnewIsHandedOnOnce) {
+    subscribe();
+    logs.at(former).heard_end(1, {});
+    part(next, {3, 4});
+    part(next, {3, 4});
+    snapshot(next, {5}, 6);
+    publish(former);
+    EXPECT_EQ(broker.cursor(next), 6U);
+    EXPECT_EQ(queued(), (std::vector<LogPosition>{{former, 1}, {next, 3}, {next, 4}, {next, 5}}));
+}
+
+TEST_F(PublishOrderTest, SnapshotsThatWaitForEachOtherGoOnWithWhatWasPublishedFirst) {
+    subscribe();
+    for (const LogId& log : {former, next}) logs.at(log).heard_end(4, {});
+    snapshot(former, {1, 4}, 4);
+    EXPECT_EQ(broker.cursor(former), 0U);
+    snapshot(next, {2, 3}, 4);
+    EXPECT_EQ(queued(), (std::vector<LogPosition>{{former, 1}, {next, 2}, {next, 3}, {former, 4}}));
+    EXPECT_EQ(broker.cursor(next), 4U);
+}
+
+TEST_F(PublishOrderTest, WhoWaitsForOneThatWaitsForWhatIsNotHereIsInNoCircle) {
+    for (const LogId& log : {former, next, third}) logs.at(log).heard_end(4, {});
+    snapshot(former, {1}, 4);
+    snapshot(next, {2}, 4);
+    EXPECT_EQ(broker.cursor(former), 0U);
+    EXPECT_EQ(broker.cursor(next), 0U);
+    for (Seq seq = 1; seq <= 4; ++seq) publish(third);
+    EXPECT_EQ(broker.cursor(former), 4U);
+    EXPECT_EQ(broker.cursor(next), 4U);
+}
+
+TEST_F(PublishOrderTest, ACircleIsHandedOnInPieces) {
+    for (const LogId& log : {former, next}) logs.at(log).heard_end(8, {});
+    allowed = 0;
+    snapshot(former, {1, 2, 3, 4, 5, 6, 7, 8}, 8);
+    snapshot(next, {1, 2, 3, 4, 5, 6, 7, 8}, 8);
+    while (order.is_behind()) {
+        allowed = 3;
+        const Seq before = broker.cursor(former) + broker.cursor(next);
+        carry_on();
+        EXPECT_LE(broker.cursor(former) + broker.cursor(next), before + 3);
+    }
+    EXPECT_EQ(broker.cursor(former), 8U);
+    EXPECT_EQ(broker.cursor(next), 8U);
 }
 
 // Or a broker would be busy for longer than its peers wait for a beacon.
