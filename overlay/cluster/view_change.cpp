@@ -90,8 +90,8 @@ void ViewChange::on_tick(Instant now, Surroundings around, Outbox& out) {
 }
 
 /// The first view of a newcomer opens it to clients, whose sessions may be with a peer that does
-/// not follow us yet, or of whom we know nothing: it is given a moment. Longer, whoever is there
-/// but was not met yet: a view without them would take their clients over.
+/// not follow us yet, or of whom newcomers know nothing: it is given a moment. Longer, whoever is
+/// there but was not met yet: a view without them would take their clients over.
 bool ViewChange::waits_for_company(Instant now, Surroundings around) {
     const Membership& membership = around.membership;
     if (has_view() && !is_stranded(membership, around.logs)) return false;
@@ -100,13 +100,13 @@ bool ViewChange::waits_for_company(Instant now, Surroundings around) {
         return true;
     }
     if (now >= led_since_ + 2 * patience_) return false;
-    bool is_alone = true;
+    bool are_newcomers = true;
     for (const auto& [id, peer] : membership.peers()) {
         if (!peer.alive) continue;
-        is_alone = false;
+        are_newcomers = are_newcomers && peer.beacon.view.members.empty();
         if (!peer.beacon.claim.leader) return true;
     }
-    return is_alone;
+    return are_newcomers;
 }
 
 /// A peer's beacons come here while ours do not reach it yet; or a peer that we met hears another;

@@ -35,8 +35,12 @@ struct Leader {
         return {.membership = membership, .logs = logs, .serving = none, .home = none};
     }
     void hear(const LogId& from, const LogId& follows, election::Term term, std::uint32_t rank) {
+        hear(from, follows, term, rank, change.view());
+    }
+    void hear(const LogId& from, const LogId& follows, election::Term term, std::uint32_t rank,
+              View view) {
         Beacon beacon{.log = from, .tick = ++ticks, .hears = {self.broker}};
-        beacon.view = change.view();
+        beacon.view = std::move(view);
         beacon.claim = {.rank = {.capability = rank, .id = node_of(from.broker)},
                         .term = term,
                         .leader = node_of(follows.broker)};
@@ -64,12 +68,18 @@ struct Leader {
         }
         if (asked) change.on_holdings(now, member, {.number = *asked}, around(), out);
     }
+    /// From this moment on.
+    void lead() {
+        while (!membership.leads()) wait(10ms);
+    }
     /// In a view with the peer.
     void begin() {
         wait(200ms);
-        hear(peer, self, term(), 1);
-        wait(20ms);
-        answer(peer);
+        for (int i = 0; i < 20 && !change.has_view(); ++i) {
+            hear(peer, self, term(), 1);
+            wait(10ms);
+            answer(peer);
+        }
         ASSERT_EQ(change.view().members.size(), 2U);
     }
 };
@@ -111,6 +121,27 @@ TEST(ViewChange, AProposalWithALaterLifeOfABrokerEndsTheFormerOne) {
     leader.change.on_proposal(leader.now, {.view = view, .removed = {}}, leader.around(),
                               leader.out);
     EXPECT_TRUE(leader.logs.at(peer).is_frozen());
+}
+
+// They may come back together to those who lived on and have not met them yet (seed 1522201).
+TEST(ViewChange, NewcomersListenForThoseWhoMayBeThere) {
+    Leader leader;
+    leader.lead();
+    const Instant since = leader.now;
+    while (leader.out.empty() && leader.now < since + 1s) {
+        leader.hear(peer, self, leader.term(), 1);
+        leader.wait(10ms);
+    }
+    EXPECT_FALSE(leader.out.empty());
+    EXPECT_GT(leader.now, since + 100ms);
+}
+
+TEST(ViewChange, ANewcomerJoinsThoseWhoLivedOnAtOnce) {
+    Leader leader;
+    leader.lead();
+    leader.hear(peer, self, leader.term(), 1, {.number = {1, peer.broker, 1}, .members = {peer}});
+    leader.wait(20ms);
+    EXPECT_FALSE(leader.out.empty());
 }
 
 // Its last beacons may have told of our former life.
