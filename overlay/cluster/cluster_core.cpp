@@ -424,7 +424,12 @@ void ClusterCore::on(Effects& effects, BrokerId from, const SnapshotRequest& req
 void ClusterCore::on(Effects& effects, BrokerId from, const SnapshotPart& part) {
     const LogId id = part.as_of.log;
     if (id.broker != from) {
-        last_words_.on_part(effects, part);
+        if (last_words_.on_part(effects, part)) {
+            // Sessions that are on their way to us may lack them, too.
+            const auto [log, is_new] = logs_.try_emplace(id, id, options_.log_events_kept);
+            if (is_new) log->second.freeze();
+            log->second.offer_ahead(part.publishes);
+        }
         for (const auto& message : part.publishes) learn(message);
         return;
     }

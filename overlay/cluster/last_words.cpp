@@ -37,15 +37,16 @@ void LastWords::carry_on(Effects& effects, const PeerLogs& logs, const Membershi
     }
 }
 
-void LastWords::on_part(Effects& effects, const SnapshotPart& part) {
+bool LastWords::on_part(Effects& effects, const SnapshotPart& part) {
     const auto awaited = awaited_.find(part.as_of.log);
-    if (awaited == awaited_.end() || part.part != awaited->second.next_part) return;
+    if (awaited == awaited_.end() || part.part != awaited->second.next_part) return false;
     ++awaited->second.next_part;
     awaited->second.asked_at = effects.now;  // they come
     for (const auto& message : part.publishes) {
         effects.broker.on_peer_message(effects.now, message, effects.clients);
     }
     if (part.last) effects.broker.advance_cursor(part.as_of);
+    return true;
 }
 
 }  // namespace romano::cluster

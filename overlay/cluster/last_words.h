@@ -20,7 +20,8 @@ public:
     /// Asks for what is still awaited.
     void carry_on(Effects& effects, const PeerLogs& logs, const Membership& membership,
                   const View& view);
-    void on_part(Effects& effects, const SnapshotPart& part);
+    /// False when it was not asked for, or does not follow what came.
+    bool on_part(Effects& effects, const SnapshotPart& part);
     void restart() { awaited_.clear(); }
 
 private:

@@ -91,17 +91,20 @@ std::optional<SnapshotRequest> PeerLog::ask(Instant now, Duration patience) {
     return SnapshotRequest{.log = id_, .after = applied()};
 }
 
-bool PeerLog::offer(Instant now, SnapshotPart part) {
-    const auto is_beyond = [this](const MessagePtr& message) {
+void PeerLog::offer_ahead(const std::vector<MessagePtr>& publishes) {
+    std::ranges::copy_if(publishes, std::back_inserter(ahead_), [this](const MessagePtr& message) {
         return message->position.seq > (ahead_.empty() ? applied() : ahead_.back()->position.seq);
-    };
+    });
+}
+
+bool PeerLog::offer(Instant now, SnapshotPart part) {
     const bool follows = part.part == 0 || (snapshot_ && snapshot_->as_of == part.as_of &&
                                             snapshot_->part + 1 == part.part);
     if (!follows) {
         snapshot_.reset();  // parts are lost: the gap remains and is asked for again
         return false;
     }
-    std::ranges::copy_if(part.publishes, std::back_inserter(ahead_), is_beyond);
+    offer_ahead(part.publishes);
     if (part.part == 0) {
         snapshot_ = std::move(part);
     } else {

@@ -35,7 +35,8 @@ public:
     [[nodiscard]] broker::Mirror& mirror() { return mirror_; }
     [[nodiscard]] const LogHistory& history() const { return history_; }
     [[nodiscard]] LogHistory& history() { return history_; }
-    /// Of the history up to end(), and of a snapshot whose last part is not here yet.
+    /// Of the history up to end(), and of what is here beyond it: a snapshot whose last part is to
+    /// come, or the last words of a broker whose log was never here.
     [[nodiscard]] std::vector<MessagePtr> publishes_after(Seq seq) const;
     [[nodiscard]] MessagePtr publish_at(Seq seq) const;
 
@@ -57,6 +58,8 @@ public:
     [[nodiscard]] std::optional<SnapshotRequest> ask(Instant now, Duration patience);
 
     // --- snapshots
+    /// Publishes beyond the events that are here, in log order.
+    void offer_ahead(const std::vector<MessagePtr>& publishes);
     /// False when it does not follow the parts that are here.
     [[nodiscard]] bool offer(Instant now, SnapshotPart part);
     /// Once its last part is here.
@@ -113,7 +116,7 @@ private:
     Instant asked_at_ = Instant::min();
     Seq asked_after_ = 0;
     std::optional<SnapshotPart> snapshot_;  // what has come of it
-    std::vector<MessagePtr> ahead_;         // beyond applied(), of the parts of a snapshot
+    std::vector<MessagePtr> ahead_;         // beyond applied(), in log order
 
     bool frozen_ = false;
     bool outdated_ = false;

@@ -44,6 +44,15 @@ protected:
         }
         take(std::move(batch));
     }
+    /// The peer gives us a subscriber that has worked through so much.
+    void hand_over_robot(const LogPosition& worked_through) {
+        SessionHandoff handoff{.to = self, .last = true};
+        broker::SessionImage& image = handoff.sessions.emplace_back();
+        image.header.client_id = "robot";
+        image.subscriptions = {{.filter = "pose", .granted = mqttsn::Qos::at_least_once}};
+        image.worked_through = {worked_through};
+        take(handoff);
+    }
     [[nodiscard]] Seq applied() const { return core.peer_logs().at(peer).applied(); }
     [[nodiscard]] Effects effects() { return {now, broker, clients, out, local}; }
     template <typename Kind>
@@ -154,12 +163,27 @@ TEST_F(CatchingUp, P2_ASessionThatComesAmidASnapshotGetsItsPublishes) {
         part.publishes.push_back(std::get<broker::Published>(test::published(peer, seq)).message);
     }
     take(part);
-    SessionHandoff handoff{.to = self, .last = true};
-    broker::SessionImage& image = handoff.sessions.emplace_back();
-    image.header.client_id = "robot";
-    image.subscriptions = {{.filter = "pose", .granted = mqttsn::Qos::at_least_once}};
-    image.worked_through = {{peer, 6}};
-    take(handoff);
+    hand_over_robot({peer, 6});
+    const auto robot = broker.image("robot");
+    ASSERT_TRUE(robot);
+    EXPECT_EQ(robot->deliveries.size(), 4U);
+}
+
+// They have passed the broker by when the session comes (simulator, seed 2105858).
+TEST_F(CatchingUp, P2_ASessionThatComesAfterTheLastWordsOfADeadBrokerGetsThem) {
+    const LogId dead = test::log_of("dead");
+    while (!core.leadership().leader) hear_beacon(0);
+    ViewAnnouncement announcement{
+        .view = {.number = {100, self.broker, 1}, .members = {self, peer}}, .ends = {{dead, 10}}};
+    std::ranges::sort(announcement.view.members);
+    take(announcement);
+    SnapshotPart part{.as_of = {dead, 10}, .last = true};
+    for (Seq seq = 1; seq <= 10; ++seq) {
+        part.publishes.push_back(std::get<broker::Published>(test::published(dead, seq)).message);
+    }
+    take(part);
+    ASSERT_EQ(broker.cursor(dead), 10U);
+    hand_over_robot({dead, 6});
     const auto robot = broker.image("robot");
     ASSERT_TRUE(robot);
     EXPECT_EQ(robot->deliveries.size(), 4U);
