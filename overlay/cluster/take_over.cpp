@@ -33,13 +33,17 @@ bool is_still_serving(const Assignment& assignment, const Membership& membership
 }
 
 /// The dead broker had handed the session over, and died before its log said so; or its log is
-/// outdated here, and another broker went on with the session.
+/// outdated here, and another broker went on with the session. Not so when that one is dead, too,
+/// and nobody handed it anything: it may be the one from whose log this one had the session.
 bool is_elsewhere(const broker::SessionHeader& left, const PeerLog& log, const Effects& effects,
                   const PeerLogs& logs) {
     if (log.is_outdated() && effects.broker.header(left.client_id) != nullptr) return true;
     return std::ranges::any_of(logs, [&](const auto& entry) {
         const broker::SessionHeader* other = entry.second.session(left.client_id);
-        return other != nullptr && (log.is_outdated() || broker::outranks(*other, left));
+        if (other == nullptr) return false;
+        if (log.is_outdated()) return true;
+        return entry.second.is_frozen() ? other->epoch > left.epoch
+                                        : broker::outranks(*other, left);
     });
 }
 

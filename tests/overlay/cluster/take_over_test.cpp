@@ -60,6 +60,15 @@ TEST_F(TakeOverTest, ACopyThatOutranksTheDeadOnesStays) {
     EXPECT_EQ(inherit(), 0U);
 }
 
+// It was adopted from there; whoever holds both logs knows, and does not adopt the former one
+// (simulator, seed 2110352).
+TEST_F(TakeOverTest, P2_ACopyInAnotherDeadLogDoesNot) {
+    peers.clear();
+    put(dead, true);
+    put(other, false).freeze();
+    EXPECT_EQ(inherit(), 1U);
+}
+
 TEST_F(TakeOverTest, ACopyThatIsOutrankedDoesNot) {
     put(other, true);
     EXPECT_EQ(inherit(), 1U);
