@@ -234,10 +234,12 @@ void ClusterCore::on_view(Effects& effects, const ViewAnnouncement& announcement
     }
     for (const LogId& member : view().members) {
         const auto log = logs_.find(member);
-        if (log != logs_.end() && !peer_sessions_.follow(member)) {
-            peer_sessions_.reset(member, log->second.mirror());
-        }
+        if (log == logs_.end()) continue;
+        log->second.set_apart(!former_members_.empty() &&
+                              std::ranges::count(former_members_, member) == 0);
+        if (!peer_sessions_.follow(member)) peer_sessions_.reset(member, log->second.mirror());
     }
+    former_members_ = view().members;
     // Another member hands us what our earlier life left at our address, if it has not done so yet.
     for (const Assignment& assignment : announcement.assignments) {
         const Endpoint& address = assignment.address;
@@ -324,6 +326,7 @@ void ClusterCore::restart(Effects& effects, LogId log) {
     membership_.restart();
     watermark_.restart();
     view_change_.restart(log);
+    former_members_.clear();
     take_over_.restart();
     last_words_.restart();
     hand_back_.restart();
@@ -424,10 +427,9 @@ void ClusterCore::on(Effects& effects, BrokerId from, const SnapshotRequest& req
 void ClusterCore::on(Effects& effects, BrokerId from, const SnapshotPart& part) {
     const LogId id = part.as_of.log;
     if (id.broker != from) {
-        if (last_words_.on_part(effects, part)) {
-            // Sessions that are on their way to us may lack them, too.
-            const auto [log, is_new] = logs_.try_emplace(id, id, options_.log_events_kept);
-            if (is_new) log->second.freeze();
+        // Sessions that are on their way to us may lack them, too.
+        const auto log = logs_.find(id);
+        if (last_words_.on_part(effects, part) && log != logs_.end()) {
             log->second.offer_ahead(part.publishes);
         }
         for (const auto& message : part.publishes) learn(message);
@@ -438,11 +440,8 @@ void ClusterCore::on(Effects& effects, BrokerId from, const SnapshotPart& part) 
     PeerLog& log = found->second;
     for (const auto& message : part.retained) effects.broker.put_retained(message);
     if (part.as_of.seq <= log.applied() || !log.offer(effects.now, part)) return;
-    publish_order_.on_snapshot(effects, id, logs_);
-    for (const auto& message : part.publishes) {
-        publish_order_.on_publish(effects, message);
-        learn(message);
-    }
+    publish_order_.on_snapshot(effects, id, part.publishes, logs_);
+    for (const auto& message : part.publishes) learn(message);
     const auto snapshot = log.take_snapshot();
     if (!snapshot) return;
     log.restart(*snapshot);

@@ -223,6 +223,7 @@ private:
     Instant next_cursors_ = Instant::min();
     Instant next_trim_ = Instant::min();
     Instant next_addresses_ = Instant::min();
+    std::vector<LogId> former_members_;  // of the view before this one
     std::uint64_t views_seen_ = 0;
     std::uint64_t beacons_sent_ = 0;
     std::uint64_t octets_sent_ = 0;

@@ -47,10 +47,8 @@ public:
     /// The next event in order, or null. It stays there until apply().
     [[nodiscard]] const LogEvent* next() const;
     void apply();
-    /// As far as it will come, for all that is known.
-    [[nodiscard]] Seq known_end() const {
-        return frozen_ ? agreed_end_ : std::max(known_end_, applied());
-    }
+    /// How far its writer is known to have come.
+    [[nodiscard]] Seq known_end() const { return std::max(known_end_, applied()); }
     /// The writer says that its log ends there, and in which view it is.
     void heard_end(Seq last, const ViewNumber& view);
     /// A request for what is missing, at most one in `patience` and not before it was missing for
@@ -66,6 +64,10 @@ public:
     [[nodiscard]] std::optional<SnapshotPart> take_snapshot();
     /// Replaces mirror and history by the snapshot.
     void restart(const SnapshotPart& snapshot);
+
+    /// Its writer came into a view that we had without it.
+    void set_apart(bool was_apart) { was_apart_ = was_apart; }
+    [[nodiscard]] bool was_apart() const { return was_apart_; }
 
     // --- removal
     void freeze();
@@ -118,6 +120,7 @@ private:
     std::optional<SnapshotPart> snapshot_;  // what has come of it
     std::vector<MessagePtr> ahead_;         // beyond applied(), in log order
 
+    bool was_apart_ = false;
     bool frozen_ = false;
     bool outdated_ = false;
     Seq agreed_end_ = 0;

@@ -36,15 +36,19 @@ void PublishOrder::on_session(const Effects& effects, const PeerLog& writer,
     held.back().until = effects.now + patience_;
 }
 
-void PublishOrder::on_snapshot(const Effects& effects, const LogId& log, const PeerLogs& logs) {
-    std::vector<LogPosition> others;
-    for (const auto& [id, other] : logs) {
-        if (id != log) others.push_back({id, other.known_end()});
+void PublishOrder::on_snapshot(Effects& effects, const LogId& log,
+                               const std::vector<MessagePtr>& publishes, const PeerLogs& logs) {
+    if (!publishes.empty() && logs.at(log).was_apart()) {
+        std::vector<LogPosition> others;
+        for (const auto& [id, other] : logs) {
+            if (id != log && !other.is_frozen()) others.push_back({id, other.known_end()});
+        }
+        auto& parts = by_log_[log];
+        if (parts.empty()) parts.emplace_back();
+        parts.back().after = broker::later_of(parts.back().after, others);
+        parts.back().until = effects.now + patience_ / 4;
     }
-    auto& parts = by_log_[log];
-    if (parts.empty()) parts.emplace_back();
-    parts.back().after = broker::later_of(parts.back().after, others);
-    parts.back().until = effects.now + patience_;
+    for (const MessagePtr& message : publishes) on_publish(effects, message);
 }
 
 void PublishOrder::on_snapshot_end(Effects& effects, const LogPosition& as_of) {

@@ -172,7 +172,10 @@ TEST_F(CatchingUp, P2_ASessionThatComesAmidASnapshotGetsItsPublishes) {
 // They have passed the broker by when the session comes (simulator, seed 2105858).
 TEST_F(CatchingUp, P2_ASessionThatComesAfterTheLastWordsOfADeadBrokerGetsThem) {
     const LogId dead = test::log_of("dead");
-    while (!core.leadership().leader) hear_beacon(0);
+    while (!core.leadership().leader) {
+        take(Beacon{.name = "dead", .log = dead, .tick = ++ticks, .hears = {self.broker}});
+        hear_beacon(0);
+    }
     ViewAnnouncement announcement{
         .view = {.number = {100, self.broker, 1}, .members = {self, peer}}, .ends = {{dead, 10}}};
     std::ranges::sort(announcement.view.members);

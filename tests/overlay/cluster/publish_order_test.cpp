@@ -21,7 +21,9 @@ const LogId third = test::log_of("third");
 class PublishOrderTest : public testing::Test {
 protected:
     PublishOrderTest() {
-        for (const LogId& log : {former, next, third}) logs.try_emplace(log, log, 1'000);
+        for (const LogId& log : {former, next, third}) {
+            logs.try_emplace(log, log, 1'000).first->second.set_apart(true);
+        }
     }
 
     Effects effects() { return {now, broker, clients, peers, local}; }
@@ -47,15 +49,16 @@ protected:
     }
     /// A part of a snapshot: publishes at these positions, each published at the time of that
     /// count.
-    void part(const LogId& id, const std::vector<Seq>& publishes) {
-        Effects acting = effects();
-        order.on_snapshot(acting, id, logs);
-        for (const Seq seq : publishes) {
+    void part(const LogId& id, const std::vector<Seq>& seqs) {
+        std::vector<MessagePtr> publishes;
+        for (const Seq seq : seqs) {
             broker::Message message =
                 *std::get<broker::Published>(test::published(id, seq)).message;
             message.published_at = {seq};
-            order.on_publish(acting, broker::MessagePtr{std::move(message)});
+            publishes.emplace_back(std::move(message));
         }
+        Effects acting = effects();
+        order.on_snapshot(acting, id, publishes, logs);
     }
     /// The last part.
     void snapshot(const LogId& id, const std::vector<Seq>& publishes, Seq as_of) {
@@ -213,13 +216,39 @@ TEST_F(PublishOrderTest, ASnapshotThatNothingIsMissingForIsHandedOnAtOnce) {
     EXPECT_EQ(broker.cursor(next), 6U);
 }
 
-TEST_F(PublishOrderTest, ASnapshotWithoutPublishesWaitsWithWhatFollows) {
+// Those that join publish for sessions that they adopt, and tell what these follow.
+TEST_F(PublishOrderTest, WhatFollowsASnapshotWithoutPublishesWaitsForNothing) {
     logs.at(former).heard_end(1, {});
     snapshot(next, {}, 6);
-    publish(next);  // 7
-    EXPECT_EQ(broker.cursor(next), 0U);
-    publish(former);
+    EXPECT_EQ(broker.cursor(next), 6U);
+    publish(next);
     EXPECT_EQ(broker.cursor(next), 7U);
+}
+
+// Sessions come to us that say what they follow, and would go on here before what waits.
+TEST_F(PublishOrderTest, ASnapshotWaitsForNothingWhereWeAreNew) {
+    logs.at(next).set_apart(false);
+    logs.at(former).heard_end(1, {});
+    snapshot(next, {3}, 6);
+    EXPECT_EQ(broker.cursor(next), 6U);
+}
+
+TEST_F(PublishOrderTest, ASnapshotDoesNotWaitForTheDead) {
+    logs.at(former).heard_end(1, {});
+    logs.at(former).freeze();
+    snapshot(next, {3}, 6);
+    EXPECT_EQ(broker.cursor(next), 6U);
+}
+
+TEST_F(PublishOrderTest, ASnapshotWaitsNoLongerThanASessionThatComes) {
+    logs.at(former).heard_end(1, {});
+    snapshot(next, {3}, 6);
+    now += 99ms;
+    carry_on();
+    EXPECT_EQ(broker.cursor(next), 0U);
+    now += 1ms;
+    carry_on();
+    EXPECT_EQ(broker.cursor(next), 6U);
 }
 
 // Its parts come again when one was lost.
