@@ -83,6 +83,10 @@ public:
     /// own again.
     void end_at(Seq end, const ViewNumber& view);
     [[nodiscard]] bool has_agreed_end() const { return applied() >= agreed_end_; }
+    /// Of a frozen log: all that was agreed on is here, and nothing follows, whoever knows of more.
+    [[nodiscard]] bool is_complete() const {
+        return frozen_ && agreed_end_ != 0 && applied() >= agreed_end_;
+    }
     /// The addresses that the writer's beacon names: robots may come there at any time.
     void heard_serving(const std::vector<Endpoint>& addresses) {
         if (!frozen_) serving_ = {addresses.begin(), addresses.end()};

@@ -61,7 +61,10 @@ bool PublishOrder::is_worked_through(const Effects& effects, const LogPosition& 
                                      const PeerLogs& logs, const View& view) const {
     if (effects.broker.cursor(position.log) >= position.seq) return true;
     const auto log = logs.find(position.log);
-    if (log != logs.end()) return log->second.applied() >= position.seq && !holds_up_to(position);
+    if (log != logs.end()) {
+        const bool is_here = log->second.applied() >= position.seq || log->second.is_complete();
+        return is_here && !holds_up_to(position);
+    }
     return position.log.broker == self_ || !view.contains(position.log);
 }
 
@@ -131,7 +134,8 @@ std::vector<LogId> PublishOrder::circle(const Effects& effects, const PeerLogs& 
             return is_worked_through(effects, position, logs, view);
         }
         const auto log = logs.find(position.log);
-        return log != logs.end() && log->second.applied() >= position.seq;
+        return log != logs.end() &&
+               (log->second.applied() >= position.seq || log->second.is_complete());
     };
     std::vector<LogId> in;
     for (const auto& [id, parts] : by_log_) {

@@ -169,6 +169,30 @@ TEST_F(PublishOrderTest, NobodyWaitsForALogThatIsNotHeld) {
     EXPECT_EQ(broker.cursor(next), 3U);
 }
 
+// One that was replaced heard more of it, and took that for worked through (simulator, seed
+// 3125396).
+TEST_F(PublishOrderTest, NobodyWaitsForWhatIsBeyondTheAgreedEndOfALog) {
+    publish(former);
+    logs.at(former).freeze();
+    logs.at(former).end_at(1, {});
+    move_session(next, former, 2);
+    publish(next);
+    EXPECT_EQ(broker.cursor(next), 3U);
+}
+
+TEST_F(PublishOrderTest, TheTailOfADeadBrokersLogIsWaitedFor) {
+    publish(former);
+    logs.at(former).freeze();
+    move_session(next, former, 2);
+    publish(next);
+    EXPECT_EQ(broker.cursor(next), 0U) << "no end was agreed on yet";
+    logs.at(former).end_at(2, {});
+    carry_on();
+    EXPECT_EQ(broker.cursor(next), 0U) << "its last event is to come";
+    publish(former);
+    EXPECT_EQ(broker.cursor(next), 3U);
+}
+
 TEST_F(PublishOrderTest, AMemberThatWasNotMetYetIsWaitedFor) {
     const LogId unmet = test::log_of("unmet");
     view.members = {unmet};
