@@ -100,8 +100,8 @@ void ClusterCore::seek_addresses(Effects& effects) {
 }
 
 bool ClusterCore::must_wait(const Endpoint& via, const Endpoint& from) const {
-    return !is_in_view() || take_over_.is_half_adopted(via) || hand_back_.is_expecting(via) ||
-           hand_back_.is_leaving(from);
+    return !is_in_view() || !unmet_.empty() || take_over_.is_half_adopted(via) ||
+           hand_back_.is_expecting(via) || hand_back_.is_leaving(from);
 }
 
 bool ClusterCore::must_fetch(Effects& effects, const Endpoint& from, Bytes datagram) {
@@ -177,6 +177,7 @@ void ClusterCore::heed_news_of_peers(Effects& effects) {
 
 void ClusterCore::heed(const Beacon& beacon) {
     PeerLog& log = log_of(beacon.log);
+    std::erase(unmet_, beacon.log);
     log.heard_end(beacon.last_seq, beacon.view.number);
     log.heard_serving(beacon.serving);
     if (beacon.knows(own_.id())) log.heard_by_writer();
@@ -239,6 +240,10 @@ void ClusterCore::on_view(Effects& effects, const ViewAnnouncement& announcement
                               std::ranges::count(former_members_, member) == 0);
         if (!peer_sessions_.follow(member)) peer_sessions_.reset(member, log->second.mirror());
     }
+    if (former_members_.empty()) unmet_ = view().members;
+    std::erase_if(unmet_, [&](const LogId& member) {
+        return member == own_.id() || logs_.contains(member) || !view().contains(member);
+    });
     former_members_ = view().members;
     // Another member hands us what our earlier life left at our address, if it has not done so yet.
     for (const Assignment& assignment : announcement.assignments) {
@@ -327,6 +332,7 @@ void ClusterCore::restart(Effects& effects, LogId log) {
     watermark_.restart();
     view_change_.restart(log);
     former_members_.clear();
+    unmet_.clear();
     take_over_.restart();
     last_words_.restart();
     hand_back_.restart();

@@ -82,8 +82,8 @@ public:
     // --- what the owner must know
     /// Clients may be spoken to: there is a view.
     [[nodiscard]] bool is_in_view() const { return view_change_.has_view(); }
-    /// Datagrams from there to `via` shall wait: there is no view yet, or sessions are on their
-    /// way.
+    /// Datagrams from there to `via` shall wait: there is no view yet, or we have not met all who
+    /// took us into it, or sessions are on their way.
     [[nodiscard]] bool must_wait(const Endpoint& via, const Endpoint& from) const;
     /// The datagram's session is at a peer, who is asked for it: it shall wait for that.
     bool must_fetch(Effects& effects, const Endpoint& from, Bytes datagram);
@@ -224,6 +224,9 @@ private:
     Instant next_trim_ = Instant::min();
     Instant next_addresses_ = Instant::min();
     std::vector<LogId> former_members_;  // of the view before this one
+    /// Of the view that took us in, and not heard yet: one may be home to the robots at our
+    /// address.
+    std::vector<LogId> unmet_;
     std::uint64_t views_seen_ = 0;
     std::uint64_t beacons_sent_ = 0;
     std::uint64_t octets_sent_ = 0;

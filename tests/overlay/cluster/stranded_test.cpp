@@ -45,6 +45,35 @@ protected:
     std::uint64_t other_ticks = 0;
 };
 
+// That one may be home to them: to answer as to strangers would cost them their sessions
+// (simulator, seed 3125713).
+TEST_F(Stranded, P1_RobotsWaitUntilANewcomerHasMetAllWhoTookItIn) {
+    const Endpoint robot = test::address(7);
+    EXPECT_TRUE(cluster.core.must_wait(test::address(1), robot));
+    cluster.take(Beacon{.name = "other", .log = other, .tick = 1, .hears = {self.broker}});
+    EXPECT_FALSE(cluster.core.must_wait(test::address(1), robot));
+}
+
+TEST_F(Stranded, P1_NobodyWaitsForAMemberThatComesLater) {
+    cluster.take(Beacon{.name = "other", .log = other, .tick = 1, .hears = {self.broker}});
+    View view = cluster.core.view();
+    ++view.number.count;
+    view.members.push_back(test::log_of("late"));
+    std::ranges::sort(view.members);
+    cluster.take(ViewAnnouncement{.view = view, .assignments = {}, .ends = {}});
+    ASSERT_EQ(cluster.core.view().members.size(), 4U);
+    EXPECT_FALSE(cluster.core.must_wait(test::address(1), test::address(7)));
+}
+
+TEST_F(Stranded, P1_NorForOneThatWasRemovedMeanwhile) {
+    View view = cluster.core.view();
+    ++view.number.count;
+    std::erase(view.members, other);
+    cluster.take(ViewAnnouncement{.view = view, .assignments = {}, .ends = {{other, 0}}});
+    ASSERT_EQ(cluster.core.view().members.size(), 2U);
+    EXPECT_FALSE(cluster.core.must_wait(test::address(1), test::address(7)));
+}
+
 // P3: the other one took the address over meanwhile (simulator, seed 1042460).
 TEST_F(Stranded, ANewcomerDoesNotGoOnAloneWhileItHearsWhomItDoesNotReachYet) {
     hear_the_other_for(500ms);
