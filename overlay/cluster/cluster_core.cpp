@@ -100,7 +100,7 @@ void ClusterCore::seek_addresses(Effects& effects) {
 }
 
 bool ClusterCore::must_wait(const Endpoint& via, const Endpoint& from) const {
-    return !is_in_view() || !unmet_.empty() || take_over_.is_half_adopted(via) ||
+    return !is_in_view() || !acquaintance_.has_met_all() || take_over_.is_half_adopted(via) ||
            hand_back_.is_expecting(via) || hand_back_.is_leaving(from);
 }
 
@@ -177,7 +177,7 @@ void ClusterCore::heed_news_of_peers(Effects& effects) {
 
 void ClusterCore::heed(const Beacon& beacon) {
     PeerLog& log = log_of(beacon.log);
-    std::erase(unmet_, beacon.log);
+    acquaintance_.meet(beacon.log);
     log.heard_end(beacon.last_seq, beacon.view.number);
     log.heard_serving(beacon.serving);
     if (beacon.knows(own_.id())) log.heard_by_writer();
@@ -235,16 +235,11 @@ void ClusterCore::on_view(Effects& effects, const ViewAnnouncement& announcement
     }
     for (const LogId& member : view().members) {
         const auto log = logs_.find(member);
-        if (log == logs_.end()) continue;
-        log->second.set_apart(!former_members_.empty() &&
-                              std::ranges::count(former_members_, member) == 0);
-        if (!peer_sessions_.follow(member)) peer_sessions_.reset(member, log->second.mirror());
+        if (log != logs_.end() && !peer_sessions_.follow(member)) {
+            peer_sessions_.reset(member, log->second.mirror());
+        }
     }
-    if (former_members_.empty()) unmet_ = view().members;
-    std::erase_if(unmet_, [&](const LogId& member) {
-        return member == own_.id() || logs_.contains(member) || !view().contains(member);
-    });
-    former_members_ = view().members;
+    acquaintance_.on_view(own_.id(), view(), logs_);
     // Another member hands us what our earlier life left at our address, if it has not done so yet.
     for (const Assignment& assignment : announcement.assignments) {
         const Endpoint& address = assignment.address;
@@ -331,8 +326,7 @@ void ClusterCore::restart(Effects& effects, LogId log) {
     membership_.restart();
     watermark_.restart();
     view_change_.restart(log);
-    former_members_.clear();
-    unmet_.clear();
+    acquaintance_.restart();
     take_over_.restart();
     last_words_.restart();
     hand_back_.restart();
@@ -405,29 +399,13 @@ void ClusterCore::on(Effects&, BrokerId, const LogAck& ack) {
 
 void ClusterCore::on(Effects& effects, BrokerId, const TailRequest& request) {
     const auto& [id, after] = request.after;
-    const auto log = logs_.find(id);
-    if (id == own_.id()) {
-        send_tail(own_.history(), id, after, request.to, effects.peers);
-    } else if (log != logs_.end()) {
-        send_tail(log->second.history(), id, after, request.to, effects.peers);
+    if (const LogHistory* history = logs().history_of(id)) {
+        send_tail(*history, id, after, request.to, effects.peers);
     }
 }
 
 void ClusterCore::on(Effects& effects, BrokerId from, const SnapshotRequest& request) {
-    const Peer* peer = membership_.find(from);
-    if (peer == nullptr) return;
-    const LogId& to = peer->beacon.log;
-    if (snapshots_.is_sending(to, request.log)) return;
-    if (request.log != own_.id()) {
-        const auto log = logs_.find(request.log);
-        if (log == logs_.end() || !log->second.is_frozen()) return;
-        return snapshots_.send(to, Snapshot(*log, request.after));
-    }
-    if (request.after != 0 &&
-        send_tail(own_.history(), own_.id(), request.after, from, effects.peers)) {
-        return;
-    }
-    snapshots_.send(to, Snapshot(effects.broker, logs()));
+    snapshots_.on_request(effects, from, request, logs(), membership_);
 }
 
 void ClusterCore::on(Effects& effects, BrokerId from, const SnapshotPart& part) {

@@ -18,6 +18,7 @@
 #include <utility>
 #include <vector>
 
+#include "overlay/cluster/acquaintance.h"
 #include "overlay/cluster/adoption.h"
 #include "overlay/cluster/effects.h"
 #include "overlay/cluster/ended_logs.h"
@@ -218,15 +219,12 @@ private:
     std::set<Endpoint> silent_;  // of those that are served
 
     Listening listening_;
+    Acquaintance acquaintance_;
     Namesake namesake_;
     Instant next_tick_ = Instant::min();
     Instant next_cursors_ = Instant::min();
     Instant next_trim_ = Instant::min();
     Instant next_addresses_ = Instant::min();
-    std::vector<LogId> former_members_;  // of the view before this one
-    /// Of the view that took us in, and not heard yet: one may be home to the robots at our
-    /// address.
-    std::vector<LogId> unmet_;
     std::uint64_t views_seen_ = 0;
     std::uint64_t beacons_sent_ = 0;
     std::uint64_t octets_sent_ = 0;

@@ -9,6 +9,24 @@ void SnapshotSender::send(const LogId& to, Snapshot snapshot) {
     underway_.insert_or_assign({to, log}, std::move(snapshot));
 }
 
+void SnapshotSender::on_request(Effects& effects, BrokerId from, const SnapshotRequest& request,
+                                const Logs& logs, const Membership& membership) {
+    const Peer* peer = membership.find(from);
+    if (peer == nullptr) return;
+    const LogId& to = peer->beacon.log;
+    if (is_sending(to, request.log)) return;
+    if (request.log != logs.own.id()) {
+        const auto log = logs.peers.find(request.log);
+        if (log == logs.peers.end() || !log->second.is_frozen()) return;
+        return send(to, Snapshot(*log, request.after));
+    }
+    if (request.after != 0 &&
+        send_tail(logs.own.history(), logs.own.id(), request.after, from, effects.peers)) {
+        return;
+    }
+    send(to, Snapshot(effects.broker, logs));
+}
+
 void SnapshotSender::carry_on(Instant now, const Logs& logs, const Membership& membership,
                               Outbox& out) {
     if (underway_.empty() || now < next_turn_) return;

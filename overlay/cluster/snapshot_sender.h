@@ -6,7 +6,7 @@
 #include <map>
 #include <utility>
 
-#include "overlay/cluster/envelope.h"
+#include "overlay/cluster/effects.h"
 #include "overlay/cluster/membership.h"
 #include "overlay/cluster/snapshot.h"
 #include "romano/base/time.h"
@@ -20,6 +20,10 @@ public:
         return underway_.contains({to, log});
     }
     void send(const LogId& to, Snapshot snapshot);
+    /// Of the own log what follows, where that is kept, or else all that is ours; of a removed one
+    /// its last publishes.
+    void on_request(Effects& effects, BrokerId from, const SnapshotRequest& request,
+                    const Logs& logs, const Membership& membership);
     /// Sends the next parts when it is time. What was for an earlier life of a peer is dropped.
     void carry_on(Instant now, const Logs& logs, const Membership& membership, Outbox& out);
     /// Instant::max() when nothing is under way.
