@@ -424,7 +424,7 @@ void ClusterCore::on(Effects& effects, BrokerId from, const SnapshotPart& part) 
     PeerLog& log = found->second;
     for (const auto& message : part.retained) effects.broker.put_retained(message);
     if (part.as_of.seq <= log.applied() || !log.offer(effects.now, part)) return;
-    publish_order_.on_snapshot(effects, id, part.publishes, logs_);
+    publish_order_.on_snapshot(effects, part, logs_);
     for (const auto& message : part.publishes) learn(message);
     const auto snapshot = log.take_snapshot();
     if (!snapshot) return;

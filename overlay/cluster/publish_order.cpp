@@ -36,19 +36,23 @@ void PublishOrder::on_session(const Effects& effects, const PeerLog& writer,
     held.back().until = effects.now + patience_;
 }
 
-void PublishOrder::on_snapshot(Effects& effects, const LogId& log,
-                               const std::vector<MessagePtr>& publishes, const PeerLogs& logs) {
-    if (!publishes.empty() && logs.at(log).was_apart()) {
-        std::vector<LogPosition> others;
-        for (const auto& [id, other] : logs) {
-            if (id != log && !other.is_frozen()) others.push_back({id, other.known_end()});
-        }
+void PublishOrder::on_snapshot(Effects& effects, const SnapshotPart& part, const PeerLogs& logs) {
+    const LogId& log = part.as_of.log;
+    if (!part.publishes.empty() && logs.at(log).was_apart()) {
         auto& parts = by_log_[log];
         if (parts.empty()) parts.emplace_back();
-        parts.back().after = broker::later_of(parts.back().after, others);
-        parts.back().until = effects.now + patience_ / 4;
+        Held& held = parts.back();
+        for (const auto& [id, other] : logs) {
+            if (!other.is_frozen())
+                held.after = broker::later_of(held.after, {{id, other.known_end()}});
+        }
+        for (const broker::SessionImage& image : part.sessions) {
+            held.after = broker::later_of(held.after, image.worked_through);
+        }
+        std::erase_if(held.after, [&](const LogPosition& at) { return at.log == log; });
+        held.until = effects.now + patience_ / 4;
     }
-    for (const MessagePtr& message : publishes) on_publish(effects, message);
+    for (const MessagePtr& message : part.publishes) on_publish(effects, message);
 }
 
 void PublishOrder::on_snapshot_end(Effects& effects, const LogPosition& as_of) {

@@ -8,10 +8,11 @@
 // none for longer than a tail takes to come.
 //
 // A snapshot does not tell which of its publishes followed what. Those of a broker from which we
-// were parted wait for all that the other living ones are known to have written by then, and no
-// longer than a session that comes waits for what its former home had (session_handoff.h): it would
-// go on here before them. Logs that wait for each other, and have come so far, go on with what was
-// published first. Nothing waits where we are new ourselves: no session here is older.
+// were parted wait for all that its sessions have worked through and for all that the other living
+// brokers are known to have written by then, and no longer than a session that comes waits for what
+// its former home had (session_handoff.h): it would go on here before them. Logs that wait for each
+// other, and have come so far, go on with what was published first. Nothing waits where we are new
+// ourselves: no session here is older.
 #pragma once
 
 #include <deque>
@@ -31,9 +32,8 @@ public:
     /// `writer` is about to apply a SessionPut of this image.
     void on_session(const Effects& effects, const PeerLog& writer,
                     const broker::SessionImage& image, const PeerLogs& logs, const View& view);
-    /// The publishes of a part of a snapshot of that log.
-    void on_snapshot(Effects& effects, const LogId& log, const std::vector<MessagePtr>& publishes,
-                     const PeerLogs& logs);
+    /// A part of a snapshot: its publishes are handed on, now or later.
+    void on_snapshot(Effects& effects, const SnapshotPart& part, const PeerLogs& logs);
     /// All publishes that are in it have followed.
     void on_snapshot_end(Effects& effects, const LogPosition& as_of);
     /// Hands the publish of a peer's log on to the broker, now or later.

@@ -49,16 +49,17 @@ protected:
     }
     /// A part of a snapshot: publishes at these positions, each published at the time of that
     /// count.
-    void part(const LogId& id, const std::vector<Seq>& seqs) {
-        std::vector<MessagePtr> publishes;
+    void part(const LogId& id, const std::vector<Seq>& seqs,
+              std::vector<broker::SessionImage> sessions = {}) {
+        SnapshotPart part{.as_of = {id, 1'000}, .sessions = std::move(sessions)};
         for (const Seq seq : seqs) {
             broker::Message message =
                 *std::get<broker::Published>(test::published(id, seq)).message;
             message.published_at = {seq};
-            publishes.emplace_back(std::move(message));
+            part.publishes.emplace_back(std::move(message));
         }
         Effects acting = effects();
-        order.on_snapshot(acting, id, publishes, logs);
+        order.on_snapshot(acting, part, logs);
     }
     /// The last part.
     void snapshot(const LogId& id, const std::vector<Seq>& publishes, Seq as_of) {
@@ -232,6 +233,18 @@ TEST_F(PublishOrderTest, ASnapshotWaitsForAllThatTheOthersAreKnownToHave) {
     EXPECT_EQ(broker.cursor(next), 0U);
     publish(former);
     EXPECT_EQ(broker.cursor(next), 6U);
+}
+
+// What its home has worked through comes out of a stream of its own (simulator, `--fault stop
+// --brokers 5 --acks 2`, seed 4201899).
+TEST_F(PublishOrderTest, ASnapshotWaitsForWhatItsSessionsHaveWorkedThrough) {
+    broker::SessionImage robot;
+    robot.worked_through = {{former, 1}, {next, 4}};
+    part(next, {3, 4}, {robot});
+    carry_on();
+    EXPECT_EQ(broker.cursor(next), 0U);
+    publish(former);
+    EXPECT_EQ(broker.cursor(next), 4U);
 }
 
 TEST_F(PublishOrderTest, ASnapshotThatNothingIsMissingForIsHandedOnAtOnce) {
