@@ -83,9 +83,11 @@ public:
     /// own again.
     void end_at(Seq end, const ViewNumber& view);
     [[nodiscard]] bool has_agreed_end() const { return applied() >= agreed_end_; }
-    /// Of a frozen log: all that was agreed on is here, and nothing follows, whoever knows of more.
-    [[nodiscard]] bool is_complete() const {
-        return frozen_ && agreed_end_ != 0 && applied() >= agreed_end_;
+    /// All up to there is here, or, of a frozen log, all that was agreed on: nothing follows that,
+    /// whoever knows of more.
+    [[nodiscard]] bool holds(Seq seq) const {
+        const bool is_complete = frozen_ && agreed_end_ != 0 && applied() >= agreed_end_;
+        return applied() >= seq || is_complete;
     }
     /// The addresses that the writer's beacon names: robots may come there at any time.
     void heard_serving(const std::vector<Endpoint>& addresses) {

@@ -39,18 +39,18 @@ void PublishOrder::on_session(const Effects& effects, const PeerLog& writer,
 void PublishOrder::on_snapshot(Effects& effects, const SnapshotPart& part, const PeerLogs& logs) {
     const LogId& log = part.as_of.log;
     if (!part.publishes.empty() && logs.at(log).was_apart()) {
-        auto& parts = by_log_[log];
-        if (parts.empty()) parts.emplace_back();
-        Held& held = parts.back();
+        std::vector<LogPosition> others;
         for (const auto& [id, other] : logs) {
-            if (!other.is_frozen())
-                held.after = broker::later_of(held.after, {{id, other.known_end()}});
+            if (!other.is_frozen()) others.push_back({id, other.known_end()});
         }
         for (const broker::SessionImage& image : part.sessions) {
-            held.after = broker::later_of(held.after, image.worked_through);
+            others.insert(others.end(), image.worked_through.begin(), image.worked_through.end());
         }
-        std::erase_if(held.after, [&](const LogPosition& at) { return at.log == log; });
-        held.until = effects.now + patience_ / 4;
+        std::erase_if(others, [&](const LogPosition& position) { return position.log == log; });
+        auto& parts = by_log_[log];
+        if (parts.empty()) parts.emplace_back();
+        parts.back().after = broker::later_of(parts.back().after, others);
+        parts.back().until = effects.now + patience_ / 4;
     }
     for (const MessagePtr& message : part.publishes) on_publish(effects, message);
 }
@@ -65,10 +65,7 @@ bool PublishOrder::is_worked_through(const Effects& effects, const LogPosition& 
                                      const PeerLogs& logs, const View& view) const {
     if (effects.broker.cursor(position.log) >= position.seq) return true;
     const auto log = logs.find(position.log);
-    if (log != logs.end()) {
-        const bool is_here = log->second.applied() >= position.seq || log->second.is_complete();
-        return is_here && !holds_up_to(position);
-    }
+    if (log != logs.end()) return log->second.holds(position.seq) && !holds_up_to(position);
     return position.log.broker == self_ || !view.contains(position.log);
 }
 
@@ -138,8 +135,7 @@ std::vector<LogId> PublishOrder::circle(const Effects& effects, const PeerLogs& 
             return is_worked_through(effects, position, logs, view);
         }
         const auto log = logs.find(position.log);
-        return log != logs.end() &&
-               (log->second.applied() >= position.seq || log->second.is_complete());
+        return log != logs.end() && log->second.holds(position.seq);
     };
     std::vector<LogId> in;
     for (const auto& [id, parts] : by_log_) {

@@ -59,8 +59,8 @@ private:
         std::deque<MessagePtr> publishes;
         std::optional<LogPosition> snapshot;  // nothing up to there follows these publishes
     };
-    using HeldParts =
-        std::deque<Held>;  // of one log, in its order; with more than one, none is empty
+    /// Of one log, in its order. When there are several, each has publishes.
+    using HeldParts = std::deque<Held>;
 
     /// A publish of that log waits that is not beyond the position.
     [[nodiscard]] bool holds_up_to(const LogPosition& position) const;

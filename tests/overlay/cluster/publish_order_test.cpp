@@ -47,6 +47,15 @@ protected:
         order.allow(allowed);
         order.carry_on(acting, logs, view);
     }
+    /// What waits of `next` is handed on then, and no sooner.
+    void expect_next_after(Duration time, Seq through) {
+        now += time - 1ms;
+        carry_on();
+        EXPECT_EQ(broker.cursor(next), 0U);
+        now += 1ms;
+        carry_on();
+        EXPECT_EQ(broker.cursor(next), through);
+    }
     /// A part of a snapshot: publishes at these positions, each published at the time of that
     /// count.
     void part(const LogId& id, const std::vector<Seq>& seqs,
@@ -156,12 +165,7 @@ TEST_F(PublishOrderTest, WhatWasAheadOfItsHomeCountsToo) {
 TEST_F(PublishOrderTest, NobodyWaitsLongerThanATailTakes) {
     move_session(next, former, 7);
     publish(next);
-    now += 399ms;
-    carry_on();
-    EXPECT_EQ(broker.cursor(next), 0U);
-    now += 1ms;
-    carry_on();
-    EXPECT_EQ(broker.cursor(next), 3U);
+    expect_next_after(400ms, 3);
 }
 
 TEST_F(PublishOrderTest, NobodyWaitsForALogThatIsNotHeld) {
@@ -280,12 +284,7 @@ TEST_F(PublishOrderTest, ASnapshotDoesNotWaitForTheDead) {
 TEST_F(PublishOrderTest, ASnapshotWaitsNoLongerThanASessionThatComes) {
     logs.at(former).heard_end(1, {});
     snapshot(next, {3}, 6);
-    now += 99ms;
-    carry_on();
-    EXPECT_EQ(broker.cursor(next), 0U);
-    now += 1ms;
-    carry_on();
-    EXPECT_EQ(broker.cursor(next), 6U);
+    expect_next_after(100ms, 6);
 }
 
 // Its parts come again when one was lost.
