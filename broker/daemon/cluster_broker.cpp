@@ -108,8 +108,10 @@ void ClusterBroker::open_transport() {
         domain_ =
             std::make_unique<dds::Domain>(dds::DomainOptions{cluster.domain, cluster.interface});
         const broker::LogId log{broker::broker_id_of(options_.name), options_.incarnation};
-        transport_ =
-            std::make_unique<dds::DdsTransport>(io_, *domain_, log, [this] { on_peers_drained(); });
+        const overlay::Pulses pulses(options_.cluster.beacon_every,
+                                     options_.cluster.detection_timeout);
+        transport_ = std::make_unique<dds::DdsTransport>(io_, *domain_, log, pulses,
+                                                         [this] { on_peers_drained(); });
         transport_->start([this](const overlay::Envelope& envelope) { on_peer_message(envelope); });
     } catch (const dds::DdsError& error) {
         throw Refusal("--domain '" + std::to_string(cluster.domain) + "': cannot be joined" +
@@ -304,7 +306,7 @@ void ClusterBroker::add_metrics(metrics::Page& page) const {
     metrics::add_datagrams(page, udp_.counters());
     heap_limit_.add_metrics(page);
     metrics::add_wakeups(page, timer_);
-    add_transport(page, transport_->counters());
+    add_transport(page, *transport_);
     if (!member_) return;
     metrics::add_messages(page, member_->broker().counters());
     metrics::add_census(page, member_->broker().census());

@@ -48,13 +48,17 @@ void add_cluster(metrics::Page& page, const overlay::MemberFacts& facts) {
                  facts.waiting_input_dropped);
 }
 
-void add_transport(metrics::Page& page, const dds::TransportCounters& counters) {
+void add_transport(metrics::Page& page, const dds::DdsTransport& transport) {
+    const dds::TransportCounters& counters = transport.counters();
     page.counter("romano_cluster_transport_bytes_total", "Octets between brokers.",
                  counters.sent_octets, {{"direction", "sent"}});
     page.counter("romano_cluster_transport_bytes_total", "Octets between brokers.",
                  counters.received_octets, {{"direction", "received"}});
     page.counter("romano_cluster_transport_write_failures_total",
                  "Messages to brokers that DDS did not take.", counters.write_failed);
+    page.counter("romano_cluster_pulses_total",
+                 "Times that the process said for its late core that it lives.",
+                 transport.pulses_sent());
 }
 
 }  // namespace romano::daemon

@@ -8,6 +8,6 @@
 namespace romano::daemon {
 
 void add_cluster(metrics::Page& page, const overlay::MemberFacts& facts);
-void add_transport(metrics::Page& page, const dds::TransportCounters& counters);
+void add_transport(metrics::Page& page, const dds::DdsTransport& transport);
 
 }  // namespace romano::daemon

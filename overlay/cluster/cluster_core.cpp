@@ -165,6 +165,10 @@ void ClusterCore::on(Effects& effects, BrokerId, const Beacon& beacon) {
     heed_news_of_peers(effects);
 }
 
+void ClusterCore::on(Effects& effects, BrokerId, const Pulse& pulse) {
+    membership_.on_pulse(effects.now, pulse);
+}
+
 void ClusterCore::listen_only(Duration away) {
     listening_.begin(membership_, static_cast<std::uint64_t>(away / options_.beacon_every));
 }

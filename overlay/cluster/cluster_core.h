@@ -136,6 +136,10 @@ public:
     /// We were away for so long: listen to the peers, and say nothing before resume().
     void listen_only(Duration away);
     [[nodiscard]] Listening& listening() { return listening_; }
+    /// Peers that have not given us up yet wait while we listen.
+    void send_pulse(Outbox& out) const {
+        out.push_back({std::nullopt, Pulse{own_.id(), beacons_sent_}});
+    }
     void resume(Instant now) {
         listening_.end();
         next_tick_ = now;
@@ -145,6 +149,7 @@ public:
 
 private:
     void on(Effects& effects, BrokerId from, const Beacon& message);
+    void on(Effects& effects, BrokerId from, const Pulse& message);
     void on(Effects& effects, BrokerId from, const LogBatch& message);
     void on(Effects& effects, BrokerId from, const LogAck& message);
     void on(Effects& effects, BrokerId from, const ForwardBatch& message);

@@ -82,6 +82,19 @@ bool Membership::on_beacon(Instant now, const Beacon& beacon) {
     return true;
 }
 
+void Membership::on_pulse(Instant now, const Pulse& pulse) {
+    const auto known = peers_.find(pulse.log.broker);
+    if (known == peers_.end()) return;
+    Peer& peer = known->second;
+    if (peer.beacon.log != pulse.log || pulse.tick < peer.beacon.tick || peer.beacon.leaving)
+        return;
+    const election::NodeId node = node_of(pulse.log.broker);
+    if (!heard_->is_alive(node)) return;
+    peer.heard_at = now;
+    heard_->on_beacon(now, node);
+    if (peer.hears(self_) && linked_->is_alive(node)) linked_->on_beacon(now, node);
+}
+
 void Membership::on_leader(Instant now, BrokerId leader, election::Term term) {
     // A proposal may be numbered beyond its leader's term; in raft nobody voted for that one.
     if (options_.elector == "raft") return;

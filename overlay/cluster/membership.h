@@ -29,7 +29,7 @@ namespace romano::cluster {
 struct Peer {
     Beacon beacon;
     bool alive = false;
-    Instant heard_at{};  // its last beacon
+    Instant heard_at{};  // its last beacon or pulse
     bool ended = false;  // it said goodbye, or its process is gone; it did not just fall silent
     [[nodiscard]] bool is_home_of(const Endpoint& address) const;
     [[nodiscard]] bool is_serving(const Endpoint& address) const;
@@ -46,6 +46,8 @@ public:
 
     /// False when the beacon is not to be heeded: of an earlier life of the peer, or our own.
     bool on_beacon(Instant now, const Beacon& beacon);
+    /// A sign of life, and only of those who are alive: the next beacon tells the rest.
+    void on_pulse(Instant now, const Pulse& pulse);
     /// The leader's claim comes with its proposals too, and may come there before its beacon. Not
     /// in raft: terms are voted, and only beacons tell of them.
     void on_leader(Instant now, BrokerId leader, election::Term term);
@@ -71,7 +73,7 @@ public:
     [[nodiscard]] bool is_heard(BrokerId id) const { return heard_->is_alive(node_of(id)); }
     /// Alive, and in this life.
     [[nodiscard]] bool is_alive(const LogId& log) const;
-    /// Its last beacon is much younger than a silence that means death.
+    /// Its last sign of life is much younger than a silence that means death.
     [[nodiscard]] bool is_heard_clearly(const LogId& log, Instant now) const;
     /// That life of the broker is over for certain.
     [[nodiscard]] bool has_ended(const LogId& log) const;

@@ -81,6 +81,13 @@ struct Beacon {
     [[nodiscard]] std::optional<Seq> end_of(const LogId& of) const;
 };
 
+/// "My process lives, though its next beacon is late": a turn takes long, or others have the
+/// processor. Tells nothing else, and not for long (overlay/pulses.h).
+struct Pulse {
+    LogId log{};
+    std::uint64_t tick = 0;  // the last beacon's
+};
+
 /// Events first_seq, first_seq + 1, ... of the sender's log.
 struct LogBatch {
     LogId log{};
@@ -209,15 +216,19 @@ using ClusterMessage =
     std::variant<Beacon, LogBatch, LogAck, ForwardBatch, ElectionMessage, ViewProposal,
                  ViewHoldings, TailRequest, LogTail, ViewAnnouncement, SnapshotRequest,
                  SnapshotPart, AddressOffer, AddressBound, SessionHandoff, SessionRequest,
-                 HandoffAck, SessionClaim>;
+                 HandoffAck, SessionClaim, Pulse>;
 
 /// How a message travels.
 enum class Delivery : std::uint8_t {
-    beacon,       // to all, best-effort, the newest counts
+    beacon,       // to all, best-effort, the newest counts (pulses, too)
     log,          // to all, reliable, in order
     direct,       // to one, reliable, in order
     best_effort,  // to one, may be lost
 };
 [[nodiscard]] Delivery delivery_of(const ClusterMessage& message);
+
+/// What a process may say for its core, which said this last and is late. None after the last
+/// beacon of an orderly stop.
+[[nodiscard]] std::optional<Pulse> pulse_after(const ClusterMessage& message);
 
 }  // namespace romano::cluster

@@ -207,6 +207,10 @@ struct Writer {
     void operator()(const cluster::SessionClaim& m) const {
         to_proto(m.header, *out.mutable_session_claim());
     }
+    void operator()(const cluster::Pulse& m) const {
+        to_proto(m.log, *out.mutable_pulse()->mutable_log());
+        out.mutable_pulse()->set_tick(m.tick);
+    }
 };
 
 Maybe read_beacon(const Beacon& in) {
@@ -367,6 +371,11 @@ Maybe from_proto(const ClusterMessage& in) {
         case ClusterMessage::kSessionClaim:
             if (auto header = from_proto(in.session_claim())) {
                 return cluster::SessionClaim{std::move(*header)};
+            }
+            break;
+        case ClusterMessage::kPulse:
+            if (const auto log = from_proto(in.pulse().log())) {
+                return cluster::Pulse{*log, in.pulse().tick()};
             }
             break;
         case ClusterMessage::MESSAGE_NOT_SET:

@@ -21,12 +21,13 @@ Qos log_qos() {
 }  // namespace
 
 DdsTransport::DdsTransport(boost::asio::io_context& io, const Domain& domain,
-                           const broker::LogId& self, std::function<void()> on_drained)
+                           const broker::LogId& self, const overlay::Pulses& pulses,
+                           std::function<void()> on_drained)
     : self_(self),
       on_drained_(std::move(on_drained)),
       wakeup_(std::make_shared<Wakeup>(io, [this] { drain(); })),
       participant_(domain.make_participant()),
-      beacons_(participant_, beacon_topic, beacon_qos(), self),
+      beacons_(participant_, beacon_topic, beacon_qos(), self, pulses),
       log_(participant_, log_topic, log_qos(), self) {}
 
 DdsTransport::~DdsTransport() = default;
@@ -43,6 +44,9 @@ void DdsTransport::start(Receiver receiver) {
 }
 
 void DdsTransport::send(const overlay::Outgoing& outgoing) {
+    if (delivery_of(outgoing.message) == cluster::Delivery::beacon) {
+        return send_beacon(outgoing.message);
+    }
     const Bytes body = codec_.encode(outgoing.message);
     if (!outgoing.to) return send_to_all(outgoing.message, body);
     const auto at = peers_.find(*outgoing.to);
@@ -53,9 +57,16 @@ void DdsTransport::send(const overlay::Outgoing& outgoing) {
     send_to(at->second, delivery_of(outgoing.message), body);
 }
 
+void DdsTransport::send_beacon(const cluster::ClusterMessage& message) {
+    const auto pulse = cluster::pulse_after(message);
+    const Bytes pulse_body = pulse ? codec_.encode(*pulse) : Bytes{};
+    pulse_.assign(pulse_body.begin(), pulse_body.end());
+    const Bytes body = codec_.encode(message);
+    count_written(beacons_.send(body, pulse_), body);
+}
+
 void DdsTransport::send_to_all(const cluster::ClusterMessage& message, Bytes body) {
     const auto delivery = delivery_of(message);
-    if (delivery == cluster::Delivery::beacon) return count_written(beacons_.write(body), body);
     if (delivery == cluster::Delivery::log) return count_written(log_.write(body), body);
     for (auto& [id, peer] : peers_) send_to(peer, delivery, body);
 }

@@ -14,12 +14,14 @@
 #include <vector>
 
 #include "broker/core/log_position.h"
+#include "overlay/dds/beacon_sender.h"
 #include "overlay/dds/body_codec.h"
 #include "overlay/dds/domain.h"
 #include "overlay/dds/peer_writers.h"
 #include "overlay/dds/sample_reader.h"
 #include "overlay/dds/sample_writer.h"
 #include "overlay/dds/wakeup.h"
+#include "overlay/pulses.h"
 #include "overlay/transport.h"
 
 namespace romano::dds {
@@ -42,7 +44,7 @@ public:
 
     /// `on_drained` is called after each burst of received messages. Throws DdsError.
     DdsTransport(boost::asio::io_context& io, const Domain& domain, const broker::LogId& self,
-                 std::function<void()> on_drained = {});
+                 const overlay::Pulses& pulses, std::function<void()> on_drained = {});
     ~DdsTransport() override;
 
     /// Throws DdsError.
@@ -50,6 +52,7 @@ public:
     void send(const overlay::Outgoing& message) override;
 
     [[nodiscard]] const TransportCounters& counters() const { return counters_; }
+    [[nodiscard]] std::uint64_t pulses_sent() const { return beacons_.pulses_sent(); }
 
 private:
     struct Peer {
@@ -57,6 +60,7 @@ private:
         std::uint64_t last_inbox_number = 0;
     };
 
+    void send_beacon(const cluster::ClusterMessage& message);
     void send_to_all(const cluster::ClusterMessage& message, Bytes body);
     void send_to(Peer& peer, cluster::Delivery delivery, Bytes body);
     void count_written(bool written, Bytes body);
@@ -69,10 +73,11 @@ private:
     std::function<void()> on_drained_;
     Receiver receiver_;
     BodyCodec codec_;
+    std::vector<std::uint8_t> pulse_;
     TransportCounters counters_;
     std::shared_ptr<Wakeup> wakeup_;
     Entity participant_;
-    SampleWriter beacons_;
+    BeaconSender beacons_;
     SampleWriter log_;
     std::map<broker::BrokerId, Peer> peers_;
     std::vector<std::unique_ptr<SampleReader>> readers_;  // beacons, log, forwards

@@ -13,6 +13,7 @@
 #include "overlay/member/carried_uplink.h"
 #include "overlay/member/cut_off.h"
 #include "overlay/member/held_output.h"
+#include "overlay/member/stall.h"
 #include "overlay/member/status_topic.h"
 #include "overlay/member/waiting_input.h"
 
@@ -27,8 +28,6 @@ using cluster::Effects;
 namespace {
 
 constexpr Duration status_every = 1s;
-constexpr int most_detection_times_waited = 20;  // for peers, after a stall
-constexpr int beacon_times_heard = 5;            // one after the other: they live, and we hear them
 
 }  // namespace
 
@@ -45,7 +44,8 @@ public:
                     .log = log_,
                     .home_addresses = options.home_addresses,
                     .link = {options.link, options.incarnation}},
-                   seed + 1) {
+                   seed + 1),
+          stall_(options.cluster.beacon_every) {
         broker_.set_audience(cluster_.audience());
         if (options.uplink) uplink_.emplace(*options.uplink, seed ^ options.incarnation);
     }
@@ -86,8 +86,10 @@ private:
     }
 
     // --- after a stall (design section 3)
-    [[nodiscard]] bool stood_still(Instant now) const;
-    void notice_stall(Instant now);
+    [[nodiscard]] bool stood_still(Instant now) const {
+        return stall_.is_noticed(now, cluster_.next_beat(), cluster_.detection_time());
+    }
+    void notice_stall(Instant now, MemberActions& out);
     void end_stall(Instant now, MemberActions& out);
     void restart(Instant now, MemberActions& out);
 
@@ -126,12 +128,7 @@ private:
     bool has_left_ = false;
     std::uint64_t replacements_ = 0;
 
-    struct Stall {
-        Instant listen_until;     // nothing is said before
-        std::int64_t beats_left;  // own ones; then nobody is there who could say what happened
-        int heard_in_a_row;       // beacon times in which peers were heard
-    };
-    std::optional<Stall> stall_;
+    Stall stall_;
     bool owes_output_ = false;  // what was to leave before a stall
     std::uint64_t late_output_dropped_ = 0;
 
@@ -155,9 +152,11 @@ broker::BrokerOptions Member::State::broker_options() const {
 void Member::State::on_datagram(Instant now, const Endpoint& via, const Endpoint& from,
                                 Bytes datagram, MemberActions& out) {
     if (has_left_) return;
-    notice_stall(now);
+    notice_stall(now, out);
     if (cluster_.is_deaf(via)) return;  // its sessions are with another broker by now
-    if (stall_ || must_wait(now, via, from)) return waiting_.hold(via, from, datagram, true);
+    if (stall_.is_on() || must_wait(now, via, from)) {
+        return waiting_.hold(via, from, datagram, true);
+    }
     Effects acting = effects(now, out);
     if (cluster_.must_fetch(acting, from, datagram)) {
         return waiting_.hold(via, from, datagram, false);
@@ -168,10 +167,10 @@ void Member::State::on_datagram(Instant now, const Endpoint& via, const Endpoint
 
 void Member::State::on_peer_message(Instant now, const Envelope& envelope, MemberActions& out) {
     if (has_left_) return;
-    notice_stall(now);
+    notice_stall(now, out);
     Effects acting = effects(now, out);
     cluster_.on_message(acting, envelope);
-    if (stall_ && cluster_.was_replaced()) restart(now, out);
+    if (stall_.is_on() && cluster_.was_replaced()) restart(now, out);
     carry_out(now, out);
 }
 
@@ -186,7 +185,7 @@ void Member::State::on_address(Instant now, const Endpoint& address, bool served
 void Member::State::on_link(Instant now, const LogId& process, election::Link link,
                             MemberActions& out) {
     if (has_left_) return;
-    notice_stall(now);
+    notice_stall(now, out);
     Effects acting = effects(now, out);
     cluster_.on_link(acting, process, link);
     carry_out(now, out);
@@ -194,11 +193,12 @@ void Member::State::on_link(Instant now, const LogId& process, election::Link li
 
 void Member::State::on_tick(Instant now, MemberActions& out) {
     if (has_left_) return;
-    notice_stall(now);
-    if (stall_) {
-        if (now < stall_->listen_until) return;
+    notice_stall(now, out);
+    if (stall_.is_on()) {
+        if (stall_.take_pulse(now)) cluster_.send_pulse(out.peers);
+        if (now < stall_.listen_until()) return;
         end_stall(now, out);
-        if (stall_) return;
+        if (stall_.is_on()) return;
     }
     broker_.set_congested(cluster_.is_short_of_peers());
     broker_.on_tick(now, work_);
@@ -215,7 +215,8 @@ void Member::State::on_tick(Instant now, MemberActions& out) {
 
 Instant Member::State::next_wakeup() const {
     if (has_left_) return never;
-    if (stall_) return stall_->listen_until;  // (the server's turns come with the beacons')
+    if (stall_.is_on()) return stall_.next_wakeup();
+    // The server's turns come with the beacons'.
     return std::min(broker_.next_wakeup(), cluster_.next_wakeup());
 }
 
@@ -228,14 +229,6 @@ void Member::State::leave(Instant now, MemberActions& out) {
 
 // --- after a stall
 
-bool Member::State::stood_still(Instant now) const {
-    const Duration beacon = options_.cluster.beacon_every;
-    if (stall_) return now >= stall_->listen_until + 2 * beacon;
-    const Instant due = cluster_.next_beat();
-    return due != Instant::min() &&
-           now >= due + std::max(cluster_.detection_time() - 2 * beacon, 2 * beacon);
-}
-
 void Member::State::before_sending(Instant now, MemberActions& out) {
     if (has_left_ || out.clients.list().empty() || !stood_still(now)) return;
     late_output_dropped_ += out.clients.list().size();
@@ -243,35 +236,19 @@ void Member::State::before_sending(Instant now, MemberActions& out) {
     owes_output_ = true;
 }
 
-void Member::State::notice_stall(Instant now) {
+void Member::State::notice_stall(Instant now, MemberActions& out) {
     if (!stood_still(now)) return;
-    const Duration beacon = options_.cluster.beacon_every;
-    const Duration away = now - (stall_ ? stall_->listen_until : cluster_.next_beat());
-    const Duration longest_wait = most_detection_times_waited * cluster_.detection_time();
-    stall_ = {.listen_until = now + 3 * beacon,
-              .beats_left = std::min(away, longest_wait) / beacon,
-              .heard_in_a_row = 0};
-    cluster_.listen_only(away);
+    cluster_.listen_only(stall_.begin(now, cluster_.next_beat(), cluster_.detection_time()));
+    if (stall_.take_pulse(now)) cluster_.send_pulse(out.peers);
 }
 
-/// What is read first may have waited since before the others replaced us, and after a long stall
-/// their transport must find us again. So a beacon from the end of the stall tells; or, when all
-/// stood still, that beacons come steadily. Whoever stands still again meanwhile listens anew: its
-/// patience is counted in its own beats.
 void Member::State::end_stall(Instant now, MemberActions& out) {
     if (cluster_.was_replaced()) return restart(now, out);
-    stall_->heard_in_a_row = cluster_.listening().take_heard() ? stall_->heard_in_a_row + 1 : 0;
-    const cluster::Listening& listening = cluster_.listening();
-    const bool knows = !listening.is_doubted() &&
-                       (listening.is_up_to_date() || stall_->heard_in_a_row >= beacon_times_heard);
     // Also the later life of a member, or somebody who came since, may say what happened.
     const bool is_alone = std::ranges::none_of(cluster_.membership().peers(),
                                                [](const auto& peer) { return peer.second.alive; });
-    if (!knows && !is_alone && stall_->beats_left-- > 0) {
-        stall_->listen_until = now + options_.cluster.beacon_every;
-        return;
-    }
-    stall_.reset();
+    if (!stall_.is_over(now, cluster_.listening(), is_alone)) return;
+    stall_.end();
     cluster_.resume(now);
     if (std::exchange(owes_output_, false)) send_again(now);
 }
@@ -279,7 +256,7 @@ void Member::State::end_stall(Instant now, MemberActions& out) {
 /// Others have our sessions and addresses: begin anew, empty, under a new log, and get them back.
 void Member::State::restart(Instant now, MemberActions& out) {
     out.local.push_back(Notice{"was replaced while it stood still: joins again"});
-    stall_.reset();
+    stall_.end();
     owes_output_ = false;
     held_.clear();
     waiting_.clear();  // of sessions that have lived on elsewhere since
@@ -303,7 +280,7 @@ void Member::State::restart(Instant now, MemberActions& out) {
 void Member::State::carry_out(Instant now, MemberActions& out) {
     absorb(now, out);
     serve_waiting(now, out);
-    if (stall_) return;
+    if (stall_.is_on()) return;
     go_on_uplink(now, out);
     const auto fate_of = [this](const Endpoint& via) {
         if (cluster_.is_silent(via)) return HeldOutput::Fate::is_dropped;
@@ -337,7 +314,7 @@ void Member::State::absorb(Instant now, MemberActions& out) {
         if (const auto* datagram = std::get_if<broker::Send>(&action)) {
             send(now, *datagram, safe, out);
         } else if (const auto* multicast = std::get_if<broker::Multicast>(&action)) {
-            if (stall_) continue;
+            if (stall_.is_on()) continue;
             const Bytes octets = work_.octets(*multicast);
             std::ranges::copy(octets, out.clients.reserve(octets.size()).begin());
             out.clients.push(broker::Multicast{.radius = multicast->radius,
@@ -361,7 +338,7 @@ void Member::State::send(Instant now, const broker::Send& send, broker::Seq safe
     const Bytes octets = work_.octets(send);
     if (cut_off_.withholds(now, send.to.endpoint, octets)) return;
     if (cluster_.is_taking(send.via)) held_.detain(send.to);
-    if (stall_ || send.after > safe || held_.detains(send.to)) {
+    if (stall_.is_on() || send.after > safe || held_.detains(send.to)) {
         held_.hold(send, octets);
         return;
     }
@@ -373,7 +350,7 @@ void Member::State::send(Instant now, const broker::Send& send, broker::Seq safe
 }
 
 void Member::State::serve_waiting(Instant now, MemberActions& out) {
-    if (waiting_.empty() || stall_) return;
+    if (waiting_.empty() || stall_.is_on()) return;
     for (const auto& action : out.local) {
         if (const auto* left = std::get_if<GiveUpAddress>(&action)) waiting_.drop(left->address);
     }
@@ -397,7 +374,7 @@ void Member::State::serve_waiting(Instant now, MemberActions& out) {
 // --- the uplink
 
 void Member::State::tend_uplink(Instant now, MemberActions& out) {
-    if (!uplink_ || stall_) return;
+    if (!uplink_ || stall_.is_on()) return;
     if (const auto late = std::exchange(late_message_, std::nullopt)) {
         on_uplink_message(now, late->first, late->second, out);
     }
@@ -426,7 +403,7 @@ void Member::State::on_uplink_down() {
 void Member::State::on_uplink_answer(Instant now, const broker::LogPosition& position,
                                      uplink::Answer answer, MemberActions& out) {
     if (!uplink_ || has_left_) return;
-    notice_stall(now);
+    notice_stall(now, out);
     uplink_->on_answer(now, position, answer, broker_, work_);
     carry_out(now, out);
 }
@@ -434,9 +411,9 @@ void Member::State::on_uplink_answer(Instant now, const broker::LogPosition& pos
 void Member::State::on_uplink_message(Instant now, const uplink::FromRemote& message,
                                       std::uint64_t token, MemberActions& out) {
     if (!uplink_ || has_left_) return;
-    notice_stall(now);
+    notice_stall(now, out);
     if (!uplink_->core().holds_link()) return;
-    if (stall_) {  // who was away for so long may lead no more
+    if (stall_.is_on()) {  // who was away for so long may lead no more
         if (token != 0) late_message_.emplace(message, token);
         return;
     }

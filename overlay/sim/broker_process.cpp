@@ -58,6 +58,13 @@ void BrokerProcess::stop() {
     on_stop();
 }
 
+void BrokerProcess::stop_core() {
+    if (!is_running()) return;
+    trace_.note(events_.now(), name_, "has a core that stands still");
+    stopped_ = true;
+    on_stop_core();
+}
+
 void BrokerProcess::go_on() {
     if (!up_ || !stopped_) return;
     trace_.note(events_.now(), name_, "goes on");

@@ -2,7 +2,8 @@
 // be killed, stopped, continued and started again. What runs inside is a subclass's matter.
 //
 // While stopped its kernel goes on taking datagrams, some of them; afterwards timer and inputs are
-// looked at in an order that nobody promises.
+// looked at in an order that nobody promises. The same while its core alone stands still, but its
+// other threads live on.
 #pragma once
 
 #include <cstdint>
@@ -34,11 +35,13 @@ public:
     /// SIGSTOP and SIGCONT.
     void stop();
     void go_on();
+    /// The core's thread gets no processor, or its turn does not end, until go_on().
+    void stop_core();
 
     [[nodiscard]] const std::string& name() const { return name_; }
     [[nodiscard]] Node node() const { return node_; }
     [[nodiscard]] bool is_up() const { return up_; }
-    [[nodiscard]] bool is_stopped() const { return stopped_; }
+    [[nodiscard]] bool is_stopped() const { return stopped_; }  // or its core alone
     [[nodiscard]] bool is_running() const { return up_ && !stopped_; }
     [[nodiscard]] const LocalClock& clock() const { return clock_; }
     /// Counts the starts.
@@ -59,6 +62,7 @@ protected:
     /// In the machine's own time.
     [[nodiscard]] virtual Instant next_wakeup() const = 0;
     virtual void on_stop() {}
+    virtual void on_stop_core() {}
     virtual void on_go_on() {}
 
     /// For the subclass: sockets, time, and what came from peers.

@@ -17,7 +17,8 @@ ClusterBroker::ClusterBroker(const ClusterBrokerOptions& options, EventQueue& ev
       options_(options),
       seed_(seed),
       clients_(clients),
-      peers_(peers) {}
+      peers_(peers),
+      pulses_(options.cluster.beacon_every, options.cluster.detection_timeout) {}
 
 void ClusterBroker::create_core() {
     // All wall clocks say nearly the same although the monotonic ones began at different times.
@@ -46,9 +47,30 @@ void ClusterBroker::create_core() {
 }
 
 void ClusterBroker::destroy_core() {
+    pulses_.end();
     transport_.reset();
     member_.reset();
     leaving_ = false;
+}
+
+void ClusterBroker::on_stop_core() {
+    is_pulsing_ = true;
+    pulse_later();
+}
+
+void ClusterBroker::on_go_on() {
+    is_pulsing_ = false;
+    peers_.go_on(node());
+}
+
+void ClusterBroker::pulse_later() {
+    if (pulses_.next() == never) return;
+    const Instant next = std::max(pulses_.next(), events_.now());
+    events_.at(next, [this, sent_after = pulse_] {
+        if (!is_pulsing_ || pulse_.tick != sent_after.tick || pulse_.log != sent_after.log) return;
+        if (pulses_.take_due(events_.now())) transport_->send({std::nullopt, pulse_});
+        pulse_later();
+    });
 }
 
 void ClusterBroker::leave() {
@@ -57,6 +79,7 @@ void ClusterBroker::leave() {
     leaving_ = true;
     member_->leave(local_now(), actions_);
     carry_out();
+    pulses_.end();
     later(100ms, [this] { crash(); });
 }
 
@@ -110,7 +133,13 @@ void ClusterBroker::carry_out() {
             trace_.note(events_.now(), name(), notice->text);
         }
     }
-    for (const cluster::Outgoing& message : actions.peers) transport_->send(message);
+    for (const cluster::Outgoing& message : actions.peers) {
+        if (const auto pulse = cluster::pulse_after(message.message)) {
+            pulse_ = *pulse;
+            pulses_.on_beacon(events_.now());
+        }
+        transport_->send(message);
+    }
     for (const broker::Action& action : actions.clients.list()) {
         if (const auto* out = std::get_if<broker::Send>(&action)) {
             send(out->via, out->to.endpoint, actions.clients.octets(*out));

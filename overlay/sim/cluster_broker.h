@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "overlay/member/member.h"
+#include "overlay/pulses.h"
 #include "overlay/sim/broker_network.h"
 #include "overlay/sim/broker_process.h"
 
@@ -53,7 +54,9 @@ private:
     void tick() override;
     [[nodiscard]] Instant next_wakeup() const override { return member_->next_wakeup(); }
     void on_stop() override { peers_.stall(node()); }
-    void on_go_on() override { peers_.go_on(node()); }
+    void on_stop_core() override;
+    void on_go_on() override;
+    void pulse_later();
     template <typename Step>
     void let_member(Step&& step);
     void carry_out();
@@ -67,6 +70,9 @@ private:
     std::unique_ptr<overlay::Member> member_;
     std::unique_ptr<overlay::Transport> transport_;
     overlay::MemberActions actions_;
+    overlay::Pulses pulses_;
+    cluster::Pulse pulse_;
+    bool is_pulsing_ = false;
     bool leaving_ = false;
     std::chrono::nanoseconds core_time_{0};
     std::function<void()> observer_;

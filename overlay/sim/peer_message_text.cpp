@@ -198,6 +198,9 @@ std::string line(const HandoffAck& m) {
 std::string line(const SessionClaim& m) {
     return "SessionClaim [" + text(m.header) + ']';
 }
+std::string line(const Pulse& m) {
+    return "Pulse after beacon " + std::to_string(m.tick);
+}
 
 }  // namespace
 

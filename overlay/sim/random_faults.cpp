@@ -79,6 +79,7 @@ bool RandomFaults::may_happen(Fault fault) const {
     switch (fault) {
         case Fault::crash:
         case Fault::stop:
+        case Fault::late:
             return may_lose_one();
         case Fault::leave:
         case Fault::partition:
@@ -101,6 +102,7 @@ void RandomFaults::happen(Fault fault) {
     switch (fault) {
         case Fault::crash:
         case Fault::stop:
+        case Fault::late:
             return lose(fault);
         case Fault::leave:
             return leave();
@@ -160,7 +162,7 @@ void RandomFaults::lose_one(Fault fault) {
         broker.crash();
         for_a_while(down_, [&broker] { broker.start(); });
     } else {
-        broker.stop();
+        fault == Fault::stop ? broker.stop() : broker.stop_core();
         for_a_while(down_, [&broker] { broker.go_on(); });
     }
 }

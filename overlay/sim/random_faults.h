@@ -32,12 +32,14 @@ enum class Fault : std::uint8_t {
     roam,  // these three are robots' (random_lives.h)
     sleep,
     die,
-    starve,  // of processor time, all of them: short stops, several at once; only when asked for
+    // Only when asked for:
+    late,    // a broker's core: it stands still while its process lives
+    starve,  // of processor time, all of them: short stops, several at once
 };
-inline constexpr std::size_t fault_kinds = 10;
+inline constexpr std::size_t fault_kinds = 11;
 inline constexpr std::array<std::string_view, fault_kinds> fault_names{
-    "crash",     "stop", "leave", "partition", "one-way-cut",
-    "bad-links", "roam", "sleep", "die",       "starve"};
+    "crash", "stop",  "leave", "partition", "one-way-cut", "bad-links",
+    "roam",  "sleep", "die",   "late",      "starve"};
 using FaultCounts = std::array<std::uint32_t, fault_kinds>;
 
 [[nodiscard]] constexpr std::string_view name_of(Fault fault) {

@@ -26,6 +26,9 @@ struct Observer {
         beacon.leaving = leaving;
         return membership.on_beacon(now, beacon);
     }
+    void pulse(std::uint64_t tick, const LogId& log = peer) {
+        membership.on_pulse(now, {.log = log, .tick = tick});
+    }
     void wait(Duration time) {
         for (const Instant end = now + time; now < end;) {
             now += 10ms;
@@ -72,6 +75,52 @@ TEST(Membership, SilenceEndsALife) {
     EXPECT_TRUE(observer.membership.is_alive(peer));
     observer.wait(20ms);
     EXPECT_FALSE(observer.membership.is_alive(peer));
+}
+
+TEST(Membership, APulseIsASignOfLife) {
+    Observer observer;
+    observer.hear({self.broker});
+    observer.wait(90ms);
+    observer.pulse(observer.ticks);
+    observer.wait(90ms);
+    EXPECT_TRUE(observer.membership.is_alive(peer));
+    EXPECT_TRUE(observer.membership.is_heard(peer.broker));
+    observer.wait(20ms);
+    EXPECT_FALSE(observer.membership.is_alive(peer));
+}
+
+TEST(Membership, APulseRaisesNobodyFromTheDead) {  // only a beacon says whom it hears now
+    Observer observer;
+    observer.pulse(1);
+    EXPECT_FALSE(observer.membership.is_heard(peer.broker)) << "never met";
+    observer.hear({self.broker});
+    observer.wait(200ms);
+    observer.pulse(observer.ticks);
+    EXPECT_FALSE(observer.membership.is_alive(peer));
+    EXPECT_FALSE(observer.membership.is_heard(peer.broker));
+}
+
+TEST(Membership, APulseFromBeforeTheLastBeaconOrOfAnotherLifeSaysNothing) {
+    Observer observer;
+    observer.hear({self.broker});
+    observer.hear({self.broker});
+    observer.wait(90ms);
+    observer.pulse(observer.ticks - 1);
+    observer.pulse(observer.ticks, {peer.broker, peer.incarnation + 1});
+    observer.wait(20ms);
+    EXPECT_FALSE(observer.membership.is_alive(peer));
+}
+
+TEST(Membership, APulseOfWhoDoesNotHearUsIsNoLink) {
+    Observer observer;
+    observer.hear({self.broker});
+    for (int i = 0; i < 20; ++i) {
+        observer.hear({});
+        observer.pulse(observer.ticks);
+        observer.wait(10ms);
+    }
+    EXPECT_FALSE(observer.membership.is_alive(peer));
+    EXPECT_TRUE(observer.membership.is_heard(peer.broker));
 }
 
 TEST(Membership, WhoWasLeftOutOfAViewIsGoneUntilItsNextBeacon) {

@@ -29,7 +29,8 @@ int main(int argc, char** argv) try {
     boost::asio::io_context io;
     const dds::Domain domain({static_cast<std::uint32_t>(std::atoi(argv[1])), "lo"});
     const broker::LogId self{broker::broker_id_of("peer"), 1};
-    dds::DdsTransport transport(io, domain, self);
+    using std::chrono_literals::operator""ms;
+    dds::DdsTransport transport(io, domain, self, overlay::Pulses(10ms, 60ms));
     transport.start([](const overlay::Envelope& envelope) {
         if (const auto* batch = std::get_if<cluster::LogBatch>(&envelope.message)) {
             std::cout << batch->first_seq << std::endl;

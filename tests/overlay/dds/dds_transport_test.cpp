@@ -24,9 +24,9 @@ using Clock = std::chrono::steady_clock;
 /// A broker's end of the transport that remembers what it received.
 struct Peer {
     Peer(boost::asio::io_context& io, const Domain& domain, const char* name,
-         std::uint64_t incarnation = 1)
+         std::uint64_t incarnation = 1, const overlay::Pulses& pulses = {1h, 1h})
         : log{broker::broker_id_of(name), incarnation},
-          transport(io, domain, log, [this] { ++drains; }) {
+          transport(io, domain, log, pulses, [this] { ++drains; }) {
         transport.start(
             [this](overlay::Envelope envelope) { received.push_back(std::move(envelope)); });
     }
@@ -112,6 +112,36 @@ TEST_F(DdsTransportTest, BeaconsReachEverybodyElse) {
     EXPECT_EQ(two.received.front().from, one.log);
     EXPECT_EQ(two.all<cluster::Beacon>().front().name, "one");
     EXPECT_TRUE(one.received.empty());
+}
+
+TEST_F(DdsTransportTest, PulsesFollowABeaconWhileTheNextOneIsLate) {
+    Peer one(io, domain, "one", 1, {10ms, 200ms});
+    Peer two(io, domain, "two");
+    acquaint(one, two);
+    io.run_for(200ms);  // the pulses of the hellos
+    two.received.clear();
+    cluster::Beacon beacon = beacon_of("one");
+    beacon.tick = 7;
+    one.broadcast(beacon);
+    run_until([&] { return two.all<cluster::Pulse>().size() >= 3; });
+    EXPECT_EQ(two.all<cluster::Pulse>().front().tick, 7U);
+    io.run_for(200ms);
+    const std::size_t pulses = two.received.size();
+    io.run_for(100ms);
+    EXPECT_EQ(two.received.size(), pulses) << "for half a detection time and no longer";
+}
+
+TEST_F(DdsTransportTest, NoPulseFollowsTheLastBeacon) {
+    Peer one(io, domain, "one", 1, {10ms, 200ms});
+    Peer two(io, domain, "two");
+    acquaint(one, two);
+    cluster::Beacon last = beacon_of("one");
+    last.leaving = true;
+    one.broadcast(last);
+    run_until([&] { return !two.all<cluster::Beacon>().empty(); });
+    two.received.clear();
+    io.run_for(150ms);
+    EXPECT_TRUE(two.received.empty());
 }
 
 TEST_F(DdsTransportTest, LogBatchesArriveAllAndInOrder) {

@@ -245,10 +245,12 @@ cluster::ClusterMessage random_message(std::size_t kind, Random& r) {
             return cluster::SessionRequest{text(r)};
         case 16:
             return cluster::HandoffAck{endpoint(r), text(r)};
-        default:
+        case 17:
             return cluster::SessionClaim{header(r)};
+        default:
+            return cluster::Pulse{log_id(r), wide(r)};
     }
 }
-static_assert(message_kinds == 18, "random_message() makes every kind");
+static_assert(message_kinds == 19, "random_message() makes every kind");
 
 }  // namespace romano::dds

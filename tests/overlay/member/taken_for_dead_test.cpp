@@ -119,6 +119,41 @@ TEST(Member, P3_WhoStandsStillAgainWhileItListensListensAnew) {
     expect_unnoticed(robot);
 }
 
+std::uint64_t take_overs(Brokers& brokers, std::initializer_list<int> ranks) {
+    std::uint64_t all = 0;
+    for (const int rank : ranks) all += brokers.member(rank).facts().take_overs;
+    return all;
+}
+
+// Its standstill was shorter than the detection time, and only with the listening is it longer.
+TEST(Member, NobodyIsReplacedForListening) {
+    Brokers brokers;
+    start(brokers, {1, 2, 3});
+    Robot& robot = subscriber(brokers, "robot", 3, Qos::exactly_once);
+    brokers.stall(3);
+    brokers.run_for(85ms);
+    brokers.wake(3);
+    brokers.run_for(1s);
+    EXPECT_EQ(take_overs(brokers, {1, 2}), 0U);
+    EXPECT_EQ(brokers.member(3).facts().replacements, 0U);
+    robot.publish("pose", "1", Qos::exactly_once);
+    brokers.run_for(500ms);
+    EXPECT_THAT(robot.received(), ElementsAre("1"));
+    expect_unnoticed(robot);
+}
+
+TEST(Member, PeersDoNotWaitForOneThatStandsStillAgainAndAgain) {
+    Brokers brokers;
+    start(brokers, {1, 2, 3});
+    for (int i = 0; i < 10 && take_overs(brokers, {1, 2}) == 0; ++i) {
+        brokers.stall(3);
+        brokers.run_for(85ms);
+        brokers.wake(3);
+        brokers.run_for(5ms);
+    }
+    EXPECT_EQ(take_overs(brokers, {1, 2}), 1U);
+}
+
 /// Stopped between its decision and its system call, it would say it when its heir has long gone
 /// on.
 TEST(Member, P3_WhatWasDecidedBeforeAStallIsNotSaidAfterIt) {

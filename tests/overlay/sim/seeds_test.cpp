@@ -36,6 +36,7 @@ std::vector<Shard> shards() {
         {"Robots", {Fault::roam, Fault::sleep, Fault::die}},
         {"RobotsAndCrash", {Fault::roam, Fault::sleep, Fault::die, Fault::crash}},
         {"Mixed", {}},
+        {"Late", {Fault::late, Fault::crash, Fault::roam}},
     };
     constexpr std::uint64_t shards_each = 4;
     constexpr std::uint64_t seeds_each = 13;

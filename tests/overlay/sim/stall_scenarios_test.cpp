@@ -49,6 +49,43 @@ TEST_F(StallScenario, AnAddressIsHandedBackWithoutAPauseInItsQueues) {
     EXPECT_LT(longest_delay(resumed - 500ms), 1s);
 }
 
+// Its core waits for a processor, or works: its robots wait for it, and nobody else does anything.
+TEST_F(StallScenario, ABrokerThatIsLateByALittleMoreThanADetectionTimeIsNotReplaced) {
+    add_one_each({Qos::at_least_once, Qos::exactly_once});
+    begin();
+    publish(true);
+    world.run_for(1s);
+    world.broker(1).stop_core();
+    world.run_for(world.options().cluster.detection_timeout * 9 / 10);
+    world.broker(1).go_on();
+    world.run_for(1s);
+    for (const std::size_t other : {0U, 2U}) {
+        EXPECT_EQ(world.broker(other).member().facts().take_overs, 0U) << other;
+    }
+    EXPECT_EQ(world.broker(1).member().facts().replacements, 0U);
+    expect_all_promises_kept();
+    expect_nobody_noticed();
+}
+
+TEST_F(StallScenario, ABrokerWhoseCoreHangsIsReplacedAfterOneAndAHalfDetectionTimes) {
+    add_one_each({Qos::at_least_once, Qos::exactly_once});
+    begin();
+    publish(true);
+    world.run_for(1s);
+    world.broker(1).stop_core();
+    const auto is_replaced = [&] {
+        return world.broker(0).member().facts().take_overs +
+                   world.broker(2).member().facts().take_overs ==
+               1;
+    };
+    const Duration detection = world.options().cluster.detection_timeout;
+    EXPECT_TRUE(world.run_until(is_replaced, detection * 3 / 2 + 50ms));
+    world.broker(1).go_on();
+    world.run_for(1s);
+    expect_all_promises_kept();
+    expect_nobody_noticed();
+}
+
 ClusterWorldOptions with_brokers_that_match_slowly() {
     ClusterWorldOptions options = with_patient_brokers();
     options.brokers = 4;

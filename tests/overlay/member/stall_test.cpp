@@ -1,0 +1,76 @@
+#include "overlay/member/stall.h"
+
+#include <gmock/gmock.h>
+
+#include <vector>
+
+namespace romano::overlay {
+namespace {
+
+using namespace std::chrono_literals;
+using testing::ElementsAre;
+
+constexpr Duration beacon = 10ms;
+constexpr Duration detection = 60ms;
+const Instant due{1s};
+
+struct StallTest : testing::Test {
+    [[nodiscard]] bool is_noticed(Duration late) const {
+        return stall.is_noticed(due + late, due, detection);
+    }
+    /// When it pulses, as milliseconds since it was due, up to then.
+    std::vector<std::int64_t> pulses_until(Duration end) {
+        std::vector<std::int64_t> sent;
+        for (; now < due + end; now += 1ms) {
+            if (stall.take_pulse(now)) sent.push_back((now - due) / 1ms);
+        }
+        return sent;
+    }
+
+    Stall stall{beacon};
+    Instant now{due + 50ms};
+};
+
+TEST_F(StallTest, IsNoticedTwoBeaconTimesBeforePeersReplaceUs) {
+    EXPECT_FALSE(is_noticed(39ms));
+    EXPECT_TRUE(is_noticed(40ms));
+    EXPECT_FALSE(stall.is_noticed(due, Instant::min(), detection)) << "it never was to wake up";
+}
+
+TEST_F(StallTest, PulsesAtEachBeaconTimeForADetectionTime) {
+    EXPECT_EQ(stall.begin(now, due, detection), 50ms);
+    EXPECT_THAT(pulses_until(1s), ElementsAre(50, 60, 70, 80, 90, 100));
+}
+
+TEST_F(StallTest, ASecondStallOnTopOfItBringsNoMorePulses) {
+    (void)stall.begin(now, due, detection);
+    EXPECT_THAT(pulses_until(85ms), ElementsAre(50, 60, 70, 80));
+    now = due + 105ms;
+    ASSERT_TRUE(stall.is_noticed(now, due, detection)) << "it was to wake up at 80";
+    (void)stall.begin(now, due, detection);
+    EXPECT_THAT(pulses_until(1s), ElementsAre(105));
+}
+
+TEST_F(StallTest, AfterItAStallIsANewOne) {
+    (void)stall.begin(now, due, detection);
+    stall.end();
+    now = due + 500ms;
+    (void)stall.begin(now, due + 400ms, detection);
+    EXPECT_THAT(pulses_until(1s), ElementsAre(500, 510, 520, 530, 540, 550));
+}
+
+TEST_F(StallTest, EndsByPatienceWhenNobodyTellsAnything) {
+    cluster::Listening nobody;
+    nobody.begin(cluster::Membership{{}, broker::broker_id_of("self"), 1}, 5);
+    (void)stall.begin(now, due, detection);  // away for 50 ms: five beats of patience
+    for (int beat = 0; beat < 5; ++beat) {
+        ASSERT_EQ(stall.listen_until(), now + (beat == 0 ? 3 * beacon : beacon));
+        now = stall.listen_until();
+        EXPECT_FALSE(stall.is_over(now, nobody, false)) << beat;
+    }
+    EXPECT_TRUE(stall.is_over(stall.listen_until(), nobody, false));
+    EXPECT_TRUE(stall.is_over(now, nobody, true)) << "there is nobody to listen to";
+}
+
+}  // namespace
+}  // namespace romano::overlay
