@@ -175,6 +175,8 @@ private:
     void heed_leader(Instant now, const ViewNumber& number);
     PeerLog& log_of(const LogId& id) {
         const auto [at, is_new] = logs_.try_emplace(id, id, options_.log_events_kept);
+        // It may be the log of one who died before we came, of whose sessions others took care.
+        if (is_new && !is_in_view()) at->second.become_outdated();
         // A leader may have put it into the view before we hear it.
         if (is_new && view_change_.contains(id)) peer_sessions_.reset(id, at->second.mirror());
         return at->second;

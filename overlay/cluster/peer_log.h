@@ -73,8 +73,8 @@ public:
     void freeze();
     void thaw();
     [[nodiscard]] bool is_frozen() const { return frozen_; }
-    /// We were replaced: until its writer hears us again, or is in one view with us, others know
-    /// better what is left of it.
+    /// We were replaced, or are new: until its writer hears us, or is in one view with us, others
+    /// know better what is left of it.
     void become_outdated() { outdated_ = true; }
     void heard_by_writer() { outdated_ = outdated_ && frozen_; }
     [[nodiscard]] bool is_outdated() const { return outdated_; }

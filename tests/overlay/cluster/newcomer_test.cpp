@@ -1,0 +1,66 @@
+// A newcomer learns of logs before its first view: from what waited in its own queue, too, since
+// before their writers died.
+
+#include <gmock/gmock.h>
+
+#include <algorithm>
+
+#include "tests/overlay/cluster/two_brokers.h"
+
+namespace romano::cluster {
+namespace {
+
+using testing::ElementsAre;
+using testing::IsEmpty;
+
+const LogId dead = test::log_of("dead");
+
+/// It hears the peer, which leads.
+class Newcomer : public testing::Test {
+protected:
+    Newcomer() { hear_the_leader(); }
+    /// It said so before it died.
+    void hear_the_dead(std::vector<LogPosition> applied) {
+        Effects acting = cluster.effects();
+        Beacon beacon{.name = "dead", .log = dead, .tick = 1, .hears = {self.broker}};
+        beacon.applied = std::move(applied);
+        cluster.core.on_message(acting, {dead, beacon});
+        cluster.core.on_message(acting, {dead, LogBatch{dead, 1, {test::session("robot")}}});
+        for (int beacon_time = 0; beacon_time < 20; ++beacon_time) hear_the_leader();
+    }
+    void hear_the_leader() {
+        Beacon leads{.name = "peer", .log = peer, .tick = ++ticks, .hears = {self.broker}};
+        leads.claim = {.rank = {.capability = 9, .id = node_of(peer.broker)},
+                       .term = 5,
+                       .leader = node_of(peer.broker)};
+        cluster.take(leads);
+        cluster.pass();
+    }
+    /// What it tells the leader of a view that both of them are in.
+    ViewHoldings answer() {
+        View view{.number = {.term = 5, .leader = peer.broker, .count = 1},
+                  .members = {self, peer}};
+        std::ranges::sort(view.members);
+        cluster.take(ViewProposal{.view = view, .removed = {dead}});
+        const auto sent = cluster.take_sent<ViewHoldings>();
+        EXPECT_EQ(sent.size(), 1U);
+        return sent.empty() ? ViewHoldings{} : sent.front();
+    }
+
+    Cluster cluster;
+    std::uint64_t ticks = 0;
+};
+
+// Others took care of its sessions (simulator, seed 8020270).
+TEST_F(Newcomer, P3_KnowsOfNothingThatIsLeftOfALogFromBefore) {
+    hear_the_dead({});
+    EXPECT_THAT(answer().outdated, ElementsAre(dead));
+}
+
+TEST_F(Newcomer, P2_KnowsWhatIsLeftOfAWriterThatHeardIt) {
+    hear_the_dead({{self, 0}});
+    EXPECT_THAT(answer().outdated, IsEmpty());
+}
+
+}  // namespace
+}  // namespace romano::cluster
