@@ -127,6 +127,7 @@ void ClusterCore::after_input(Effects& effects) {
     }
     if (listening_.is_on()) return;
     take_view(effects);
+    acquaintance_.carry_on(effects.now, logs_);
     membership_.send_ballots(effects.peers);
     hand_back_.forget_for_the_dead(effects, view(), addresses_);
     take_over_.carry_on(effects, logs(), membership_, view(), addresses_);
@@ -181,7 +182,7 @@ void ClusterCore::heed_news_of_peers(Effects& effects) {
 
 void ClusterCore::heed(const Beacon& beacon) {
     PeerLog& log = log_of(beacon.log);
-    acquaintance_.meet(beacon.log);
+    acquaintance_.meet(beacon.log, beacon.last_seq);
     log.heard_end(beacon.last_seq, beacon.view.number);
     log.heard_serving(beacon.serving);
     if (beacon.knows(own_.id())) log.heard_by_writer();
@@ -243,7 +244,7 @@ void ClusterCore::on_view(Effects& effects, const ViewAnnouncement& announcement
             peer_sessions_.reset(member, log->second.mirror());
         }
     }
-    acquaintance_.on_view(own_.id(), view(), logs_);
+    acquaintance_.on_view(effects.now, own_.id(), view(), logs_);
     // Another member hands us what our earlier life left at our address, if it has not done so yet.
     for (const Assignment& assignment : announcement.assignments) {
         const Endpoint& address = assignment.address;

@@ -83,6 +83,8 @@ public:
     // --- what the owner must know
     /// Clients may be spoken to: there is a view.
     [[nodiscard]] bool is_in_view() const { return view_change_.has_view(); }
+    /// Who has no session here may be a robot that roams: its home's log is not read yet.
+    [[nodiscard]] bool strangers_may_roam() const { return acquaintance_.may_roam(); }
     /// Datagrams from there to `via` shall wait: there is no view yet, or we have not met all who
     /// took us into it, or sessions are on their way.
     [[nodiscard]] bool must_wait(const Endpoint& via, const Endpoint& from) const;

@@ -98,8 +98,10 @@ private:
     void absorb(Instant now, MemberActions& out);
     void send(Instant now, const broker::Send& send, broker::Seq safe, MemberActions& out);
     void send_again(Instant now);
-    [[nodiscard]] bool must_wait(Instant now, const Endpoint& via, const Endpoint& from) {
-        return cut_off_.must_wait(now, from) || cluster_.must_wait(via, from);
+    [[nodiscard]] bool must_wait(Instant now, const Endpoint& via, const Endpoint& from,
+                                 Bytes datagram) {
+        return cut_off_.must_wait(now, from) || cluster_.must_wait(via, from) ||
+               (cluster_.strangers_may_roam() && !broker_.serves(from, datagram));
     }
     void serve_waiting(Instant now, MemberActions& out);
 
@@ -154,7 +156,7 @@ void Member::State::on_datagram(Instant now, const Endpoint& via, const Endpoint
     if (has_left_) return;
     notice_stall(now, out);
     if (cluster_.is_deaf(via)) return;  // its sessions are with another broker by now
-    if (stall_.is_on() || must_wait(now, via, from)) {
+    if (stall_.is_on() || must_wait(now, via, from, datagram)) {
         return waiting_.hold(via, from, datagram, true);
     }
     Effects acting = effects(now, out);
@@ -355,7 +357,8 @@ void Member::State::serve_waiting(Instant now, MemberActions& out) {
         if (const auto* left = std::get_if<GiveUpAddress>(&action)) waiting_.drop(left->address);
     }
     const auto ready = waiting_.take_unless([&](const auto& datagram) {
-        return must_wait(now, datagram.via, datagram.from) || cluster_.is_fetching(datagram.from);
+        return must_wait(now, datagram.via, datagram.from, datagram.octets) ||
+               cluster_.is_fetching(datagram.from);
     });
     for (const auto& [via, from, octets, is_new] : ready) {
         if (is_new) {

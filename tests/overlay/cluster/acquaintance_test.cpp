@@ -11,6 +11,8 @@
 namespace romano::cluster {
 namespace {
 
+using namespace std::chrono_literals;
+
 const LogId self = test::log_of("self");
 const LogId one = test::log_of("one");
 const LogId other = test::log_of("other");
@@ -21,9 +23,21 @@ struct AcquaintanceTest : testing::Test {
     }
     void see(std::vector<LogId> members) {
         std::ranges::sort(members);
-        acquaintance.on_view(self, View{.number = {}, .members = std::move(members)}, logs);
+        acquaintance.on_view(now, self, View{.number = {}, .members = std::move(members)}, logs);
     }
 
+    /// Its writer says how far it has written; then so much of it is read.
+    void hear(const LogId& log, Seq end) { acquaintance.meet(log, end); }
+    void read(const LogId& log, Seq through) {
+        PeerLog& held = logs.at(log);
+        for (Seq seq = held.applied() + 1; seq <= through; ++seq) {
+            held.offer(seq, {test::session("robot")});
+            held.apply();
+        }
+        acquaintance.carry_on(now, logs);
+    }
+
+    Instant now{1s};
     PeerLogs logs;
     Acquaintance acquaintance;
 };
@@ -54,7 +68,7 @@ TEST_F(AcquaintanceTest, ANewcomerMeetsThoseWhoTookItIn) {
     logs.erase(other);
     see({self, one, other});
     EXPECT_FALSE(acquaintance.has_met_all());
-    acquaintance.meet(other);
+    acquaintance.meet(other, 0);
     EXPECT_TRUE(acquaintance.has_met_all());
     see({self, one, other, test::log_of("later")});
     EXPECT_TRUE(acquaintance.has_met_all()) << "only those of its first view";
@@ -65,6 +79,39 @@ TEST_F(AcquaintanceTest, WhoWasRemovedNeedNotBeMet) {
     see({self, one, other});
     see({self, one});
     EXPECT_TRUE(acquaintance.has_met_all());
+}
+
+// A robot came there that was at home at a member: it was told that it is a stranger.
+TEST_F(AcquaintanceTest, P1_StrangersMayRoamUntilANewcomerHasReadWhatMembersHadWritten) {
+    see({self, one, other});
+    EXPECT_TRUE(acquaintance.may_roam()) << "nobody has said how much there is";
+    hear(one, 2);
+    hear(other, 0);
+    read(one, 1);
+    EXPECT_TRUE(acquaintance.may_roam());
+    hear(one, 5);  // it goes on
+    read(one, 2);
+    EXPECT_FALSE(acquaintance.may_roam());
+    see({self, one, other, test::log_of("later")});
+    EXPECT_FALSE(acquaintance.may_roam()) << "only those of its first view";
+}
+
+TEST_F(AcquaintanceTest, WhatTheRemovedHadWrittenIsNotWaitedFor) {
+    see({self, one});
+    hear(one, 7);
+    see({self});
+    EXPECT_FALSE(acquaintance.may_roam());
+}
+
+TEST_F(AcquaintanceTest, StrangersAreAnsweredAfterTwoSecondsAtLast) {
+    see({self, one});
+    hear(one, 7);
+    now += 1999ms;
+    acquaintance.carry_on(now, logs);
+    EXPECT_TRUE(acquaintance.may_roam());
+    now += 1ms;
+    acquaintance.carry_on(now, logs);
+    EXPECT_FALSE(acquaintance.may_roam());
 }
 
 }  // namespace
