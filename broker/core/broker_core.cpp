@@ -507,6 +507,10 @@ void BrokerCore::observe_time(HybridTime time) {
     state_->tables.clock.observe(time);
 }
 
+const Limits& BrokerCore::limits() const {
+    return state_->tables.limits();
+}
+
 const Counters& BrokerCore::counters() const {
     return state_->tables.counters;
 }

@@ -133,6 +133,7 @@ public:
 
     [[nodiscard]] Seq last_seq() const;
     void observe_time(HybridTime time);
+    [[nodiscard]] const Limits& limits() const;
     [[nodiscard]] const Counters& counters() const;
     [[nodiscard]] Census census() const;
     [[nodiscard]] std::size_t session_count() const;

@@ -31,6 +31,9 @@ struct Limits {
     std::size_t session_expiry_s = 0;  // a kept session whose client was away for so long is
                                        // forgotten; 0: never
     std::size_t memory_mib = 1'024;    // of all together; the owner measures (BrokerCore::set_full)
+
+    /// From more than that in a receiver's queue on its publishers are slowed down.
+    [[nodiscard]] std::size_t half_a_queue() const { return queued_per_session / 2; }
 };
 
 struct BrokerOptions {

@@ -210,8 +210,13 @@ bool Mirror::contains(std::string_view client_id) const {
 }
 
 const SessionHeader* Mirror::header(std::string_view client_id) const {
+    const SessionImage* image = session(client_id);
+    return image == nullptr ? nullptr : &image->header;
+}
+
+const SessionImage* Mirror::session(std::string_view client_id) const {
     const auto found = sessions_.find(client_id);
-    return found == sessions_.end() ? nullptr : &found->second.header;
+    return found == sessions_.end() ? nullptr : &found->second;
 }
 
 SessionImage Mirror::completed(const SessionImage& image) const {

@@ -54,6 +54,9 @@ public:
     [[nodiscard]] bool contains(std::string_view client_id) const;
     /// Null when it is not here.
     [[nodiscard]] const SessionHeader* header(std::string_view client_id) const;
+    /// As it is here: `worked_through` is that of the last SessionPut. Null when it is not here;
+    /// valid until the next event.
+    [[nodiscard]] const SessionImage* session(std::string_view client_id) const;
     [[nodiscard]] std::optional<SessionImage> image(std::string_view client_id) const;
     [[nodiscard]] std::vector<SessionImage> images() const;  // by client id
     /// Calls `look(const SessionImage&)` with each as it is here, in no order: `worked_through` is

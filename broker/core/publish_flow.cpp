@@ -92,8 +92,8 @@ void PublishFlow::on_publish(Session& session, const mqttsn::Publish& message, T
     const Publication publication{topic, message.data, message.qos, message.retain};
     router_.find_receivers(publication, turn);
     const bool is_qos2 = message.qos == Qos::exactly_once;
-    const LateAnswer answer{promises ? turn.now + delay_of(session) : never, message.qos,
-                            message.topic, message.msg_id};
+    const LateAnswer answer{promises ? turn.now + delay_of(session, topic, turn.now) : never,
+                            message.qos, message.topic, message.msg_id};
     router_.accept(publication, is_qos2 ? &session : nullptr,
                    is_qos2 ? message.msg_id : mqttsn::no_msg_id, turn);
     if (is_qos2) remember_unreleased(session, message.msg_id, turn);
@@ -111,10 +111,11 @@ void PublishFlow::on_publish(Session& session, const mqttsn::Publish& message, T
 /// How much later the publisher hears that its message was taken, by how full the fullest queue of
 /// its receivers is: below half not at all. So publishers go at the pace of their receivers before
 /// anything is lost.
-Duration PublishFlow::delay_of(const Session& publisher) const {
+Duration PublishFlow::delay_of(const Session& publisher, std::string_view topic,
+                               Instant now) const {
     const std::size_t most = tables_.limits().queued_per_session;
-    const std::size_t waiting = std::min(router_.longest_queue(publisher), most);
-    if (2 * waiting <= most) return Duration{0};
+    const std::size_t waiting = std::min(router_.longest_queue(publisher, topic, now), most);
+    if (waiting <= tables_.limits().half_a_queue()) return Duration{0};
     const std::chrono::duration<double, std::milli> longest{tables_.limits().pacing_ms};
     const double above_half = static_cast<double>(2 * waiting - most) / static_cast<double>(most);
     return std::chrono::duration_cast<Duration>(longest * above_half);

@@ -28,7 +28,8 @@ private:
     [[nodiscard]] mqttsn::ReturnCode judge(const mqttsn::Publish& message, std::string_view topic);
     /// The topic's name, held in `name_`; empty when the id is unknown.
     [[nodiscard]] std::string_view name_of(Session* session, const mqttsn::Publish& message);
-    [[nodiscard]] Duration delay_of(const Session& publisher) const;
+    [[nodiscard]] Duration delay_of(const Session& publisher, std::string_view topic,
+                                    Instant now) const;
     void say(Session& session, const LateAnswer& answer, Turn& turn);
     void observe(const Session& session, const Publication& publication, Turn& turn);
     void remember_unreleased(Session& session, mqttsn::MsgId msg_id, Turn& turn);

@@ -64,8 +64,11 @@ void Router::find_receivers(const Publication& publication, const LogPosition& p
     });
 }
 
-std::size_t Router::longest_queue(const Session& publisher) const {
-    std::size_t most = 0;
+std::size_t Router::longest_queue(const Session& publisher, std::string_view topic,
+                                  Instant now) const {
+    const Audience* peers = tables_.peers;
+    std::size_t most =
+        peers == nullptr ? 0 : peers->longest_queue(topic, now - tables_.options.t_retry);
     for (const Receiver& receiver : receivers_) {
         const Session& session = *receiver.session;
         if (receiver.qos == Qos::at_most_once || &session == &publisher) continue;

@@ -34,9 +34,10 @@ public:
     void find_receivers(const Publication& publication, Turn& turn) {
         find_receivers(publication, {}, turn);
     }
-    /// What waits in the longest queue of those, of receivers that answer: a sleeper and one that
-    /// does not answer hold up nobody; nor does the publisher itself.
-    [[nodiscard]] std::size_t longest_queue(const Session& publisher) const;
+    /// What waits in the longest queue of those, or of the topic's receivers at peers, that answer:
+    /// a sleeper and one that does not answer hold up nobody; nor does the publisher itself.
+    [[nodiscard]] std::size_t longest_queue(const Session& publisher, std::string_view topic,
+                                            Instant now) const;
     /// Writes the message into the log and the retained store. `publisher` and `msg_id` only for
     /// QoS 2; `will_of` see Published.
     void accept(const Publication& publication, const Session* publisher, mqttsn::MsgId msg_id,

@@ -466,7 +466,8 @@ void ClusterCore::apply_event(Effects& effects, const LogId& id, PeerLog& log) {
             const auto* session = log.session(erased->client_id);
             if (session != nullptr) roaming_.on_let_go(effects.now, *session);
         }
-        peer_sessions_.on_event(id, event);
+        peer_sessions_.on_event(effects.now, log.mirror(), event,
+                                effects.broker.limits().half_a_queue());
     } else {
         peer_sessions_.on_late_event(id);
     }

@@ -76,7 +76,7 @@ public:
     void flush(Outbox& out);
     /// To peers with a matching subscriber.
     void forward(const MessagePtr& message, Outbox& out) const;
-    [[nodiscard]] const broker::Audience& audience() const { return peer_sessions_.interest(); }
+    [[nodiscard]] const broker::Audience& audience() const { return peer_sessions_; }
     /// The log is held by enough peers up to here.
     Seq safe();
 

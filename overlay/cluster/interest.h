@@ -9,21 +9,20 @@
 #include <string_view>
 #include <vector>
 
-#include "broker/core/audience.h"
 #include "broker/core/mirror.h"
 #include "broker/core/topic_tree.h"
 #include "overlay/cluster/messages.h"
 
 namespace romano::cluster {
 
-class Interest final : public broker::Audience {
+class Interest {
 public:
     void on_event(BrokerId peer, const broker::LogEvent& event);
     /// Replaces all that is known of the peer.
     void reset(BrokerId peer, const broker::Mirror& sessions);
     void forget(BrokerId peer);
 
-    [[nodiscard]] bool wants(std::string_view topic) const override;
+    [[nodiscard]] bool wants(std::string_view topic) const;
     /// Sorted, each once.
     [[nodiscard]] std::vector<BrokerId> interested_in(std::string_view topic) const;
 

@@ -2,9 +2,11 @@
 
 namespace romano::cluster {
 
-void PeerSessions::on_event(const LogId& log, const broker::LogEvent& event) {
-    interest_.on_event(log.broker, event);
-    homes_.on_event(log.broker, event);
+void PeerSessions::on_event(Instant now, const broker::Mirror& sessions,
+                            const broker::LogEvent& event, std::size_t many) {
+    interest_.on_event(sessions.log().broker, event);
+    homes_.on_event(sessions.log().broker, event);
+    slow_.on_event(now, sessions, event, many);
 }
 
 void PeerSessions::on_late_event(const LogId& log) {
@@ -14,6 +16,7 @@ void PeerSessions::on_late_event(const LogId& log) {
 void PeerSessions::reset(const LogId& log, const broker::Mirror& sessions) {
     interest_.reset(log.broker, sessions);
     homes_.reset(log.broker, sessions);
+    slow_.forget(log.broker);
     followed_.insert_or_assign(log.broker, log);
 }
 
@@ -25,6 +28,7 @@ bool PeerSessions::follow(const LogId& log) const {
 void PeerSessions::on_end(const LogId& log) {
     if (!follow(log)) return;
     interest_.forget(log.broker);
+    slow_.forget(log.broker);
     followed_.erase(log.broker);
 }
 

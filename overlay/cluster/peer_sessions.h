@@ -1,23 +1,34 @@
-// What the peers' sessions want, and where they are: the tables that follow the events of logs
-// which go on. A log that has ended is followed no more; its interest is forgotten, and its homes
-// stay until a living one takes their place.
+// What the peers' sessions want, where they are, and which are slow: the tables that follow the
+// events of logs which go on. A log that has ended is followed no more; its interest is forgotten,
+// and its homes stay until a living one takes their place.
 #pragma once
 
 #include <map>
+#include <string_view>
 
+#include "broker/core/audience.h"
 #include "overlay/cluster/homes.h"
 #include "overlay/cluster/interest.h"
 #include "overlay/cluster/peer_log.h"
+#include "overlay/cluster/slow_receivers.h"
 
 namespace romano::cluster {
 
-class PeerSessions {
+class PeerSessions final : public broker::Audience {
 public:
+    [[nodiscard]] bool wants(std::string_view topic) const override {
+        return interest_.wants(topic);
+    }
+    [[nodiscard]] std::size_t longest_queue(std::string_view topic, Instant since) const override {
+        return slow_.longest_queue(topic, since);
+    }
     [[nodiscard]] const Interest& interest() const { return interest_; }
     [[nodiscard]] const Homes& homes() const { return homes_; }
 
-    /// The next event of a log that goes on.
-    void on_event(const LogId& log, const broker::LogEvent& event);
+    /// The next event of a log that goes on, before its mirror applies it. Receivers with more than
+    /// `many` messages waiting are slow.
+    void on_event(Instant now, const broker::Mirror& sessions, const broker::LogEvent& event,
+                  std::size_t many);
     /// An event of a log that has ended: the tables lack it.
     void on_late_event(const LogId& log);
     /// Replaces all that is known of the log's broker.
@@ -34,6 +45,7 @@ public:
 private:
     Interest interest_;
     Homes homes_;
+    SlowReceivers slow_;
     std::map<BrokerId, LogId> followed_;
 };
 

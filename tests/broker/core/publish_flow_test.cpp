@@ -190,6 +190,9 @@ TEST_F(Publishing, Qos0IsForwardedToPeersAndNotLogged) {
 TEST_F(Publishing, Qos0ThatNoPeerWantsIsNotEvenBuiltForThem) {
     struct Picky final : Audience {
         [[nodiscard]] bool wants(std::string_view topic) const override { return topic == "a"; }
+        [[nodiscard]] std::size_t longest_queue(std::string_view, Instant) const override {
+            return 0;
+        }
     } peers;
     broker.core.set_audience(peers);
     robot.publishes(robot.registers("b"), "x");
@@ -393,6 +396,27 @@ TEST_F(PublishingWithShortQueues, ASleeperHoldsUpNobody) {
     const TopicId pose = robot.registers("pose");
     fill(robot, pose, 6);
     EXPECT_EQ(broker.dropped(Drop::queue_full), 2u);
+}
+
+TEST_F(PublishingWithShortQueues, AReceiverAtAPeerHoldsUpItsPublishersAlike) {
+    struct Peers final : Audience {
+        [[nodiscard]] bool wants(std::string_view) const override { return true; }
+        [[nodiscard]] std::size_t longest_queue(std::string_view topic,
+                                                Instant since) const override {
+            return topic == "pose" && taken_at > since ? 3 : 0;
+        }
+        Instant taken_at;
+    } peers;
+    peers.taken_at = broker.now;
+    broker.core.set_audience(peers);
+    const TopicId pose = robot.registers("pose");
+    robot.publishes(robot.registers("map"), "x", Qos::at_least_once);
+    robot.says(qos1(pose, MsgId{90}));
+    robot.hears_nothing();
+    broker.waits(500ms);  // three of four: half of the longest delay
+    EXPECT_EQ(robot.hears<Puback>().msg_id, MsgId{90});
+    broker.waits(plain_options().t_retry);
+    fill(robot, pose, 1);  // it does not answer any more
 }
 
 TEST_F(PublishingWithShortQueues, APublishersOwnQueueDoesNotHoldItUp) {

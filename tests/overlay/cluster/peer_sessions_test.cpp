@@ -14,11 +14,13 @@ const LogId heir = test::log_of("heir");
 struct PeerSessionsTest : testing::Test {
     PeerSessionsTest() {
         sessions.reset(peer, broker::Mirror{peer});
-        sessions.on_event(peer, test::session("robot"));
-        sessions.on_event(peer, test::subscribed("robot", "pose"));
+        for (const auto& event : {test::session("robot"), test::subscribed("robot", "pose")}) {
+            sessions.on_event({}, mirror, event, 10);
+        }
     }
     [[nodiscard]] bool is_homed() const { return sessions.homes().of("robot").has_value(); }
 
+    broker::Mirror mirror{peer};
     PeerSessions sessions;
     PeerLogs logs;
 };

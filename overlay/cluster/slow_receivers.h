@@ -1,0 +1,49 @@
+// Receivers at peers whose queues fill up, as their homes' logs tell: who publishes here for them
+// goes at their pace (broker/core, "When a receiver is slow"), as beside them.
+//
+// Only who takes messages counts: a message is on its way to it, and one was done not long ago.
+// What else changes about a session begins its entry anew.
+#pragma once
+
+#include <cstddef>
+#include <map>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "broker/core/mirror.h"
+#include "overlay/cluster/messages.h"
+#include "romano/base/time.h"
+
+namespace romano::cluster {
+
+class SlowReceivers {
+public:
+    static constexpr std::size_t most_of_a_peer = 256;
+
+    /// The next event of a peer's log, before its mirror applies it. Receivers with more than
+    /// `many` messages waiting are heeded.
+    void on_event(Instant now, const broker::Mirror& sessions, const broker::LogEvent& event,
+                  std::size_t many);
+    void forget(BrokerId peer) { receivers_.erase(peer); }
+
+    /// What waits in the longest queue of those that want the topic at QoS 1 or 2 and were done
+    /// with a message after `since`; 0 when there is none.
+    [[nodiscard]] std::size_t longest_queue(std::string_view topic, Instant since) const;
+
+private:
+    struct Receiver {
+        std::size_t waiting = 0;
+        Instant last_taken{};
+        std::vector<std::string> filters{};  // granted QoS 1 or 2
+    };
+    using Receivers = std::map<broker::ClientId, Receiver>;
+
+    void look_at(Instant now, const broker::Mirror& sessions, const broker::ClientId& client,
+                 std::size_t many);
+    void forget(BrokerId peer, const broker::ClientId& client);
+
+    std::map<BrokerId, Receivers> receivers_;
+};
+
+}  // namespace romano::cluster
