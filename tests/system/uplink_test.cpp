@@ -16,6 +16,7 @@
 #include "tests/system/broker_process.h"
 #include "tests/system/test_addresses.h"
 #include "tests/system/test_client.h"
+#include "tests/temporary_folder.h"
 
 namespace romano::system {
 namespace {
@@ -92,12 +93,11 @@ struct Uplink : testing::Test {
         return "127.77." + std::to_string(network.addresses.domain()) + "." + std::to_string(n);
     }
     std::unique_ptr<MosquittoServer> mosquitto(std::vector<std::string> at, bool tls = true) {
-        const std::string folder = testing::TempDir() + "romano-mqtt-" + std::to_string(getpid()) +
-                                   "-" +
-                                   testing::UnitTest::GetInstance()->current_test_info()->name();
-        return std::make_unique<MosquittoServer>(folder, std::move(at), mqtt_port, tls);
+        return std::make_unique<MosquittoServer>(folder / "mosquitto", std::move(at), mqtt_port,
+                                                 tls);
     }
 
+    tests::TemporaryFolder folder;
     Network a{"site-a"};
 };
 
