@@ -91,6 +91,8 @@ private:
     }
     void notice_stall(Instant now, MemberActions& out);
     void end_stall(Instant now, MemberActions& out);
+    /// What was said before the stall, and has not left: somebody else may have gone on since.
+    void drop_late_output(MemberActions& out);
     void restart(Instant now, MemberActions& out);
 
     // --- the broker core's actions
@@ -232,7 +234,11 @@ void Member::State::leave(Instant now, MemberActions& out) {
 // --- after a stall
 
 void Member::State::before_sending(Instant now, MemberActions& out) {
-    if (has_left_ || out.clients.list().empty() || !stood_still(now)) return;
+    if (!has_left_ && stood_still(now)) drop_late_output(out);
+}
+
+void Member::State::drop_late_output(MemberActions& out) {
+    if (out.clients.list().empty()) return;
     late_output_dropped_ += out.clients.list().size();
     out.clients.clear();
     owes_output_ = true;
@@ -240,6 +246,7 @@ void Member::State::before_sending(Instant now, MemberActions& out) {
 
 void Member::State::notice_stall(Instant now, MemberActions& out) {
     if (!stood_still(now)) return;
+    drop_late_output(out);
     cluster_.listen_only(stall_.begin(now, cluster_.next_beat(), cluster_.detection_time()));
     if (stall_.take_pulse(now)) cluster_.send_pulse(out.peers);
 }

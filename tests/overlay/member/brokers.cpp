@@ -118,9 +118,10 @@ void Brokers::step() {
     std::map<int, std::pair<std::deque<overlay::Envelope>, std::deque<Datagram>>> inputs;
     for (auto& [rank, running] : running_) {
         if (stalled_.contains(rank)) continue;
-        if (auto unsent = std::exchange(running.unsent, std::nullopt)) {
-            running.member->before_sending(now_, *unsent);
-            carry_out(rank, *unsent);
+        if (running.unsent && !reads_on_.contains(rank)) {
+            running.member->before_sending(now_, *running.unsent);
+            carry_out(rank, *running.unsent);
+            running.unsent.reset();
         }
         if (running.messages.empty()) slow_.erase(rank);
         auto& [messages, datagrams] = inputs[rank];
@@ -135,6 +136,10 @@ void Brokers::step() {
     for (auto& [rank, input] : inputs) {
         overlay::Member& member = *running_.at(rank).member;
         overlay::MemberActions actions;
+        if (auto& unsent = running_.at(rank).unsent) {
+            actions = *std::exchange(unsent, std::nullopt);
+            reads_on_.erase(rank);
+        }
         for (const auto& [via, from, octets] : input.second) {
             member.on_datagram(now_, via, from, octets, actions);
         }
@@ -145,6 +150,7 @@ void Brokers::step() {
             running_.at(rank).unsent = std::move(actions);
             continue;
         }
+        member.before_sending(now_, actions);
         carry_out(rank, actions);
         member.check_invariants();
     }

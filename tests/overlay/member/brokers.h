@@ -33,6 +33,11 @@ public:
     void stall(int rank) { stalled_.insert(rank); }
     /// As soon as it has something to say to a client, and before that is said.
     void stall_before_sending(int rank) { stalls_before_sending_.insert(rank); }
+    /// The same in the middle of what came together: what came meanwhile is read first.
+    void stall_before_reading_on(int rank) {
+        stall_before_sending(rank);
+        reads_on_.insert(rank);
+    }
     void wake(int rank) { stalled_.erase(rank); }
     /// Of what came meanwhile only the first messages were kept; they are read one every 2 ms.
     void wake_slowly(int rank, std::size_t messages_kept);
@@ -105,6 +110,7 @@ private:
     std::map<int, Running> running_;
     std::set<int> stalled_;
     std::set<int> stalls_before_sending_;
+    std::set<int> reads_on_;  // before it sends
     std::set<int> slow_;
     std::set<std::pair<int, int>> cut_;
     std::map<Endpoint, std::vector<int>> sockets_;  // the last one is the newest

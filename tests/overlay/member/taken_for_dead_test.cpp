@@ -173,6 +173,25 @@ TEST(Member, P3_WhatWasDecidedBeforeAStallIsNotSaidAfterIt) {
     expect_unnoticed(robot);
 }
 
+/// Stopped between two of the messages that it reads at once, it notices that by the second one,
+/// and has the first one's answers at hand.
+TEST(Member, P3_WhatWasDecidedBeforeAStallIsNotSaidWhenMoreWasRead) {
+    Brokers brokers;
+    start(brokers, {1, 2, 3});
+    Robot& robot = subscriber(brokers, "robot", 3, Qos::exactly_once);
+    Robot& other = publisher(brokers, "other", 1);
+    for (const auto& text : numbers(1, 5)) {
+        brokers.stall_before_reading_on(3);
+        other.publish("pose", text, Qos::exactly_once);
+        brokers.run_for(1s);
+        brokers.wake_slowly(3, 1000);
+        brokers.run_for(3s);
+    }
+    EXPECT_EQ(robot.received(), numbers(1, 5));
+    EXPECT_GT(brokers.member(3).facts().late_output_dropped, 0U);
+    expect_unnoticed(robot);
+}
+
 TEST(Member, WhatWasNotSaidBeforeAStallIsSaidAfterItWhenNobodyTookOver) {
     Brokers brokers;
     start(brokers, {1});
