@@ -144,6 +144,7 @@ public:
     }
     void resume(Instant now) {
         listening_.end();
+        view_change_.resume();
         next_tick_ = now;
     }
 

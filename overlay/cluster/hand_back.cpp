@@ -31,7 +31,7 @@ std::optional<LogId> HandBack::owner_of(const Endpoint& address, const Membershi
 
 void HandBack::compare(Effects& effects, const Membership& membership, const View& view,
                        const ServiceAddresses& addresses) {
-    contested_.clear();
+    const auto contested_before = std::exchange(contested_, {});
     for (const Endpoint& address : addresses.serving()) {
         std::set<BrokerId> rivals;
         for (const auto& [id, peer] : membership.peers()) {
@@ -40,8 +40,13 @@ void HandBack::compare(Effects& effects, const Membership& membership, const Vie
             if (addresses.is_home(address)) {
                 if (!peer.is_home_of(address)) rivals.insert(id);
             } else if (peer.is_home_of(address) || id > self_) {
-                contested_.insert(address);
+                contested_.insert_or_assign(address, id);
             }
+        }
+        const auto before = contested_before.find(address);
+        if (before != contested_before.end() && !contested_.contains(address) &&
+            !membership.is_heard(before->second)) {
+            addresses.take_anew(effects, address);
         }
         if (rivals.empty()) {
             rivals_.erase(address);
@@ -76,17 +81,12 @@ void HandBack::carry_on(Effects& effects, const Membership& membership, const Vi
         const Peer* from = membership.find(getting.from);
         return from == nullptr || !from->alive;
     });
-    // A hand-over that gets no answer, or whose owner began anew meanwhile, is called off: the
-    // sessions speak from here again. If the owner may have spoken for them, what it said comes
-    // first, from its log.
     std::erase_if(giving_, [&](const auto& entry) {
         const auto& [address, giving] = entry;
         if (!addresses.is_serving(address)) return true;
-        if (giving.stage == Stage::acknowledged) return false;
-        const Duration limit = (giving.stage == Stage::offered ? 3 : 10) * patience_;
-        if (effects.now > giving.since + limit) return true;
-        if (!giving.all_sent) return !membership.is_alive(giving.owner);
-        return !view.contains(giving.owner) && !not_yet.inheriting.contains(address);
+        if (!is_called_off(address, giving, effects.now, membership, view, not_yet)) return false;
+        if (!membership.is_alive(giving.owner)) addresses.take_anew(effects, address);
+        return true;
     });
     const std::set<Endpoint> serving = addresses.serving();
     for (const Endpoint& address : serving) {
@@ -110,6 +110,18 @@ void HandBack::carry_on(Effects& effects, const Membership& membership, const Vi
             addresses.give_up(effects, address);
         }
     }
+}
+
+/// One that gets no answer, or whose owner began anew meanwhile: the sessions speak from here
+/// again. If the owner may have spoken for them, what it said comes first, from its log.
+bool HandBack::is_called_off(const Endpoint& address, const Giving& giving, Instant now,
+                             const Membership& membership, const View& view,
+                             const NotYet& not_yet) const {
+    if (giving.stage == Stage::acknowledged) return false;
+    const Duration limit = (giving.stage == Stage::offered ? 3 : 10) * patience_;
+    if (now > giving.since + limit) return true;
+    if (!giving.all_sent) return !membership.is_alive(giving.owner);
+    return !view.contains(giving.owner) && !not_yet.inheriting.contains(address);
 }
 
 void HandBack::forget_for_the_dead(Effects& effects, const View& view,

@@ -16,6 +16,9 @@
 // That one begins at "takes images" when they are in one view; which copy of a session stays is
 // settled by their ranks (broker::outranks). A hand-over that both agreed on counts like being
 // heard: it raises the epoch, so that the holder's copy never wins again.
+//
+// Whoever goes on at an address after its owner, or a rival, has fallen silent there takes it anew:
+// datagrams may still come to that one, which may have stopped and not died.
 #pragma once
 
 #include <map>
@@ -54,7 +57,8 @@ public:
                 ServiceAddresses& addresses);
     /// Looks who else serves our addresses. Whoever did when it was heard last, and is a member
     /// still, may serve them now: that it fell silent here is no proof of its death. An own address
-    /// is claimed as soon as a rival hears us, and so is silent there.
+    /// is claimed as soon as a rival hears us, and so is silent there; another one when the broker
+    /// to which it belongs is not heard any more.
     void compare(Effects& effects, const Membership& membership, const View& view,
                  const ServiceAddresses& addresses);
     /// The address's sessions are on their way, or it belongs to another broker that serves it:
@@ -104,6 +108,9 @@ private:
 
     void begin(Effects& effects, const Endpoint& address, const Membership& membership,
                const View& view);
+    [[nodiscard]] bool is_called_off(const Endpoint& address, const Giving& giving, Instant now,
+                                     const Membership& membership, const View& view,
+                                     const NotYet& not_yet) const;
     void hand_over(Effects& effects, const Endpoint& address, Giving& giving);
     void send_some(Effects& effects, const Endpoint& address, Giving& giving) const;
     /// True when all that were handed over are forgotten.
@@ -115,7 +122,7 @@ private:
     BrokerId self_;
     Duration patience_;
     std::size_t sessions_per_turn_;
-    std::set<Endpoint> contested_;  // served by another broker, to whom they belong
+    std::map<Endpoint, BrokerId> contested_;  // served by another broker, to whom they belong
     std::map<Endpoint, Giving> giving_;
     struct Rivalry {
         std::set<BrokerId> with;

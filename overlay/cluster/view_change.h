@@ -50,6 +50,8 @@ public:
     [[nodiscard]] bool is_stranded(const Membership& membership, const PeerLogs& logs) const;
     /// Goes on as another member: in no view until the leader takes it into one.
     void restart(LogId self);
+    /// After a stall. Whoever waited for company has heard none meanwhile.
+    void resume() { led_since_ = never; }
 
 private:
     struct Proposal {

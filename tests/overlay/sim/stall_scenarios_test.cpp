@@ -38,6 +38,12 @@ protected:
         }
         return longest;
     }
+    [[nodiscard]] std::ptrdiff_t acknowledged(const std::string& publisher, Instant since) const {
+        return std::ranges::count_if(world.ledger().sent, [&](const auto& entry) {
+            const Sent& sent = entry.second;
+            return sent.publisher == publisher && sent.at >= since && sent.acknowledged;
+        });
+    }
 };
 
 TEST_F(StallScenario, AnAddressIsHandedBackWithoutAPauseInItsQueues) {
@@ -82,6 +88,51 @@ TEST_F(StallScenario, ABrokerWhoseCoreHangsIsReplacedAfterOneAndAHalfDetectionTi
     EXPECT_TRUE(world.run_until(is_replaced, detection / 4 + 50ms));
     world.broker(1).go_on();
     world.run_for(1s);
+    expect_all_promises_kept();
+    expect_nobody_noticed();
+}
+
+// Its socket is the newest at its address: what its robots say would wait there, though the holder
+// has the sessions still, or again.
+TEST_F(StallScenario, ABrokerThatStopsWhileItIsHandedItsAddressIsReplacedThereAgain) {
+    begin_under_load();
+    for (Duration after = 0ms; after < 20ms; after += 500us) {
+        world.broker(1).crash();
+        world.run_for(200ms);
+        world.broker(1).start();
+        const auto is_back = [&] { return world.broker(1).member().view().members.size() == 3; };
+        ASSERT_TRUE(world.run_until(is_back, 1s));
+        world.run_for(after);
+        world.broker(1).stop();
+        world.run_for(600ms);  // robots repeat after 500 ms
+        const Instant replaced = world.now();
+        world.run_for(400ms);
+        EXPECT_GT(acknowledged("robot1", replaced), 5) << "stopped after " << after / 1us << " us";
+        world.broker(1).go_on();
+        world.run_for(500ms);
+    }
+    expect_all_promises_kept();
+    expect_nobody_noticed();
+}
+
+// Time in which it stands still is no time in which nobody came: alone it would tell the robots at
+// its address that it does not know them.
+TEST_F(StallScenario, ABrokerThatStopsBeforeItHasMetAnybodyWaitsForItsPeersAnew) {
+    begin_under_load();
+    for (Duration after = 100ms; after < 120ms; after += 1ms) {
+        world.broker(1).crash();
+        world.run_for(200ms);
+        world.broker(1).start();
+        world.run_for(after);
+        world.broker(1).stop();
+        world.run_for(2s);
+        world.broker(1).go_on();
+        const auto is_back = [&] { return !world.broker(1).member().view().members.empty(); };
+        ASSERT_TRUE(world.run_until(is_back, 2s));
+        EXPECT_EQ(world.broker(1).member().view().members.size(), 3U)
+            << "stopped after " << after / 1ms << " ms";
+        world.run_for(500ms);
+    }
     expect_all_promises_kept();
     expect_nobody_noticed();
 }
