@@ -207,7 +207,11 @@ bool DeliveryFlow::send_publish(Session& session, const Delivery& delivery, cons
 
 void DeliveryFlow::supervise(Session& session, Turn& turn) {
     Exchange& exchange = session.exchange;
-    if (++exchange.sendings > 1) ++tables_.counters.retransmissions;
+    if (++exchange.sendings > 1) {
+        ++tables_.counters.retransmissions;
+    } else {
+        exchange.sent_at = turn.now;
+    }
     exchange.retry_at = turn.now + patience_with(session);
     schedule(tables_, session);
 }

@@ -67,14 +67,14 @@ void Router::find_receivers(const Publication& publication, const LogPosition& p
 std::size_t Router::longest_queue(const Session& publisher, std::string_view topic,
                                   Instant now) const {
     const Audience* peers = tables_.peers;
-    std::size_t most =
-        peers == nullptr ? 0 : peers->longest_queue(topic, now - tables_.options.t_retry);
+    const Instant since = now - tables_.options.t_retry;
+    std::size_t most = peers == nullptr ? 0 : peers->longest_queue(topic, since);
     for (const Receiver& receiver : receivers_) {
         const Session& session = *receiver.session;
         if (receiver.qos == Qos::at_most_once || &session == &publisher) continue;
         // What waits at QoS 0 makes room.
         const std::size_t waiting = session.queue.size() - session.queue.unlogged();
-        if (waiting > most && session.is_answering()) most = waiting;
+        if (waiting > most && session.is_answering(since)) most = waiting;
     }
     return most;
 }

@@ -33,7 +33,8 @@ struct Exchange {
     bool bare = false;     // without DUP and Retain (G25)
     std::uint8_t sendings = 0;
     mqttsn::MsgId msg_id = mqttsn::no_msg_id;
-    WireTopic topic;  // of REGISTER and PUBLISH
+    WireTopic topic;    // of REGISTER and PUBLISH
+    Instant sent_at{};  // the first time, by this home
     Instant retry_at = never;
 
     [[nodiscard]] bool is_open() const { return kind != Kind::none; }
@@ -108,9 +109,9 @@ struct alignas(64) Session {
         return reachable &&
                (header.state == SessionState::active || header.state == SessionState::awake);
     }
-    /// It was sent something and may well answer: nothing had to be repeated so far.
-    [[nodiscard]] bool is_answering() const {
-        return exchange.is_open() && exchange.sendings == 1 && !exchange.stalled;
+    /// It was sent something after `since`, and may well answer.
+    [[nodiscard]] bool is_answering(Instant since) const {
+        return exchange.is_open() && exchange.sent_at > since && !exchange.stalled;
     }
     /// Asleep as far as its former homes knew, but it speaks as the connected do (Liveness).
     [[nodiscard]] bool seems_connected() const {

@@ -351,7 +351,7 @@ void ClusterCore::restart(Effects& effects, LogId log) {
 
 void ClusterCore::append(Seq seq, LogEvent event) {
     if (const auto* session = std::get_if<broker::SessionPut>(&event)) {
-        peer_sessions_.on_living_home(session->image.header.client_id, logs_);
+        peer_sessions_.on_own_session(session->image.header.client_id, logs_);
     }
     own_.append(seq, std::move(event));
 }

@@ -28,13 +28,19 @@ bool PeerSessions::follow(const LogId& log) const {
 void PeerSessions::on_end(const LogId& log) {
     if (!follow(log)) return;
     interest_.forget(log.broker);
-    slow_.forget(log.broker);
     followed_.erase(log.broker);
 }
 
 void PeerSessions::forget(const LogId& log) {
     on_end(log);
-    if (!followed_.contains(log.broker)) homes_.forget(log.broker);
+    if (followed_.contains(log.broker)) return;
+    homes_.forget(log.broker);
+    slow_.forget(log.broker);
+}
+
+void PeerSessions::on_own_session(const broker::ClientId& client, const PeerLogs& logs) {
+    slow_.forget(client);
+    on_living_home(client, logs);
 }
 
 void PeerSessions::on_living_home(const broker::ClientId& client, const PeerLogs& logs) {

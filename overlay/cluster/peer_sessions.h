@@ -1,6 +1,6 @@
 // What the peers' sessions want, where they are, and which are slow: the tables that follow the
 // events of logs which go on. A log that has ended is followed no more; its interest is forgotten,
-// and its homes stay until a living one takes their place.
+// and where its sessions were, and which were slow, stays until a living home takes its place.
 #pragma once
 
 #include <map>
@@ -41,6 +41,8 @@ public:
     void forget(const LogId& log);
     /// The client has a living home: what ended logs say of it is over.
     void on_living_home(const broker::ClientId& client, const PeerLogs& logs);
+    /// That is this broker.
+    void on_own_session(const broker::ClientId& client, const PeerLogs& logs);
 
 private:
     Interest interest_;

@@ -8,77 +8,94 @@
 namespace romano::cluster {
 namespace {
 
-/// Whose session an event changes otherwise than by a delivery; null: nobody's.
-const broker::ClientId* changed_by(const broker::LogEvent& event) {
-    using namespace broker;
-    if (const auto* put = std::get_if<SessionPut>(&event)) return &put->image.header.client_id;
-    if (const auto* changed = std::get_if<SessionChanged>(&event)) {
-        return &changed->header.client_id;
-    }
-    if (const auto* erased = std::get_if<SessionErased>(&event)) return &erased->client_id;
-    if (const auto* subscribed = std::get_if<Subscribed>(&event)) return &subscribed->client_id;
-    if (const auto* unsubscribed = std::get_if<Unsubscribed>(&event)) {
-        return &unsubscribed->client_id;
-    }
-    return nullptr;
+bool is_sent_messages(broker::SessionState state) {
+    return state == broker::SessionState::active || state == broker::SessionState::awake;
 }
 
 }  // namespace
 
 void SlowReceivers::on_event(Instant now, const broker::Mirror& sessions,
                              const broker::LogEvent& event, std::size_t many) {
+    const BrokerId home = sessions.log().broker;
+    const auto look = [&](const broker::ClientId& client) {
+        const broker::SessionImage* image = sessions.session(client);
+        if (image != nullptr) look_at(now, home, *image, many);
+    };
     if (const auto* published = std::get_if<broker::Published>(&event)) {
-        for (const auto& route : published->routes) look_at(now, sessions, route.client_id, many);
+        for (const auto& route : published->routes) look(route.client_id);
     } else if (const auto* routed = std::get_if<broker::Routed>(&event)) {
-        for (const auto& route : routed->routes) look_at(now, sessions, route.client_id, many);
+        for (const auto& route : routed->routes) look(route.client_id);
     } else if (const auto* ended = std::get_if<broker::DeliveryEnded>(&event)) {
-        const auto peer = receivers_.find(sessions.log().broker);
-        if (peer == receivers_.end()) return;
-        const auto receiver = peer->second.find(ended->client_id);
-        if (receiver == peer->second.end()) return;
+        const auto receiver = receivers_.find(ended->client_id);
+        if (receiver == receivers_.end()) return;
         receiver->second.last_taken = now;
-        look_at(now, sessions, ended->client_id, many);
-    } else if (const auto* client = changed_by(event)) {
-        forget(sessions.log().broker, *client);
+        look(ended->client_id);
+    } else if (const auto* put = std::get_if<broker::SessionPut>(&event)) {
+        const auto known = receivers_.find(put->image.header.client_id);
+        if (known != receivers_.end()) known->second.home = home;
+        look_at(now, home, put->image, many);
+    } else if (const auto* changed = std::get_if<broker::SessionChanged>(&event)) {
+        const bool is_slow = find(home, changed->header.client_id) != nullptr;
+        if (is_slow && !is_sent_messages(changed->header.state)) forget(changed->header.client_id);
+    } else if (const auto* erased = std::get_if<broker::SessionErased>(&event)) {
+        if (find(home, erased->client_id) != nullptr) forget(erased->client_id);
+    } else if (const auto* subscribed = std::get_if<broker::Subscribed>(&event)) {
+        Receiver* receiver = find(home, subscribed->client_id);
+        if (receiver != nullptr) receiver->wants(subscribed->subscription);
+    } else if (const auto* unsubscribed = std::get_if<broker::Unsubscribed>(&event)) {
+        Receiver* receiver = find(home, unsubscribed->client_id);
+        if (receiver != nullptr) receiver->wants_no_more(unsubscribed->filter);
     }
 }
 
-void SlowReceivers::look_at(Instant now, const broker::Mirror& sessions,
-                            const broker::ClientId& client, std::size_t many) {
-    const broker::SessionImage* image = sessions.session(client);
-    const bool is_slow = image != nullptr && image->deliveries.size() > many &&
-                         image->deliveries.front().stage != broker::DeliveryStage::queued;
-    if (!is_slow) return forget(sessions.log().broker, client);
-    Receivers& of_peer = receivers_[sessions.log().broker];
-    auto receiver = of_peer.find(client);
-    if (receiver == of_peer.end()) {
-        if (of_peer.size() >= most_of_a_peer) return;
-        receiver = of_peer.emplace(client, Receiver{.last_taken = now}).first;
-        for (const auto& subscription : image->subscriptions) {
-            if (subscription.granted == mqttsn::Qos::at_most_once) continue;
-            receiver->second.filters.push_back(subscription.filter);
-        }
+/// As it is at a home, the only one or another one than it was known at.
+void SlowReceivers::look_at(Instant now, BrokerId home, const broker::SessionImage& image,
+                            std::size_t many) {
+    const broker::ClientId& client = image.header.client_id;
+    const bool is_slow = image.deliveries.size() > many &&
+                         image.deliveries.front().stage != broker::DeliveryStage::queued;
+    if (!is_slow) {
+        if (find(home, client) != nullptr) forget(client);
+        return;
     }
-    receiver->second.waiting = image->deliveries.size();
+    auto receiver = receivers_.find(client);
+    if (receiver == receivers_.end()) {
+        make_room();
+        receiver = receivers_.emplace(client, Receiver{.home = home, .last_taken = now}).first;
+        for (const auto& subscription : image.subscriptions) receiver->second.wants(subscription);
+    }
+    receiver->second.home = home;
+    receiver->second.waiting = image.deliveries.size();
 }
 
-void SlowReceivers::forget(BrokerId peer, const broker::ClientId& client) {
-    const auto found = receivers_.find(peer);
-    if (found == receivers_.end()) return;
-    found->second.erase(client);
-    if (found->second.empty()) receivers_.erase(found);
+/// Whoever took nothing for longest holds up nobody, most likely.
+void SlowReceivers::make_room() {
+    if (receivers_.size() < most_heeded) return;
+    receivers_.erase(std::ranges::min_element(
+        receivers_, {}, [](const auto& entry) { return entry.second.last_taken; }));
+}
+
+SlowReceivers::Receiver* SlowReceivers::find(BrokerId home, const broker::ClientId& client) {
+    const auto found = receivers_.find(client);
+    return found == receivers_.end() || found->second.home != home ? nullptr : &found->second;
+}
+
+void SlowReceivers::Receiver::wants(const broker::Subscription& subscription) {
+    wants_no_more(subscription.filter);
+    if (subscription.granted != mqttsn::Qos::at_most_once) filters.push_back(subscription.filter);
+}
+
+void SlowReceivers::forget(BrokerId home) {
+    std::erase_if(receivers_, [&](const auto& entry) { return entry.second.home == home; });
 }
 
 std::size_t SlowReceivers::longest_queue(std::string_view topic, Instant since) const {
     std::size_t most = 0;
-    for (const auto& [peer, receivers] : receivers_) {
-        for (const auto& [client, receiver] : receivers) {
-            if (receiver.waiting <= most || receiver.last_taken < since) continue;
-            const bool wants = std::ranges::any_of(receiver.filters, [&](const auto& filter) {
-                return mqttsn::matches(filter, topic);
-            });
-            if (wants) most = receiver.waiting;
-        }
+    for (const auto& [client, receiver] : receivers_) {
+        if (receiver.waiting <= most || receiver.last_taken < since) continue;
+        const bool wants = std::ranges::any_of(
+            receiver.filters, [&](const auto& filter) { return mqttsn::matches(filter, topic); });
+        if (wants) most = receiver.waiting;
     }
     return most;
 }

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
+#include <string>
 
 #include "tests/overlay/cluster/events.h"
 
@@ -109,12 +110,81 @@ TEST_F(SlowReceiversTest, OneThatIsGoneHoldsUpNobody) {
     EXPECT_EQ(longest(), 0U);
 }
 
-TEST_F(SlowReceiversTest, ThoseOfAPeerThatIsGoneHoldUpNobody) {
+TEST_F(SlowReceiversTest, OneThatFellAsleepHoldsUpNobody) {
+    falls_behind();
+    broker::SessionChanged changed{};
+    changed.header = mirror.session("slow")->header;
+    changed.header.address.endpoint.port = 2;  // it speaks from there now
+    happens(changed);
+    EXPECT_GT(longest(), many);
+    changed.header.state = broker::SessionState::asleep;
+    happens(changed);
+    EXPECT_EQ(longest(), 0U);
+}
+
+TEST_F(SlowReceiversTest, ThoseOfAPeerThatIsUnknownHoldUpNobody) {
     falls_behind();
     receivers.forget(test::log_of("another").broker);
     EXPECT_GT(longest(), many);
     receivers.forget(peer.broker);
     EXPECT_EQ(longest(), 0U);
+}
+
+/// "slow" moves to another home as it is.
+struct SlowReceiverThatMoves : SlowReceiversTest {
+    SlowReceiverThatMoves() { falls_behind(); }
+    void moves() {
+        receivers.on_event(now, heir, broker::SessionPut{*mirror.session("slow")}, many);
+        heir.apply(heir.applied() + 1, broker::SessionPut{*mirror.session("slow")});
+    }
+    broker::Mirror heir{test::log_of("heir")};
+};
+
+TEST_F(SlowReceiverThatMoves, HoldsUpItsPublishersMeanwhile) {
+    now += 8s;
+    moves();
+    EXPECT_GT(longest(), many);
+    happens(test::erased("slow"));
+    EXPECT_GT(longest(), many) << "its former home lets go of it";
+    now += 3s;
+    EXPECT_EQ(longest(), 0U) << "that is no proof that it takes anything";
+}
+
+TEST_F(SlowReceiverThatMoves, IsKnownAtOnceToWhoDidNotKnowIt) {
+    receivers.forget("slow");
+    moves();
+    EXPECT_GT(longest(), many);
+}
+
+TEST_F(SlowReceiverThatMoves, HoldsUpNobodyWhereItHasFewMessagesWaiting) {
+    moves();
+    broker::SessionPut put{*heir.session("slow")};
+    put.image.deliveries.resize(many);
+    receivers.on_event(now, heir, put, many);
+    EXPECT_EQ(longest(), 0U);
+}
+
+TEST_F(SlowReceiverThatMoves, CountsAtTheOldHomeWhenThatGoesOn) {
+    moves();
+    receivers.forget(heir.log().broker);
+    comes();
+    EXPECT_GT(longest(), many);
+}
+
+TEST_F(SlowReceiversTest, OneThatTakesMessagesFindsRoomAmongManyThatDoNot) {
+    falls_behind();
+    const broker::SessionImage slow = *mirror.session("slow");
+    now += 1s;
+    for (std::size_t n = 0; n < SlowReceivers::most_heeded; ++n) {
+        broker::SessionPut put{slow};
+        put.image.header.client_id = "silent" + std::to_string(n);
+        put.image.subscriptions = {{.filter = "map", .granted = Qos::at_least_once}};
+        happens(put);
+    }
+    EXPECT_EQ(longest(), 0U);
+    now += 1s;
+    comes();
+    EXPECT_GT(longest(), many);
 }
 
 }  // namespace
