@@ -74,18 +74,20 @@ void BrokerProcess::go_on() {
 }
 
 void BrokerProcess::run_backlog() {
-    auto datagrams = std::exchange(datagrams_, {});
     auto envelopes = std::exchange(envelopes_, {});
     auto postponed = std::exchange(postponed_, {});
-    std::size_t datagram = 0;
     std::size_t envelope = 0;
     bool ticked = false;
     while (is_running()) {
-        const bool more = datagram < datagrams.size() || envelope < envelopes.size() || !ticked;
+        const bool more = !datagrams_.empty() || envelope < envelopes.size() || !ticked;
         if (!more) break;
         switch (random_.below(3)) {
             case 0:
-                if (datagram < datagrams.size()) take(datagrams[datagram++]);
+                if (!datagrams_.empty()) {
+                    const Datagram datagram = std::move(datagrams_.front());
+                    datagrams_.pop_front();
+                    take(datagram);
+                }
                 break;
             case 1:
                 if (envelope < envelopes.size()) take(envelopes[envelope++]);
@@ -102,7 +104,8 @@ void BrokerProcess::run_backlog() {
 }
 
 void BrokerProcess::bind(const Endpoint& address) {
-    unbind(address);  // the newest binding gets the datagrams
+    const auto former = bound_.extract(address);  // what came there is read yet
+    if (!former.empty()) clients_.unbind(former.mapped());
     const auto receive = [this](const Endpoint& at, const Endpoint& from, Bytes octets) {
         Datagram datagram{at, from, {octets.begin(), octets.end()}};
         if (!stopped_) {
@@ -120,6 +123,7 @@ void BrokerProcess::unbind(const Endpoint& address) {
     if (found == bound_.end()) return;
     clients_.unbind(found->second);
     bound_.erase(found);
+    std::erase_if(datagrams_, [&](const Datagram& unread) { return unread.via == address; });
 }
 
 void BrokerProcess::send(const Endpoint& via, const Endpoint& to, Bytes datagram) {

@@ -7,6 +7,7 @@
 #pragma once
 
 #include <cstdint>
+#include <deque>
 #include <map>
 #include <string>
 #include <vector>
@@ -67,6 +68,7 @@ protected:
 
     /// For the subclass: sockets, time, and what came from peers.
     void bind(const Endpoint& address);
+    /// With what came there and was not read.
     void unbind(const Endpoint& address);
     [[nodiscard]] bool is_serving(const Endpoint& address) const {
         return bound_.contains(address);
@@ -99,7 +101,7 @@ private:
     Instant timer_ = never;  // in virtual time
     Instant ticked_at_ = Instant::min();
     std::map<Endpoint, ClientNetwork::Binding> bound_;
-    std::vector<Datagram> datagrams_;  // while stopped
+    std::deque<Datagram> datagrams_;  // while stopped
     std::vector<cluster::Envelope> envelopes_;
     std::vector<EventQueue::Event> postponed_;
 };
