@@ -12,8 +12,10 @@ constexpr int beacon_times_heard = 5;            // one after the other: they li
 
 bool Stall::is_noticed(Instant now, Instant next_beat, Duration detection_time) const {
     if (is_on_) return now >= listen_until_ + 2 * beacon_every_;
+    // Peers that missed our beat replace us a beacon time before the detection time at the soonest.
+    // Of what we say just before, half a beacon time earlier, their acknowledgement is here first.
     return next_beat != Instant::min() &&
-           now >= next_beat + std::max(detection_time - 2 * beacon_every_, 2 * beacon_every_);
+           now >= next_beat + std::max(detection_time - 5 * beacon_every_ / 2, 2 * beacon_every_);
 }
 
 Duration Stall::begin(Instant now, Instant next_beat, Duration detection_time) {

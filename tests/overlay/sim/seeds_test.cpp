@@ -75,6 +75,14 @@ TEST(Simulation, P2_WhoRoamsFromAHomeThatWasInTheViewBeforeItWasHeardIsKnown) {
     }
 }
 
+// A peer acknowledged what it said when it went on, and replaced it a third of a millisecond later.
+TEST(Simulation, P3_WhoGoesOnWhenItIsAboutToBeReplacedSaysNothingTwice) {
+    RunOptions options;
+    options.faults = {Fault::late, Fault::crash, Fault::stop};
+    const RunResult run = run_seed(9103541, options);
+    EXPECT_TRUE(run.is_good()) << to_text(run.violations);
+}
+
 TEST(Simulation, IsTheSameByteForByteForTheSameSeed) {
     const auto trace_of = [](std::uint64_t seed) {
         std::string text;
