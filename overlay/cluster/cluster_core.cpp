@@ -29,6 +29,7 @@ ClusterCore::ClusterCore(const ClusterOptions& options, const Identity& identity
       view_change_(identity.log, membership_.detection_time(), options.beacon_every),
       take_over_(identity.log.broker, membership_.detection_time(), options.sessions_per_turn),
       last_words_(membership_.detection_time()),
+      missing_messages_(4 * membership_.detection_time()),
       hand_back_(identity.log.broker, membership_.detection_time(), options.sessions_per_turn),
       handoffs_(options.sessions_per_turn, membership_.detection_time()),
       settlement_(identity.log.broker, membership_.detection_time()),
@@ -69,6 +70,7 @@ void ClusterCore::on_tick(Effects& effects, const std::set<Endpoint>& pending_ou
     }
     if (effects.now >= next_trim_) {
         trim(effects);
+        missing_messages_.carry_on(effects.now, logs_, membership_, effects.peers);
         next_trim_ = effects.now + (keeping_.is_behind() ? options_.beacon_every : trim_every);
     }
     if (effects.now >= next_addresses_) {
@@ -334,6 +336,7 @@ void ClusterCore::restart(Effects& effects, LogId log) {
     acquaintance_.restart();
     take_over_.restart();
     last_words_.restart();
+    missing_messages_.restart();
     hand_back_.restart();
     handoffs_.restart();
     settlement_.restart();
@@ -428,6 +431,7 @@ void ClusterCore::on(Effects& effects, BrokerId from, const SnapshotPart& part) 
     if (found == logs_.end() || found->second.is_frozen()) return;
     PeerLog& log = found->second;
     for (const auto& message : part.retained) effects.broker.put_retained(message);
+    for (const auto& message : MissingMessages::found_in(part, log)) learn(message);
     if (part.as_of.seq <= log.applied() || !log.offer(effects.now, part)) return;
     publish_order_.on_snapshot(effects, part, logs_);
     for (const auto& message : part.publishes) learn(message);

@@ -27,6 +27,7 @@
 #include "overlay/cluster/listening.h"
 #include "overlay/cluster/log_keeping.h"
 #include "overlay/cluster/membership.h"
+#include "overlay/cluster/missing_messages.h"
 #include "overlay/cluster/namesake.h"
 #include "overlay/cluster/own_log.h"
 #include "overlay/cluster/peer_log.h"
@@ -220,6 +221,7 @@ private:
     ViewChange view_change_;
     TakeOver take_over_;
     LastWords last_words_;
+    MissingMessages missing_messages_;
     HandBack hand_back_;
     HandoffReceiver handoffs_;
     Settlement settlement_;

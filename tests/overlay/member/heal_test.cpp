@@ -60,5 +60,36 @@ TEST_F(Heal, P2_WhatABrokerWroteBeforeItDiedReachesOneThatWasCutOff) {
     expect_unnoticed(*far);
 }
 
+// It follows the logs where it left them, and these name messages of a log that it never held.
+TEST(Member, P1_WhatWasPublishedAtABrokerThatCameAndDiedMeanwhileIsKeptForAbsentReceivers) {
+    Brokers brokers;
+    start(brokers, {1, 2, 3});
+    Robot& receiver = brokers.robot("receiver", 2);
+    receiver.connect(false);
+    receiver.subscribe("pose", Qos::at_least_once);
+    brokers.run_for(200ms);
+    receiver.disconnect();
+    brokers.run_for(settling);
+    brokers.stall(3);
+    brokers.run_for(settling);
+
+    start(brokers, {4});
+    Robot& robot = publisher(brokers, "robot", 4);
+    for (const auto& text : numbers(1, 5)) robot.publish("pose", text, Qos::at_least_once);
+    brokers.run_for(settling);
+    ASSERT_EQ(robot.acknowledged(), 5U);
+    brokers.kill(4);
+    brokers.run_for(settling);
+
+    brokers.wake_slowly(3, 1);
+    brokers.run_for(3s);
+    brokers.kill(1);
+    brokers.kill(2);
+    brokers.run_for(settling);
+    receiver.connect(false);
+    brokers.run_for(settling);
+    EXPECT_EQ(receiver.received(), numbers(1, 5));
+}
+
 }  // namespace
 }  // namespace romano::test
