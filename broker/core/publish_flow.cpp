@@ -92,8 +92,10 @@ void PublishFlow::on_publish(Session& session, const mqttsn::Publish& message, T
     const Publication publication{topic, message.data, message.qos, message.retain};
     router_.find_receivers(publication, turn);
     const bool is_qos2 = message.qos == Qos::exactly_once;
-    const LateAnswer answer{promises ? turn.now + delay_of(session, topic, turn.now) : never,
-                            message.qos, message.topic, message.msg_id};
+    // A repetition waited long enough already, for the answer of a home that the client has left.
+    const Duration delay = message.dup ? Duration{0} : delay_of(session, topic, turn.now);
+    const LateAnswer answer{promises ? turn.now + delay : never, message.qos, message.topic,
+                            message.msg_id};
     router_.accept(publication, is_qos2 ? &session : nullptr,
                    is_qos2 ? message.msg_id : mqttsn::no_msg_id, turn);
     if (is_qos2) remember_unreleased(session, message.msg_id, turn);

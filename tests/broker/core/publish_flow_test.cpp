@@ -367,6 +367,17 @@ TEST_F(PublishingWithShortQueues, ARepetitionBeforeTheLateAnswerIsHandedOnOnceAn
     watcher.hears_nothing();
 }
 
+// Roaming, it would never hear the answer of any of its homes.
+TEST_F(PublishingWithShortQueues, ARepetitionOfWhatIsOwedSomewhereElseIsAnsweredAtOnce) {
+    watcher.subscribes("pose", Qos::at_least_once);
+    const TopicId pose = robot.registers("pose");
+    fill(robot, pose, 3);
+    Publish publish = qos1(pose, MsgId{90});
+    publish.dup = true;
+    robot.says(publish);
+    EXPECT_EQ(robot.hears<Puback>().msg_id, MsgId{90});
+}
+
 TEST_F(PublishingWithShortQueues, APublisherThatDoesNotWaitGetsItsEarlierAnswerAtOnce) {
     watcher.subscribes("pose", Qos::at_least_once);
     const TopicId pose = robot.registers("pose");
