@@ -140,7 +140,7 @@ void ClusterCore::after_input(Effects& effects) {
         hand_back_.on_handed_over(from, address);
     }
     handoffs_.carry_on(effects, safe());
-    roaming_.carry_on(effects, logs(), peer_sessions_.homes(), membership_, view());
+    roaming_.carry_on(effects, logs(), peer_sessions_.homes(), handoffs_, membership_, view());
     snapshots_.carry_on(effects.now, logs(), membership_, effects.peers);
     break_silence(effects);
     // Others wait for these news.

@@ -146,6 +146,7 @@ public:
     void resume(Instant now) {
         listening_.end();
         view_change_.resume();
+        roaming_.resume(now);
         next_tick_ = now;
     }
 

@@ -72,13 +72,19 @@ void Roaming::on_let_go(Instant now, const broker::SessionHeader& session) {
     let_go_.push_back({session.client_id, session.address.endpoint, now + 2 * patience_});
 }
 
+void Roaming::resume(Instant now) {
+    for (auto& [from, fetching] : fetching_) fetching.since = now;
+}
+
 void Roaming::carry_on(Effects& effects, const Logs& logs, const Homes& homes,
-                       const Membership& membership, const View& view) {
+                       const HandoffReceiver& arriving, const Membership& membership,
+                       const View& view) {
     while (!let_go_.empty() && let_go_.front().until < effects.now) let_go_.pop_front();
     std::erase_if(fetching_, [&](const auto& entry) {
         const Fetching& fetching = entry.second;
         if (effects.broker.header(fetching.client) != nullptr) return true;
         if (effects.now <= fetching.since + 2 * patience_) return false;
+        if (arriving.holds(fetching.client)) return false;
         if (!fetching.asked) adopt_copy(effects, logs, fetching.client, homes);
         return true;
     });

@@ -6,7 +6,7 @@
 // settlement.h does the rest.
 //
 // Bounded: so many clients at a time, and each for so long; without an answer of the home the
-// datagram is handled as that of a stranger.
+// datagram is handled as that of a stranger. Time in which this broker stands still does not count.
 #pragma once
 
 #include <deque>
@@ -17,6 +17,7 @@
 #include "overlay/cluster/effects.h"
 #include "overlay/cluster/homes.h"
 #include "overlay/cluster/membership.h"
+#include "overlay/cluster/session_handoff.h"
 #include "romano/base/bytes.h"
 
 namespace romano::cluster {
@@ -32,7 +33,9 @@ public:
     void on_let_go(Instant now, const broker::SessionHeader& session);
     /// Looks again who is home to those whose sessions are awaited.
     void carry_on(Effects& effects, const Logs& logs, const Homes& homes,
-                  const Membership& membership, const View& view);
+                  const HandoffReceiver& arriving, const Membership& membership, const View& view);
+    /// After a stall.
+    void resume(Instant now);
     [[nodiscard]] bool is_fetching(const Endpoint& from) const { return fetching_.contains(from); }
     void restart() {
         fetching_.clear();

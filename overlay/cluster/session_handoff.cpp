@@ -70,6 +70,14 @@ void HandoffReceiver::on_turn(Effects& effects, const Logs& logs) {
     });
 }
 
+bool HandoffReceiver::holds(const broker::ClientId& client) const {
+    return std::ranges::any_of(arrived_, [&client](const Arrived& arrived) {
+        return std::ranges::any_of(arrived.sessions, [&client](const auto& image) {
+            return image.header.client_id == client;
+        });
+    });
+}
+
 bool HandoffReceiver::is_half_done() const {
     return std::ranges::any_of(arrived_,
                                [](const Arrived& arrived) { return arrived.after.empty(); });

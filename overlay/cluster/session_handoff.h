@@ -44,6 +44,8 @@ public:
     void on_turn(Effects& effects, const Logs& logs);
     /// Since the last call.
     [[nodiscard]] std::vector<Adopted> take_adopted() { return std::exchange(adopted_, {}); }
+    /// The client's session is here, and waits to be adopted.
+    [[nodiscard]] bool holds(const broker::ClientId& client) const;
     /// There is something for the next turn.
     [[nodiscard]] bool is_half_done() const;
     /// Sends the acknowledgements that the safe watermark allows.

@@ -1,0 +1,70 @@
+// A client of a peer that talks to us: how long it is waited for.
+
+#include "overlay/cluster/roaming.h"
+
+#include <gtest/gtest.h>
+
+#include <vector>
+
+#include "romano/mqttsn/codec.h"
+#include "tests/overlay/cluster/two_brokers.h"
+
+namespace romano::cluster {
+namespace {
+
+constexpr Duration patience = 50ms;
+
+/// "robot" was at home at the peer, of which nothing was heard since, and pings us.
+struct RoamingTest : testing::Test, Owner {
+    RoamingTest() {
+        robot.header.client_id = "robot";
+        robot.header.address.endpoint = from;
+        homes.on_event(peer.broker, broker::SessionPut{robot});
+        std::vector<std::uint8_t> ping(8);
+        ping.resize(mqttsn::encode(mqttsn::Pingreq{}, ping));
+        Effects acting = effects();
+        EXPECT_TRUE(roaming.on_datagram(acting, from, ping, homes, membership, view));
+    }
+    [[nodiscard]] bool is_waited_for_after(Duration time) {
+        now += time;
+        Effects acting = effects();
+        roaming.carry_on(acting, {logs, own}, homes, arriving, membership, view);
+        return roaming.is_fetching(from);
+    }
+
+    const Endpoint from = test::address(99);
+    broker::SessionImage robot = image(0, theirs);
+    Homes homes;
+    PeerLogs logs;
+    OwnLog own{self, 100};
+    Membership membership{ClusterOptions{}, self.broker, 1};
+    View view{.members = {self}};
+    HandoffReceiver arriving{256, patience};
+    Roaming roaming{patience};
+};
+
+TEST_F(RoamingTest, IsAStrangerWhenItsHomeDoesNotAnswer) {
+    EXPECT_TRUE(is_waited_for_after(2 * patience));
+    EXPECT_FALSE(is_waited_for_after(1ms));
+}
+
+TEST_F(RoamingTest, P2_IsNoStrangerWhileItsSessionWaitsToBeAdopted) {
+    robot.worked_through = {{test::log_of("former"), 5}};
+    arriving.on_handoff(now, peer.broker, {.to = self, .last = true, .sessions = {robot}});
+    EXPECT_TRUE(is_waited_for_after(2 * patience + 1ms));
+    arriving.heed(now, [](const LogPosition&) { return true; });
+    Effects acting = effects();
+    arriving.on_turn(acting, {logs, own});
+    EXPECT_FALSE(is_waited_for_after(1ms));
+    EXPECT_NE(broker.header("robot"), nullptr);
+}
+
+TEST_F(RoamingTest, P2_TimeInWhichWeStoodStillDoesNotCount) {
+    now += 2 * patience;
+    roaming.resume(now);
+    EXPECT_TRUE(is_waited_for_after(2 * patience));
+    EXPECT_FALSE(is_waited_for_after(1ms));
+}
+
+}  // namespace
+}  // namespace romano::cluster
