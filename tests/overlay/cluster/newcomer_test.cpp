@@ -62,5 +62,13 @@ TEST_F(Newcomer, P2_KnowsWhatIsLeftOfAWriterThatHeardIt) {
     EXPECT_THAT(answer().outdated, IsEmpty());
 }
 
+// What it promised alone would keep it from beginning anew when it is replaced.
+TEST_F(Newcomer, P3_PromisesNothingBeforeItsFirstView) {
+    cluster.core.append(1, test::published(self, 1));
+    cluster.pass();
+    ASSERT_TRUE(cluster.core.view().members.empty());
+    EXPECT_EQ(cluster.core.safe(), 0U);
+}
+
 }  // namespace
 }  // namespace romano::cluster
