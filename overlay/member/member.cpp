@@ -259,6 +259,8 @@ void Member::State::end_stall(Instant now, MemberActions& out) {
     if (!stall_.is_over(now, cluster_.listening(), is_alone)) return;
     stall_.end();
     cluster_.resume(now);
+    // Nobody replaces one that is in no view. What waits here was answered elsewhere, perhaps.
+    if (!cluster_.is_in_view()) waiting_.clear();
     if (std::exchange(owes_output_, false)) send_again(now);
 }
 

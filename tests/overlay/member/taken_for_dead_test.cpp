@@ -192,6 +192,28 @@ TEST(Member, P3_WhatWasDecidedBeforeAStallIsNotSaidWhenMoreWasRead) {
     expect_unnoticed(robot);
 }
 
+/// Its peers never heard it, so that it never learns who answered for it.
+TEST(Member, P3_WhatWaitedAtANewcomerThatStoodStillIsForgotten) {
+    Brokers brokers;
+    start(brokers, {1, 2, 3});
+    Robot& robot = subscriber(brokers, "robot", 3, Qos::exactly_once);
+    brokers.kill(3);
+    brokers.cut(1, 3);
+    brokers.cut(2, 3);
+    brokers.start(3);
+    robot.publish("pose", "1", Qos::exactly_once);
+    brokers.run_for(5ms);
+    brokers.stall(3);
+    brokers.heal();
+    brokers.run_for(15s);  // it asks again after ten
+    ASSERT_THAT(robot.received(), ElementsAre("1"));
+    brokers.wake(3);
+    brokers.run_for(3s);
+    EXPECT_EQ(brokers.server_of(3), 3);
+    EXPECT_THAT(robot.received(), ElementsAre("1"));
+    expect_unnoticed(robot);
+}
+
 TEST(Member, WhatWasNotSaidBeforeAStallIsSaidAfterItWhenNobodyTookOver) {
     Brokers brokers;
     start(brokers, {1});
