@@ -4,6 +4,7 @@
 // one that was sent late tells, by its tick. Whoever does not hear us is about to replace us.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <map>
 #include <set>
@@ -30,14 +31,15 @@ namespace romano::cluster {
 
 class Listening {
 public:
+    /// Away again while it listens: what was late for the first time is late still.
     void begin(const Membership& membership, std::uint64_t beacon_times_away) {
-        is_on_ = true;
+        if (!std::exchange(is_on_, true)) late_ticks_.clear();
         has_heard_ = false;
         is_up_to_date_ = false;
-        late_ticks_.clear();
         doubting_.clear();
         for (const auto& [id, peer] : membership.peers()) {
-            late_ticks_[peer.beacon.log] = peer.beacon.tick + beacon_times_away * 3 / 4;
+            std::uint64_t& late = late_ticks_[peer.beacon.log];
+            late = std::max(late, peer.beacon.tick + beacon_times_away * 3 / 4);
         }
     }
     void end() { is_on_ = false; }

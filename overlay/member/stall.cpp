@@ -20,11 +20,13 @@ bool Stall::is_noticed(Instant now, Instant next_beat, Duration detection_time) 
 
 Duration Stall::begin(Instant now, Instant next_beat, Duration detection_time) {
     const Duration away = now - (is_on_ ? listen_until_ : next_beat);
+    const std::int64_t beats =
+        std::min(away, most_detection_times_waited * detection_time) / beacon_every_;
+    beats_left_ = is_on_ ? std::max(beats_left_, beats) : beats;
     if (!is_on_) last_pulse_ = now + detection_time;
     is_on_ = true;
     next_pulse_ = now;
     listen_until_ = now + 3 * beacon_every_;
-    beats_left_ = std::min(away, most_detection_times_waited * detection_time) / beacon_every_;
     heard_in_a_row_ = 0;
     return away;
 }

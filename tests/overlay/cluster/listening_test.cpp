@@ -36,6 +36,19 @@ TEST_F(ListeningTest, ABeaconFromTheEndOfTheStallIsUpToDate) {
     EXPECT_TRUE(listening.is_up_to_date());
 }
 
+// A beacon from the end of the second stall may be from the middle of the first one.
+TEST_F(ListeningTest, AfterASecondStallOnTopOfItTheFirstOnesBeaconIsAwaitedStill) {
+    listening.begin(membership, 2);
+    listening.on_beacon(self, beacon(110, true, true));
+    EXPECT_FALSE(listening.is_up_to_date());
+    listening.on_beacon(self, beacon(135, true, true));
+    EXPECT_TRUE(listening.is_up_to_date());
+    listening.end();
+    listening.begin(membership, 2);
+    listening.on_beacon(self, beacon(136, true, true));
+    EXPECT_TRUE(listening.is_up_to_date());
+}
+
 // It removes us as soon as the others agree: to speak now would be to speak beside our heir
 // (simulator, fault `stop`, acks all, seed 471).
 TEST_F(ListeningTest, AMemberThatDoesNotHearUsDoubtsUs) {

@@ -72,5 +72,18 @@ TEST_F(StallTest, EndsByPatienceWhenNobodyTellsAnything) {
     EXPECT_TRUE(stall.is_over(now, nobody, true)) << "there is nobody to listen to";
 }
 
+// Simulator, a broker whose core hung just after it had been stopped for a second.
+TEST_F(StallTest, ASecondStallOnTopOfItEndsNoPatience) {
+    (void)stall.begin(due + 1s, due, detection);
+    const Instant again = stall.listen_until() + 2 * beacon;
+    (void)stall.begin(again, due, detection);
+    cluster::Listening nobody;
+    nobody.begin(cluster::Membership{{}, broker::broker_id_of("self"), 1}, 2);
+    for (int beat = 0; beat < 100; ++beat) {
+        EXPECT_FALSE(stall.is_over(stall.listen_until(), nobody, false)) << beat;
+    }
+    EXPECT_TRUE(stall.is_over(stall.listen_until(), nobody, false));
+}
+
 }  // namespace
 }  // namespace romano::overlay
