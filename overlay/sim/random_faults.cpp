@@ -1,7 +1,9 @@
 #include "overlay/sim/random_faults.h"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
+#include <utility>
 
 #include "overlay/sim/seed.h"
 #include "overlay/sim/settlement.h"
@@ -80,6 +82,7 @@ bool RandomFaults::may_happen(Fault fault) const {
         case Fault::crash:
         case Fault::stop:
         case Fault::late:
+        case Fault::relapse:
             return may_lose_one();
         case Fault::leave:
         case Fault::partition:
@@ -103,6 +106,7 @@ void RandomFaults::happen(Fault fault) {
         case Fault::crash:
         case Fault::stop:
         case Fault::late:
+        case Fault::relapse:
             return lose(fault);
         case Fault::leave:
             return leave();
@@ -158,13 +162,32 @@ void RandomFaults::lose_one(Fault fault) {
     while (!world_.broker(victim).is_running()) victim = (victim + 1) % world_.broker_count();
     ClusterBroker& broker = world_.broker(victim);
     ++lost_;
+    fault == Fault::relapse ? relapse(broker, 1 + random_.below(3)) : strike(broker, fault, [] {});
+}
+
+/// Undoes it after a while, and does what is to come then.
+void RandomFaults::strike(ClusterBroker& broker, Fault fault, EventQueue::Event then) {
     if (fault == Fault::crash) {
         broker.crash();
-        for_a_while(down_, [&broker] { broker.start(); });
     } else {
         fault == Fault::stop ? broker.stop() : broker.stop_core();
-        for_a_while(down_, [&broker] { broker.go_on(); });
     }
+    for_a_while(down_, [&broker, then = std::move(then)] {
+        broker.start();
+        broker.go_on();
+        then();
+    });
+}
+
+void RandomFaults::relapse(ClusterBroker& broker, std::uint32_t times) {
+    constexpr std::array ways{Fault::crash, Fault::stop, Fault::late};
+    strike(broker, ways[random_.below(ways.size())], [this, &broker, times] {
+        if (times == 0) return;
+        const Duration well = random_.between(0ms, random_.below(2) == 0 ? 30ms : 200ms);
+        world_.events().after(well, [this, &broker, times] {
+            if (active_ && broker.is_running()) relapse(broker, times - 1);
+        });
+    });
 }
 
 void RandomFaults::leave() {

@@ -33,13 +33,14 @@ enum class Fault : std::uint8_t {
     sleep,
     die,
     // Only when asked for:
-    late,    // a broker's core: it stands still while its process lives
-    starve,  // of processor time, all of them: short stops, several at once
+    late,     // a broker's core: it stands still while its process lives
+    starve,   // of processor time, all of them: short stops, several at once
+    relapse,  // a broker crashes or stops again just after it came back, a few times
 };
-inline constexpr std::size_t fault_kinds = 11;
+inline constexpr std::size_t fault_kinds = 12;
 inline constexpr std::array<std::string_view, fault_kinds> fault_names{
     "crash", "stop",  "leave", "partition", "one-way-cut", "bad-links",
-    "roam",  "sleep", "die",   "late",      "starve"};
+    "roam",  "sleep", "die",   "late",      "starve",      "relapse"};
 using FaultCounts = std::array<std::uint32_t, fault_kinds>;
 
 [[nodiscard]] constexpr std::string_view name_of(Fault fault) {
@@ -76,6 +77,8 @@ private:
     void happen(Fault fault);
     void lose(Fault fault);
     void lose_one(Fault fault);
+    void strike(ClusterBroker& broker, Fault fault, EventQueue::Event then);
+    void relapse(ClusterBroker& broker, std::uint32_t times);
     void leave();
     void starve();
     void starve_one();

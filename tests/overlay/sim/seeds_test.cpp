@@ -37,6 +37,7 @@ std::vector<Shard> shards() {
         {"RobotsAndCrash", {Fault::roam, Fault::sleep, Fault::die, Fault::crash}},
         {"Mixed", {}},
         {"Late", {Fault::late, Fault::crash, Fault::roam}},
+        {"Relapse", {Fault::relapse}},
     };
     constexpr std::uint64_t shards_each = 4;
     constexpr std::uint64_t seeds_each = 13;
