@@ -577,7 +577,11 @@ void ClusterCore::on(Effects& effects, BrokerId from, const SessionClaim& claim)
 
 void ClusterCore::on(Effects& effects, BrokerId from, const SessionRequest& request) {
     const Peer* peer = membership_.find(from);
-    if (peer != nullptr) settlement_.on_request(effects, peer->beacon.log, request, hand_back_);
+    const broker::SessionHeader* own = effects.broker.header(request.client_id);
+    if (peer == nullptr || own == nullptr) return;
+    const broker::SessionHeader left = *own;
+    settlement_.on_request(effects, peer->beacon.log, request, hand_back_);
+    if (effects.broker.header(left.client_id) == nullptr) roaming_.on_let_go(effects.now, left);
 }
 
 void ClusterCore::check_invariants([[maybe_unused]] const broker::BrokerCore& broker) const {

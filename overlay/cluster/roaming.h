@@ -29,7 +29,7 @@ public:
     /// True when the datagram shall wait: its session is asked for.
     bool on_datagram(Effects& effects, const Endpoint& from, Bytes datagram, const Homes& homes,
                      const Membership& membership, const View& view);
-    /// A peer's log says that it is no longer home to the client.
+    /// We let it go to a peer, or a peer's log says that it is no longer home to the client.
     void on_let_go(Instant now, const broker::SessionHeader& session);
     /// Looks again who is home to those whose sessions are awaited.
     void carry_on(Effects& effects, const Logs& logs, const Homes& homes,

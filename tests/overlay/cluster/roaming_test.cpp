@@ -66,5 +66,26 @@ TEST_F(RoamingTest, P2_TimeInWhichWeStoodStillDoesNotCount) {
     EXPECT_FALSE(is_waited_for_after(1ms));
 }
 
+// Its last word to us comes a moment after the new home has asked for its session.
+TEST(RoamingAway, P2_IsNoStrangerToTheHomeThatJustLetItGo) {
+    Cluster cluster;
+    cluster.serve(ours);
+    cluster.hear();
+    const Endpoint from = test::address(99);
+    const auto octets = [](const auto& message) {
+        std::vector<std::uint8_t> datagram(64);
+        datagram.resize(mqttsn::encode(message, datagram));
+        return datagram;
+    };
+    const mqttsn::Connect connect{false, true, mqttsn::protocol_id, 60, "robot"};
+    cluster.broker.on_datagram(cluster.now, ours, from, octets(connect), cluster.clients);
+    cluster.keep_log();
+    ASSERT_NE(cluster.broker.header("robot"), nullptr);
+    cluster.take(SessionRequest{"robot"});
+    ASSERT_EQ(cluster.broker.header("robot"), nullptr);
+    Effects acting = cluster.effects();
+    EXPECT_TRUE(cluster.core.must_fetch(acting, from, octets(mqttsn::Pingreq{})));
+}
+
 }  // namespace
 }  // namespace romano::cluster
