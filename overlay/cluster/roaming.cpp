@@ -50,7 +50,10 @@ bool Roaming::on_datagram(Effects& effects, const Endpoint& from, Bytes datagram
     auto client = client_of(from, named_client(datagram), homes);
     if (!client || fetching_.size() >= fetching_most) return false;
     if (!is_of_session(datagram) || effects.broker.serves(from, datagram)) return false;
-    Fetching fetching{.client = *std::move(client), .since = effects.now, .asked = std::nullopt};
+    Fetching fetching{.client = *std::move(client),
+                      .since = effects.now,
+                      .asked = std::nullopt,
+                      .asked_at = effects.now};
     ask(effects, fetching, homes, membership, view);
     fetching_.insert_or_assign(from, std::move(fetching));
     return true;
@@ -103,15 +106,19 @@ void Roaming::adopt_copy(Effects& effects, const Logs& logs, const broker::Clien
 }
 
 void Roaming::ask(Effects& effects, Fetching& fetching, const Homes& homes,
-                  const Membership& membership, const View& view) {
+                  const Membership& membership, const View& view) const {
     const auto home = homes.of(fetching.client);
-    if (!home || home->broker == fetching.asked) return;
+    if (!home) return;
+    // A home that has just stood still listens only: it is asked again.
+    const bool is_asked = home->broker == fetching.asked;
+    if (is_asked && effects.now < fetching.asked_at + patience_ / 2) return;
     const Peer* peer = membership.find(home->broker);
     if (peer == nullptr || !peer->alive || !view.contains(peer->beacon.log)) {
         return;
     }
-    fetching.since = effects.now;
+    if (!is_asked) fetching.since = effects.now;
     fetching.asked = home->broker;
+    fetching.asked_at = effects.now;
     effects.peers.push_back({home->broker, SessionRequest{fetching.client}});
 }
 

@@ -47,6 +47,7 @@ private:
         broker::ClientId client;
         Instant since;
         std::optional<BrokerId> asked;  // none: its home cannot answer
+        Instant asked_at;
     };
 
     struct LetGo {
@@ -60,8 +61,8 @@ private:
         const Homes& homes) const;
     static void adopt_copy(Effects& effects, const Logs& logs, const broker::ClientId& client,
                            const Homes& homes);
-    static void ask(Effects& effects, Fetching& fetching, const Homes& homes,
-                    const Membership& membership, const View& view);
+    void ask(Effects& effects, Fetching& fetching, const Homes& homes, const Membership& membership,
+             const View& view) const;
 
     Duration patience_;
     std::map<Endpoint, Fetching> fetching_;

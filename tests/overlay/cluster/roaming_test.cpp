@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <vector>
 
 #include "romano/mqttsn/codec.h"
@@ -64,6 +65,19 @@ TEST_F(RoamingTest, P2_TimeInWhichWeStoodStillDoesNotCount) {
     roaming.resume(now);
     EXPECT_TRUE(is_waited_for_after(2 * patience));
     EXPECT_FALSE(is_waited_for_after(1ms));
+}
+
+// What is asked of a home while it listens after a stall is not heard.
+TEST_F(RoamingTest, P2_ItsHomeIsAskedAgain) {
+    membership.on_beacon(now, Beacon{.log = peer, .tick = 1, .hears = {self.broker}});
+    view.members = {std::min(self, peer), std::max(self, peer)};
+    const auto asked_after = [this](Duration time) {
+        EXPECT_TRUE(is_waited_for_after(time));
+        return take_sent<SessionRequest>().size();
+    };
+    EXPECT_EQ(asked_after(1ms), 1U);
+    EXPECT_EQ(asked_after(patience / 2 - 1ms), 0U);
+    EXPECT_EQ(asked_after(1ms), 1U);
 }
 
 // Its last word to us comes a moment after the new home has asked for its session.
