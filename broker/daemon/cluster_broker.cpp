@@ -272,6 +272,8 @@ void ClusterBroker::carry_out_locally() {
             udp_.close(give_up->address);
             moved_.remove(give_up->address);
             spdlog::info("no longer serving {}", net::to_text(give_up->address));
+        } else if (const auto* announced = std::get_if<overlay::AnnounceAddress>(&action)) {
+            moved_.announce(announced->address);
         } else {
             const auto& notice = std::get<overlay::Notice>(action);
             spdlog::log(notice.is_warning ? spdlog::level::warn : spdlog::level::info, "{}",

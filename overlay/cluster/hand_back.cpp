@@ -49,7 +49,8 @@ void HandBack::compare(Effects& effects, const Membership& membership, const Vie
             addresses.take_anew(effects, address);
         }
         if (rivals.empty()) {
-            rivals_.erase(address);
+            const auto ended = rivals_.extract(address);
+            if (!ended.empty() && ended.mapped().is_claimed) addresses.announce(effects, address);
             continue;
         }
         Rivalry& rivalry =

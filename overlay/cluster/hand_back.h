@@ -17,6 +17,10 @@
 // settled by their ranks (broker::outranks). A hand-over that both agreed on counts like being
 // heard: it raises the epoch, so that the holder's copy never wins again.
 //
+// A rival's machine may call datagrams to itself for as long as it has the address: what its kernel
+// still wants to send from there asks for the client's hardware address in the name of ours. So the
+// owner announces it once more when the rival has let it go.
+//
 // Whoever goes on at an address after its owner, or a rival, has fallen silent there takes it anew:
 // datagrams may still come to that one, which may have stopped and not died.
 #pragma once

@@ -19,12 +19,16 @@ struct TakeAddress {
 struct GiveUpAddress {
     Endpoint address;
 };
+/// Tell the neighbours once more that this served address is here: another machine had it, too.
+struct AnnounceAddress {
+    Endpoint address;
+};
 /// A line for the trace: something that people want to know.
 struct Notice {
     std::string text;
     bool is_warning = false;
 };
 
-using LocalAction = std::variant<TakeAddress, GiveUpAddress, Notice>;
+using LocalAction = std::variant<TakeAddress, GiveUpAddress, AnnounceAddress, Notice>;
 
 }  // namespace romano::cluster

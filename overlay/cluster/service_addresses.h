@@ -41,6 +41,10 @@ public:
     static void take_anew(Effects& effects, const Endpoint& address) {
         effects.local.push_back(TakeAddress{address});
     }
+    /// The other broker has let it go, and may have called datagrams to itself until then.
+    static void announce(Effects& effects, const Endpoint& address) {
+        effects.local.push_back(AnnounceAddress{address});
+    }
     /// Takes over an address that lost its broker: tried again until it works.
     void inherit(Effects& effects, const Endpoint& address) {
         inherited_.insert(address);

@@ -27,6 +27,7 @@
 
 namespace romano::overlay {
 
+using cluster::AnnounceAddress;
 using cluster::GiveUpAddress;
 using cluster::Notice;
 using cluster::TakeAddress;

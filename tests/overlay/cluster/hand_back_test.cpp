@@ -34,11 +34,14 @@ struct AfterAHeal {
         hear(std::move(heard_by_rival));
     }
     void hear(std::vector<BrokerId> whom_it_hears) {
+        hear(std::move(whom_it_hears), {ours, theirs});
+    }
+    void hear(std::vector<BrokerId> whom_it_hears, std::vector<Endpoint> serving) {
         membership.on_beacon(now, Beacon{.log = rival,
                                          .tick = ++tick,
                                          .hears = std::move(whom_it_hears),
                                          .home_addresses = {theirs},
-                                         .serving = {ours, theirs}});
+                                         .serving = std::move(serving)});
         compare();
     }
     [[nodiscard]] std::size_t handed_over() {
@@ -125,6 +128,25 @@ TEST(HandBack, AnOwnAddressIsClaimedWhenTheRivalHearsUs) {
     EXPECT_EQ(std::get<TakeAddress>(healed.local[0]).address, ours);
     healed.hear({self.broker});
     EXPECT_EQ(healed.claimed(), 1U) << "once is enough";
+}
+
+// Its kernel asked for a client's hardware address in the name of ours, after we had claimed it:
+// for a second the client's datagrams went to a machine that did not have the address any more.
+TEST(HandBack, AnOwnAddressIsAnnouncedOnceMoreWhenTheRivalHasLetItGo) {
+    AfterAHeal healed;
+    ASSERT_EQ(healed.claimed(), 1U);
+    healed.hear({self.broker}, {theirs});
+    ASSERT_EQ(healed.local.size(), 2U);
+    EXPECT_EQ(std::get<AnnounceAddress>(healed.local[1]).address, ours);
+    healed.hear({self.broker}, {theirs});
+    EXPECT_EQ(healed.local.size(), 2U) << "once is enough";
+}
+
+// It serves them, on the other side of a cut.
+TEST(HandBack, NothingIsAnnouncedToClientsOfARivalThatDoesNotHearUs) {
+    AfterAHeal healed{std::vector<BrokerId>{}};
+    healed.hear({}, {theirs});
+    EXPECT_TRUE(healed.local.empty());
 }
 
 TEST(HandBack, AnOwnAddressIsClaimedWhenTheWaitIsInVain) {

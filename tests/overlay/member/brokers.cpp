@@ -207,9 +207,10 @@ void Brokers::carry_out_locally(int rank, const overlay::MemberActions& actions)
             carry_out(rank, answer);
         } else if (const auto* given = std::get_if<overlay::GiveUpAddress>(&action)) {
             std::erase(sockets_[given->address], rank);
-        } else if (std::getenv("ROMANO_TRACE") != nullptr) {
+        } else if (const auto* notice = std::get_if<overlay::Notice>(&action);
+                   notice != nullptr && std::getenv("ROMANO_TRACE") != nullptr) {
             std::printf("%lld ms  b%d: %s\n", static_cast<long long>(now_.time_since_epoch() / 1ms),
-                        rank, std::get<overlay::Notice>(action).text.c_str());
+                        rank, notice->text.c_str());
         }
     }
 }
