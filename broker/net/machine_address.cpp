@@ -3,6 +3,7 @@
 #include <ifaddrs.h>
 #include <linux/capability.h>
 #include <linux/if_addr.h>
+#include <linux/ip.h>
 #include <linux/netlink.h>
 #include <linux/rtnetlink.h>
 #include <net/if.h>
@@ -48,19 +49,15 @@ bool is_in_network_of(const ifaddrs& entry, const Endpoint& address) {
     return any;
 }
 
-/// One request to the kernel about one address: header, body, attributes, without gaps.
-class AddressRequest {
+/// One request to the kernel: header, body, attributes, without gaps.
+template <typename Body>
+class RouteRequest {
 public:
-    AddressRequest(std::uint16_t type, unsigned flags, const Endpoint& endpoint,
-                   InterfaceIndex interface) {
+    RouteRequest(std::uint16_t type, unsigned flags, const Body& body) {
         request_.header.nlmsg_len = offsetof(Request, attributes);
         request_.header.nlmsg_type = type;
         request_.header.nlmsg_flags = static_cast<std::uint16_t>(NLM_F_REQUEST | NLM_F_ACK | flags);
-        request_.body.ifa_family = endpoint.family == Endpoint::Family::ipv6 ? AF_INET6 : AF_INET;
-        request_.body.ifa_prefixlen = static_cast<std::uint8_t>(8 * octets_of(endpoint));
-        request_.body.ifa_index = static_cast<unsigned>(interface);
-        add(IFA_LOCAL, endpoint.address.data(), octets_of(endpoint));
-        add(IFA_ADDRESS, endpoint.address.data(), octets_of(endpoint));
+        request_.body = body;
     }
 
     /// All that we add have a size that is a multiple of four, as attributes must.
@@ -85,7 +82,7 @@ public:
 private:
     struct Request {
         nlmsghdr header;
-        ifaddrmsg body;
+        Body body;
         std::array<char, 128> attributes;
     };
     struct Answer {
@@ -108,6 +105,18 @@ private:
 
     Request request_{};
 };
+
+RouteRequest<ifaddrmsg> about(const Endpoint& endpoint, InterfaceIndex interface,
+                              std::uint16_t type, unsigned flags) {
+    ifaddrmsg body{};
+    body.ifa_family = endpoint.family == Endpoint::Family::ipv6 ? AF_INET6 : AF_INET;
+    body.ifa_prefixlen = static_cast<std::uint8_t>(8 * octets_of(endpoint));
+    body.ifa_index = static_cast<unsigned>(interface);
+    RouteRequest<ifaddrmsg> request(type, flags, body);
+    request.add(IFA_LOCAL, endpoint.address.data(), octets_of(endpoint));
+    request.add(IFA_ADDRESS, endpoint.address.data(), octets_of(endpoint));
+    return request;
+}
 
 /// One entry of the kernel's list: is it this very address, alone and for a while?
 bool is_lease_of(const nlmsghdr& header, const char* octets, const Endpoint& endpoint) {
@@ -197,7 +206,7 @@ bool may_add_addresses() {
 
 error_code add_address(const Endpoint& endpoint, InterfaceIndex interface,
                        std::chrono::seconds lease) {
-    AddressRequest request(RTM_NEWADDR, NLM_F_CREATE | NLM_F_REPLACE, endpoint, interface);
+    auto request = about(endpoint, interface, RTM_NEWADDR, NLM_F_CREATE | NLM_F_REPLACE);
     // Not preferred: nothing else of this machine shall speak from it.
     const ifa_cacheinfo lifetime{.ifa_prefered = 0,
                                  .ifa_valid = static_cast<std::uint32_t>(lease.count()),
@@ -211,7 +220,25 @@ error_code add_address(const Endpoint& endpoint, InterfaceIndex interface,
 }
 
 error_code remove_address(const Endpoint& endpoint, InterfaceIndex interface) {
-    return AddressRequest(RTM_DELADDR, 0, endpoint, interface).carry_out();
+    return about(endpoint, interface, RTM_DELADDR, 0).carry_out();
+}
+
+error_code ask_neighbours_as_itself(InterfaceIndex interface) {
+    struct {
+        rtattr family;
+        rtattr settings;
+        rtattr arp_announce;
+        std::uint32_t best_own_address;
+    } ipv4{.family = {.rta_len = sizeof ipv4, .rta_type = AF_INET},
+           .settings = {.rta_len = sizeof ipv4 - sizeof(rtattr), .rta_type = IFLA_INET_CONF},
+           .arp_announce = {.rta_len = sizeof ipv4 - 2 * sizeof(rtattr),
+                            .rta_type = IPV4_DEVCONF_ARP_ANNOUNCE},
+           .best_own_address = 2};
+    ifinfomsg body{};
+    body.ifi_index = static_cast<int>(interface);
+    RouteRequest<ifinfomsg> request(RTM_SETLINK, 0, body);
+    request.add(IFLA_AF_SPEC, &ipv4, sizeof ipv4);
+    return request.carry_out();
 }
 
 }  // namespace romano::net

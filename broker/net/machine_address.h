@@ -29,4 +29,9 @@ enum class InterfaceIndex : unsigned {};
 [[nodiscard]] boost::system::error_code remove_address(const Endpoint& endpoint,
                                                        InterfaceIndex interface);
 
+/// Lets ARP requests on the interface name its own address (arp_announce = 2, ip-sysctl). Linux
+/// names the source of the datagram that waits for the answer, and whoever is asked takes that for
+/// news: it would call clients of an address that went back to its own machine here again.
+[[nodiscard]] boost::system::error_code ask_neighbours_as_itself(InterfaceIndex interface);
+
 }  // namespace romano::net

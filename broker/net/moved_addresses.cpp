@@ -32,6 +32,8 @@ void MovedAddresses::forget_earlier_life(const Endpoint& address) {
 error_code MovedAddresses::add(const Endpoint& address) {
     const auto interface = interface_towards(address);
     if (!interface) return make_error_code(boost::system::errc::address_not_available);
+    // Where that is refused, clients of an address that goes back may have to say something twice.
+    (void)ask_neighbours_as_itself(*interface);
     if (const auto error = add_address(address, *interface, lease)) return error;
     moved_.insert_or_assign(address, Moved{.interface = *interface, .added = true});
     wait();

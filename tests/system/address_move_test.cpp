@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <fstream>
 #include <memory>
 #include <thread>
 
@@ -63,6 +64,12 @@ protected:
         return eventually(
             [&] { return broker.errors().find(" of 3, led by ") != std::string::npos; });
     }
+    [[nodiscard]] int arp_announce(int host) const {
+        const Lan::On on(lan, host);
+        int value = -1;
+        std::ifstream("/proc/sys/net/ipv4/conf/eth0/arp_announce") >> value;
+        return value;
+    }
     /// Publishes until the subscriber has one of these messages.
     static bool reaches(TestClient& publisher, mqttsn::TopicId topic, TestClient& subscriber,
                         const std::string& data) {
@@ -99,6 +106,7 @@ TEST_P(AddressMove, AClientHearsTheHeirAndThenItsOwnBrokerAgainAtOneAddress) {
     EXPECT_TRUE(subscriber->ping()) << "the way to the heir";
     const int heir = lan.has_address(2, address(1)) ? 2 : 3;
     EXPECT_TRUE(lan.has_address(heir, address(1)));
+    EXPECT_EQ(arp_announce(heir), 2) << "it would ask for clients in the name of what it gave back";
     EXPECT_EQ(lan.neighbour(client_host, address(1)), lan.mac_of(heir));
 
     const auto again = start(1);
