@@ -22,6 +22,18 @@ void freeze_the_dead(const View& view, Surroundings around) {
     }
 }
 
+/// Only who is dead to the leader, too, is taken over. Of one that it leaves out and hears still it
+/// may hold more than was frozen there: an end without that would cost what comes next.
+ViewHoldings without_the_living(ViewHoldings holdings, const PeerLogs& logs) {
+    const auto lives = [&](const LogId& id) {
+        const auto log = logs.find(id);
+        return log != logs.end() && !log->second.is_frozen();
+    };
+    std::erase_if(holdings.holds, [&](const LogPosition& held) { return lives(held.log); });
+    std::erase_if(holdings.addresses, [&](const auto& left) { return lives(left.log); });
+    return holdings;
+}
+
 }  // namespace
 
 bool ViewChange::contains(const LogId& log) const {
@@ -237,7 +249,7 @@ void ViewChange::on_holdings(Instant now, const LogId& from, const ViewHoldings&
                              Surroundings around, Outbox& out) {
     if (!proposal_ || holdings.number != proposal_->message.view.number) return;
     if (!proposal_->message.view.contains(from)) return;
-    proposal_->answers.emplace(from, holdings);
+    proposal_->answers.emplace(from, without_the_living(holdings, around.logs));
     conclude(now, around, out);
 }
 

@@ -60,13 +60,15 @@ struct Leader {
     }
     [[nodiscard]] election::Term term() { return membership.leadership().term; }
     /// Every member answers what it was asked last.
-    void answer(const LogId& member) {
+    void answer(const LogId& member, ViewHoldings holdings = {}) {
         std::optional<ViewNumber> asked;
         for (const auto& outgoing : out) {
             const auto* proposal = std::get_if<ViewProposal>(&outgoing.message);
             if (proposal != nullptr && outgoing.to == member.broker) asked = proposal->view.number;
         }
-        if (asked) change.on_holdings(now, member, {.number = *asked}, around(), out);
+        if (!asked) return;
+        holdings.number = *asked;
+        change.on_holdings(now, member, holdings, around(), out);
     }
     /// From this moment on.
     void lead() {
@@ -105,6 +107,31 @@ TEST(ViewChange, AProposalThatCameToNothingLeavesNoLogFrozen) {
     ASSERT_TRUE(leader.membership.leads());
     EXPECT_EQ(leader.change.view().members.size(), 2U);
     EXPECT_FALSE(leader.logs.at(peer).is_frozen());
+}
+
+// P2: a member had missed it, and held less of its log than the leader, which heard it still: what
+// lay between was delivered to nobody (simulator, seed 9736261).
+TEST(ViewChange, WhomTheLeaderHearsIsNotTakenOverAtAMembersWord) {
+    Leader leader;
+    leader.begin();
+    const LogId newcomer = test::log_of("newcomer");
+    const election::Term former = leader.term();
+    for (int i = 0; i < 60 && !leader.change.contains(newcomer); ++i) {
+        leader.hear(peer, self, leader.term(), 1);
+        leader.hear(high, peer, former, 1);  // follows another one, and answers nothing
+        leader.hear(newcomer, self, leader.term(), 1);
+        leader.wait(10ms);
+        leader.answer(newcomer);
+        leader.answer(peer, {.holds = {{high, 5}}, .addresses = {{high, test::address(3)}}});
+    }
+    ASSERT_TRUE(leader.change.contains(newcomer));
+    ASSERT_FALSE(leader.change.contains(high));
+    ASSERT_TRUE(leader.membership.is_alive(high));
+    const auto installed = leader.change.take_installed();
+    ASSERT_TRUE(installed);
+    EXPECT_TRUE(installed->ends.empty());
+    EXPECT_TRUE(installed->assignments.empty());
+    EXPECT_FALSE(leader.logs.at(high).is_frozen());
 }
 
 // P2: its sessions would have no heir. The leader may hear the new life long before we do.
