@@ -33,7 +33,7 @@ error_code MovedAddresses::add(const Endpoint& address) {
     const auto interface = interface_towards(address);
     if (!interface) return make_error_code(boost::system::errc::address_not_available);
     // Where that is refused, clients of an address that goes back may have to say something twice.
-    (void)ask_neighbours_as_itself(*interface);
+    if (address.family == Endpoint::Family::ipv4) (void)ask_neighbours_as_itself(*interface);
     if (const auto error = add_address(address, *interface, lease)) return error;
     moved_.insert_or_assign(address, Moved{.interface = *interface, .added = true});
     wait();

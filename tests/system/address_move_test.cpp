@@ -64,6 +64,7 @@ protected:
         return eventually(
             [&] { return broker.errors().find(" of 3, led by ") != std::string::npos; });
     }
+    [[nodiscard]] static bool uses_arp() { return address(1).find(':') == std::string::npos; }
     [[nodiscard]] int arp_announce(int host) const {
         const Lan::On on(lan, host);
         int value = -1;
@@ -106,7 +107,8 @@ TEST_P(AddressMove, AClientHearsTheHeirAndThenItsOwnBrokerAgainAtOneAddress) {
     EXPECT_TRUE(subscriber->ping()) << "the way to the heir";
     const int heir = lan.has_address(2, address(1)) ? 2 : 3;
     EXPECT_TRUE(lan.has_address(heir, address(1)));
-    EXPECT_EQ(arp_announce(heir), 2) << "it would ask for clients in the name of what it gave back";
+    EXPECT_EQ(arp_announce(heir), uses_arp() ? 2 : 0)
+        << "it would ask for clients in the name of what it gave back";
     EXPECT_EQ(lan.neighbour(client_host, address(1)), lan.mac_of(heir));
 
     const auto again = start(1);
