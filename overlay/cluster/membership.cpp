@@ -77,6 +77,7 @@ bool Membership::on_beacon(Instant now, const Beacon& beacon) {
         peer.alive = linked_->is_alive(node);
         if (!peer.alive) return true;
         peer.ended = false;
+        peer.lost_at.reset();
         elector_->on_claim(now, beacon.claim);
     }
     return true;
@@ -146,7 +147,9 @@ void Membership::send_ballots(Outbox& out) {
 void Membership::bury_suspects(Instant now) {
     (void)heard_->take_suspects();
     for (const auto node : linked_->take_suspects()) {
-        peers_[broker_of(node)].alive = false;
+        Peer& peer = peers_[broker_of(node)];
+        peer.alive = false;
+        peer.lost_at = now;
         lost_.push_back(broker_of(node));
         elector_->on_suspect(now, node);
     }
@@ -180,6 +183,19 @@ bool Membership::was_heard_just_now(const Peer& peer, Instant now) const {
 bool Membership::has_ended(const LogId& log) const {
     const Peer* peer = find(log.broker);
     return peer != nullptr && (peer->ended || peer->beacon.log != log);
+}
+
+bool Membership::may_be_deaf(Instant now) const {
+    std::size_t left = 1;
+    std::size_t silent = 0;
+    Instant last_lost = Instant::min();
+    for (const auto& [id, peer] : peers_) {
+        if (peer.alive) ++left;
+        if (!peer.lost_at || peer.ended) continue;
+        ++silent;
+        last_lost = std::max(last_lost, *peer.lost_at);
+    }
+    return silent > left && now < last_lost + detection_time();
 }
 
 std::string Membership::name_of(BrokerId id) const {

@@ -7,6 +7,7 @@
 
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -31,6 +32,7 @@ struct Peer {
     bool alive = false;
     Instant heard_at{};  // its last beacon or pulse
     bool ended = false;  // it said goodbye, or its process is gone; it did not just fall silent
+    std::optional<Instant> lost_at = {};  // taken for dead then, and not alive since
     [[nodiscard]] bool is_home_of(const Endpoint& address) const;
     [[nodiscard]] bool is_serving(const Endpoint& address) const;
     /// It says so, and in this life: what is sent to it arrives.
@@ -77,6 +79,9 @@ public:
     [[nodiscard]] bool is_heard_clearly(const LogId& log, Instant now) const;
     /// That life of the broker is over for certain.
     [[nodiscard]] bool has_ended(const LogId& log) const;
+    /// We have just lost more by silence than we have left, ourselves included: perhaps not they
+    /// fell silent, but we are deaf. True for one detection time after the last of them.
+    [[nodiscard]] bool may_be_deaf(Instant now) const;
     [[nodiscard]] election::Leadership leadership() const { return elector_->leadership(); }
     [[nodiscard]] bool leads() const;
     /// The peer's name, as its beacons say it; empty when unknown.

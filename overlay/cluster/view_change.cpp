@@ -81,7 +81,7 @@ void ViewChange::on_tick(Instant now, Surroundings around, Outbox& out) {
         }
         return;
     }
-    if (waits_for_company(now, around)) {
+    if (around.membership.may_be_deaf(now) || waits_for_company(now, around)) {
         proposal_.reset();
         return;
     }

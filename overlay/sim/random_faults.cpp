@@ -88,6 +88,7 @@ bool RandomFaults::may_happen(Fault fault) const {
         case Fault::partition:
         case Fault::one_way_cut:
         case Fault::starve:
+        case Fault::deaf:
             return down_ == 0 && apart_ == 0 && is_calm();
         default:
             return true;
@@ -124,6 +125,8 @@ void RandomFaults::happen(Fault fault) {
             return lives_.die();
         case Fault::starve:
             return starve();
+        case Fault::deaf:
+            return deafen();
     }
 }
 
@@ -250,6 +253,22 @@ void RandomFaults::cut_one_way() {
     parted_.push_back({world_.now(), never});
     world_.cut(from, to);
     for_a_while(apart_, [this] { heal(); });
+}
+
+/// Of two, each goes on without one that has fallen silent, and cannot know better.
+void RandomFaults::deafen() {
+    const std::size_t victim = some_broker();
+    if (world_.broker_count() == 2) parted_.push_back({world_.now(), never});
+    for (std::size_t other = 0; other < world_.broker_count(); ++other) {
+        if (other != victim) world_.cut(other, victim);
+    }
+    ++apart_;
+    const Duration detection_time = world_.options().cluster.detection_timeout;
+    world_.events().after(random_.between(5ms, 3 * detection_time / 2), [this] {
+        --apart_;
+        calm_since_ = never;
+        if (active_) heal();
+    });
 }
 
 void RandomFaults::spoil_links() {

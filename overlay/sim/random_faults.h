@@ -36,11 +36,12 @@ enum class Fault : std::uint8_t {
     late,     // a broker's core: it stands still while its process lives
     starve,   // of processor time, all of them: short stops, several at once
     relapse,  // a broker crashes or stops again just after it came back, a few times
+    deaf,  // what comes to a broker from its peers waits, for up to one and a half detection times
 };
-inline constexpr std::size_t fault_kinds = 12;
+inline constexpr std::size_t fault_kinds = 13;
 inline constexpr std::array<std::string_view, fault_kinds> fault_names{
-    "crash", "stop",  "leave", "partition", "one-way-cut", "bad-links",
-    "roam",  "sleep", "die",   "late",      "starve",      "relapse"};
+    "crash", "stop", "leave", "partition", "one-way-cut", "bad-links", "roam",
+    "sleep", "die",  "late",  "starve",    "relapse",     "deaf"};
 using FaultCounts = std::array<std::uint32_t, fault_kinds>;
 
 [[nodiscard]] constexpr std::string_view name_of(Fault fault) {
@@ -67,7 +68,8 @@ public:
     /// All faults end: brokers run, links are good.
     void end();
 
-    /// While brokers were parted and their clients were not, and while they starved.
+    /// While brokers were parted and their clients were not, while they starved, and while one of
+    /// two was deaf.
     [[nodiscard]] const std::vector<Span>& parted() const { return parted_; }
     /// How often each kind happened.
     [[nodiscard]] const FaultCounts& counts() const { return counts_; }
@@ -84,6 +86,7 @@ private:
     void starve_one();
     void part();
     void cut_one_way();
+    void deafen();
     void spoil_links();
     void for_a_while(std::uint32_t& lasting, EventQueue::Event undo);
     void heal();

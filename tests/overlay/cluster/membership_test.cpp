@@ -172,6 +172,65 @@ TEST(Membership, TheOwnBeaconSaysWhomItHears) {
     EXPECT_THAT(later.hears, IsEmpty());
 }
 
+struct Survivor : Observer {
+    const LogId other = test::log_of("other");
+
+    void hear_both() {
+        hear({self.broker});
+        hear({self.broker}, other);
+    }
+    void lose_both() {
+        hear_both();
+        while (membership.is_alive(peer)) wait(10ms);
+    }
+};
+
+TEST(Membership, WhoLosesMoreBySilenceThanItHasLeftMayBeDeafForADetectionTime) {
+    Survivor survivor;
+    survivor.lose_both();
+    EXPECT_TRUE(survivor.membership.may_be_deaf(survivor.now));
+    survivor.wait(90ms);
+    EXPECT_TRUE(survivor.membership.may_be_deaf(survivor.now));
+    survivor.wait(10ms);
+    EXPECT_FALSE(survivor.membership.may_be_deaf(survivor.now));
+}
+
+TEST(Membership, OneOfTwoGoesOnWithoutADoubt) {
+    Observer observer;
+    observer.hear({self.broker});
+    observer.wait(110ms);
+    ASSERT_FALSE(observer.membership.is_alive(peer));
+    EXPECT_FALSE(observer.membership.may_be_deaf(observer.now));
+}
+
+TEST(Membership, WhoIsHeardAgainWasNeverLost) {
+    Survivor survivor;
+    survivor.lose_both();
+    survivor.hear({self.broker});
+    EXPECT_FALSE(survivor.membership.may_be_deaf(survivor.now));
+}
+
+TEST(Membership, OneWhoFellSilentLongAgoIsStillMissed) {  // perhaps that was the beginning
+    Survivor survivor;
+    survivor.hear_both();
+    for (int i = 0; i < 100; ++i) {
+        survivor.hear({self.broker});
+        survivor.wait(10ms);
+    }
+    ASSERT_FALSE(survivor.membership.is_alive(survivor.other));
+    EXPECT_FALSE(survivor.membership.may_be_deaf(survivor.now));
+    while (survivor.membership.is_alive(peer)) survivor.wait(10ms);
+    EXPECT_TRUE(survivor.membership.may_be_deaf(survivor.now));
+}
+
+TEST(Membership, WhoSaidGoodbyeDidNotFallSilent) {
+    Survivor survivor;
+    survivor.hear_both();
+    survivor.hear({self.broker}, survivor.other, true);
+    while (survivor.membership.is_alive(peer)) survivor.wait(10ms);
+    EXPECT_FALSE(survivor.membership.may_be_deaf(survivor.now));
+}
+
 struct LinkedObserver : Observer {
     LinkedObserver() : Observer{with_links()} { hear_linked(); }
 

@@ -171,6 +171,50 @@ TEST(ViewChange, ANewcomerJoinsThoseWhoLivedOnAtOnce) {
     EXPECT_FALSE(leader.out.empty());
 }
 
+struct DoubtfulLeader : Leader {
+    void hear_both() {
+        hear(peer, self, term(), 1);
+        hear(high, self, term(), 1);
+    }
+    /// In a view with both, and then it hears neither.
+    void lose_both() {
+        begin();
+        for (int i = 0; i < 20 && !change.contains(high); ++i) {
+            hear_both();
+            wait(10ms);
+            answer(peer);
+            answer(high);
+        }
+        ASSERT_EQ(change.view().members.size(), 3U);
+        (void)change.take_installed();
+        out.clear();
+        while (membership.is_alive(peer)) wait(10ms);
+        ASSERT_FALSE(membership.is_alive(high));
+    }
+};
+
+// P3: what they had delivered themselves came from the deaf one once more.
+TEST(ViewChange, WhoMayBeDeafTakesNobodysPlace) {
+    DoubtfulLeader leader;
+    leader.lose_both();
+    leader.wait(80ms);
+    EXPECT_TRUE(leader.out.empty());
+    EXPECT_FALSE(leader.logs.at(high).is_frozen());
+    leader.hear_both();
+    leader.wait(20ms);
+    EXPECT_TRUE(leader.out.empty());
+    EXPECT_EQ(leader.change.view().members.size(), 3U);
+    EXPECT_FALSE(leader.change.take_installed());
+}
+
+TEST(ViewChange, WhoHearsNobodyForASecondDetectionTimeGoesOnAlone) {
+    DoubtfulLeader leader;
+    leader.lose_both();
+    leader.wait(120ms);
+    EXPECT_EQ(leader.change.view().members, std::vector{self});
+    EXPECT_TRUE(leader.logs.at(high).is_frozen());
+}
+
 // Its last beacons may have told of our former life.
 TEST(ViewChange, ANewcomerOpensNoViewWithoutAPeerThatItHearsStill) {
     Leader leader;

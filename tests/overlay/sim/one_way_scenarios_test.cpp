@@ -53,6 +53,30 @@ TEST_F(OneWayScenario, WhoIsHeardIsNotTakenOver) {
     expect_nobody_noticed();
 }
 
+// Its machine has no time to receive. Alone in a view it would say once more what the others said.
+TEST_F(OneWayScenario, WhoHearsNobodyForLessThanTwoDetectionTimesTakesNobodysPlace) {
+    add_one_each({Qos::at_least_once, Qos::exactly_once});
+    begin();
+    publish(true);
+    const auto members = world.broker(0).member().view().members;
+    for (std::size_t deaf = 0; deaf < 3; ++deaf) {
+        for (std::size_t other = 0; other < 3; ++other) {
+            if (other != deaf) world.cut(other, deaf);
+        }
+        world.run_for(world.options().cluster.detection_timeout * 3 / 2);
+        const auto peers = world.broker(deaf).member().facts().peers;
+        EXPECT_TRUE(std::ranges::none_of(peers, &overlay::PeerFacts::alive));
+        world.heal();
+        world.run_for(1s);
+    }
+    for (std::size_t i = 0; i < 3; ++i) {
+        EXPECT_EQ(world.broker(i).member().view().members, members) << i;
+        EXPECT_EQ(world.broker(i).member().facts().take_overs, 0U) << i;
+    }
+    expect_all_promises_kept();
+    expect_nobody_noticed();
+}
+
 // All hear the leader, and so are in one view; the listener's new broker and its home do not meet.
 TEST_F(OneWayScenario, WhoRoamsToABrokerThatDoesNotHearItsHomeGoesOnFromTheCopyThere) {
     add("talker", 0, "pose", "", {Qos::at_least_once, Qos::exactly_once});

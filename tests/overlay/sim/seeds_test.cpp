@@ -38,6 +38,7 @@ std::vector<Shard> shards() {
         {"Mixed", {}},
         {"Late", {Fault::late, Fault::crash, Fault::roam}},
         {"Relapse", {Fault::relapse}},
+        {"Deaf", {Fault::deaf}},
     };
     constexpr std::uint64_t shards_each = 4;
     constexpr std::uint64_t seeds_each = 13;
