@@ -58,21 +58,21 @@ private:
     std::set<LogId> known_;  // to somebody who was there
 };
 
-/// The member that answers on the address now, or was told to.
-std::optional<BrokerId> present_server(const Answers& answers, const Membership& membership,
-                                       const Endpoint& address) {
-    std::optional<BrokerId> found;
-    if (std::ranges::count(answers.serving, address) > 0) found = answers.leader.broker;
+/// The members that answer on the address now, its own broker first; then the one that was told to.
+std::vector<BrokerId> present_servers(const Answers& answers, const Membership& membership,
+                                      const Endpoint& address) {
+    std::vector<BrokerId> found;
+    if (std::ranges::count(answers.serving, address) > 0) found.push_back(answers.leader.broker);
     for (const LogId& member : answers.view.members) {
         const Peer* peer = membership.find(member.broker);
         if (peer == nullptr || peer->beacon.log != member || !peer->is_serving(address)) continue;
-        if (!found || peer->is_home_of(address)) found = member.broker;
+        found.insert(peer->is_home_of(address) ? found.begin() : found.end(), member.broker);
     }
-    if (found) return found;
     const auto appointed = answers.appointed.find(address);
-    if (appointed == answers.appointed.end() || !answers.view.contains(appointed->second))
-        return {};
-    return appointed->second.broker;
+    if (appointed != answers.appointed.end() && answers.view.contains(appointed->second)) {
+        found.push_back(appointed->second.broker);
+    }
+    return found;
 }
 
 /// The member whose address it is.
@@ -150,16 +150,19 @@ std::vector<Assignment> assign(const Answers& answers, const std::map<LogId, Seq
         const Endpoint& address = log_and_address.second;
         const auto end = ends.find(log);
         if (end == ends.end()) continue;
-        std::optional<BrokerId> heir = present_server(answers, membership, address);
-        if (!heir && chosen.contains(address)) heir = chosen.at(address);
-        if (!heir) heir = owner(answers, membership, address);
+        std::vector<BrokerId> wanted = present_servers(answers, membership, address);
+        if (chosen.contains(address)) wanted.push_back(chosen.at(address));
+        if (const auto home = owner(answers, membership, address)) wanted.push_back(*home);
         // One that serves the address but does not hold the log gets the sessions from an heir.
-        if (!heir || std::ranges::none_of(answers.holdings, [&](const auto& entry) {
-                return entry.first.broker == *heir && witnesses.include(entry.second, log) &&
+        const auto best = std::ranges::find_if(wanted, [&](BrokerId id) {
+            return std::ranges::any_of(answers.holdings, [&](const auto& entry) {
+                return entry.first.broker == id && witnesses.include(entry.second, log) &&
                        holds(entry.second, log, end->second);
-            })) {
-            heir = least_loaded(answers, witnesses, {log, end->second}, load);
-        }
+            });
+        });
+        const auto heir = best != wanted.end()
+                              ? std::optional{*best}
+                              : least_loaded(answers, witnesses, {log, end->second}, load);
         if (!heir) continue;
         chosen.try_emplace(address, *heir);
         const Peer* dead = membership.find(log.broker);

@@ -81,6 +81,8 @@ void TakeOver::carry_on(Effects& effects, const Logs& logs, const Membership& me
         if (pending.is_begun) {
             return may_go_on && adopt_some(effects, address, log->second, logs);
         }
+        // It was done already, and the leader had not heard of it.
+        if (addresses.is_serving(address) && log->second.count_left(address) == 0) return true;
         if (is_still_serving(pending.assignment, membership)) return false;
         if (log->second.is_outdated() && !holds_all(logs, membership, view)) return false;
         const auto owner = returned_owner(address, self_, membership, view);

@@ -109,6 +109,21 @@ TEST_F(Heirs, P3_WhoWasGivenTheAddressByTheLastViewKeepsIt) {
     EXPECT_NE(heir_of(address(9)), b2.broker) << "that was a former life";
 }
 
+// P3: it had adopted the sessions and sent what waited there, and the leader had not heard of it;
+// so the leader, as another heir, gave what was left in its eyes to the owner (simulator, seed
+// 9755735).
+TEST_F(Heirs, P3_WhoWasGivenTheAddressKeepsItWhenItsOwnBrokerIsBack) {
+    holds(b1, 5, {address(9)});
+    holds(b2, 5);
+    beacon(b2, {}, 100);  // not the least loaded one
+    beacon(b3, {address(9)}, 0, {address(9)});
+    appointed = {{address(9), b2}};
+    EXPECT_EQ(heir_of(address(9)), b2.broker);
+    appointed = {};
+    beacon(b2, {address(9)}, 100);
+    EXPECT_EQ(heir_of(address(9)), b2.broker) << "or who serves it beside its owner";
+}
+
 TEST_F(Heirs, WhoLacksTheTailGetsItFromOneThatHasIt) {
     holds(b1, 5);
     holds(b2, 9);

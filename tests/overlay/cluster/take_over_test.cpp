@@ -86,6 +86,19 @@ TEST_F(TakeOverTest, P3_FromAnOutdatedLogItTakesNothingBeforeItHearsTheMembers) 
     EXPECT_EQ(inherit(), 1U);
 }
 
+// P3: its own broker is back, and would take the empty hand for all that there is.
+TEST_F(TakeOverTest, WhatWasDoneBeforeTheViewIsNotHandedOnToTheOwner) {
+    view.members.push_back(other);
+    Beacon back{.log = other, .tick = 1, .hears = {self.broker}};
+    back.home_addresses = back.serving = {theirs};
+    (void)membership.on_beacon(now, back);
+    addresses.on_address(theirs, true);
+    peers.at(dead).freeze();
+    peers.at(dead).mark_taken(broker::ClientId{"robot"});
+    EXPECT_EQ(inherit(), 0U);
+    EXPECT_TRUE(outbox.empty());
+}
+
 // Whoever has the session went on from what the outdated log ended with: to take it from there
 // again would be to say everything since then twice (simulator, fault `starve`, seed 201).
 TEST_F(TakeOverTest, P3_FromAnOutdatedLogItTakesWhatNobodyElseHas) {
