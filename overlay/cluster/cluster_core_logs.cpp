@@ -1,0 +1,197 @@
+// The logs of ClusterCore: the own one goes out; the peers' come in and are applied, gaps are asked
+// for, and what nobody needs any more goes.
+#include <algorithm>
+#include <utility>
+
+#include "overlay/cluster/cluster_core.h"
+
+namespace romano::cluster {
+
+void ClusterCore::append(Seq seq, LogEvent event) {
+    if (const auto* session = std::get_if<broker::SessionPut>(&event)) {
+        peer_sessions_.on_own_session(session->image.header.client_id, logs_);
+    }
+    own_.append(seq, std::move(event));
+}
+
+void ClusterCore::flush(Outbox& out) {
+    own_.flush(out);
+}
+
+Seq ClusterCore::safe() {
+    // In no view there are no clients: whoever promised them something alone is not replaced.
+    if (!is_in_view() || view_change_.is_stranded(membership_, logs_)) return watermark_.safe();
+    return watermark_.advance(own_.last(), live_peers());
+}
+
+void ClusterCore::forward(const MessagePtr& message, Outbox& out) const {
+    for (const BrokerId peer : peer_sessions_.interest().interested_in(message->topic)) {
+        out.push_back({peer, ForwardBatch{{message}}});
+    }
+}
+
+void ClusterCore::on(Effects& effects, BrokerId, const ForwardBatch& batch) {
+    for (const auto& message : batch.messages) {
+        effects.broker.on_peer_message(effects.now, message, effects.clients);
+    }
+}
+
+void ClusterCore::on(Effects& effects, BrokerId from, const LogBatch& batch) {
+    // Only of peers whose beacons are known: anything else is of an earlier life.
+    const auto log = logs_.find(batch.log);
+    if (batch.log.broker != from || log == logs_.end() || log->second.is_frozen()) return;
+    log->second.offer(batch.first_seq, batch.events);
+    apply(effects, batch.log, log->second, 2 * batch.events.size());
+}
+
+void ClusterCore::on(Effects& effects, BrokerId from, const LogTail& tail) {
+    const auto log = logs_.find(tail.log);
+    if (log == logs_.end() || (log->second.is_frozen() && from == tail.log.broker)) return;
+    const Seq before = log->second.received();
+    log->second.offer(tail.first_seq, tail.events);
+    const Seq received = log->second.received();
+    apply(effects, tail.log, log->second, 2 * tail.events.size());
+    if (received > before && received < tail.end) {
+        effects.peers.push_back({from, TailRequest{{tail.log, received}, own_.id().broker}});
+    }
+}
+
+void ClusterCore::on(Effects&, BrokerId, const LogAck& ack) {
+    if (ack.through.log != own_.id() || !membership_.is_alive(ack.by)) return;
+    watermark_.on_ack(ack.by, ack.through.seq);
+}
+
+void ClusterCore::on(Effects& effects, BrokerId, const TailRequest& request) {
+    const auto& [id, after] = request.after;
+    if (const LogHistory* history = logs().history_of(id)) {
+        send_tail(*history, id, after, request.to, effects.peers);
+    }
+}
+
+void ClusterCore::on(Effects& effects, BrokerId from, const SnapshotRequest& request) {
+    snapshots_.on_request(effects, from, request, logs(), membership_);
+}
+
+void ClusterCore::on(Effects& effects, BrokerId from, const SnapshotPart& part) {
+    const LogId id = part.as_of.log;
+    if (id.broker != from) {
+        // Sessions that are on their way to us may lack them, too.
+        const auto log = logs_.find(id);
+        if (last_words_.on_part(effects, part) && log != logs_.end()) {
+            log->second.offer_ahead(part.publishes);
+        }
+        for (const auto& message : part.publishes) learn(message);
+        return;
+    }
+    const auto found = logs_.find(id);
+    if (found == logs_.end() || found->second.is_frozen()) return;
+    PeerLog& log = found->second;
+    for (const auto& message : part.retained) effects.broker.put_retained(message);
+    for (const auto& message : MissingMessages::found_in(part, log)) learn(message);
+    if (part.as_of.seq <= log.applied() || !log.offer(effects.now, part)) return;
+    publish_order_.on_snapshot(effects, part, logs_);
+    for (const auto& message : part.publishes) learn(message);
+    const auto snapshot = log.take_snapshot();
+    if (!snapshot) return;
+    log.restart(*snapshot);
+    for (const LogPosition& position : log.mirror().unresolved()) {
+        if (const auto message = logs().publish_at(position)) log.mirror().resolve(message);
+    }
+    peer_sessions_.reset(id, log.mirror());
+    for (const auto& image : snapshot->sessions) mark_taken(image.header.client_id);
+    publish_order_.on_snapshot_end(effects, snapshot->as_of);
+    settlement_.compare(effects, logs_, view());
+    apply(effects, id, log, options_.events_per_turn);
+    effects.peers.push_back({from, LogAck{{id, log.applied()}, own_.id()}});
+}
+
+void ClusterCore::catch_up(Effects& effects) {
+    publish_order_.allow(options_.events_per_turn);
+    take_over_.on_turn();
+    handoffs_.on_turn(effects, logs());
+    for (auto& [id, log] : logs_) apply(effects, id, log, options_.events_per_turn);
+}
+
+void ClusterCore::apply(Effects& effects, const LogId& id, PeerLog& log, std::size_t most) {
+    const Seq before = log.applied();
+    for (; most > 0 && log.next() != nullptr; --most) apply_event(effects, id, log);
+    if (log.applied() == before || log.is_frozen()) return;
+    effects.peers.push_back({id.broker, LogAck{{id, log.applied()}, own_.id()}});
+}
+
+void ClusterCore::apply_event(Effects& effects, const LogId& id, PeerLog& log) {
+    const LogEvent& event = *log.next();
+    if (!log.is_frozen()) {
+        if (const auto* erased = std::get_if<broker::SessionErased>(&event)) {
+            const auto* session = log.session(erased->client_id);
+            if (session != nullptr) roaming_.on_let_go(effects.now, *session);
+        }
+        peer_sessions_.on_event(effects.now, log.mirror(), event,
+                                effects.broker.limits().half_a_queue());
+    } else {
+        peer_sessions_.on_late_event(id);
+    }
+    MessagePtr published;
+    if (const auto* publish = std::get_if<broker::Published>(&event)) published = publish->message;
+    broker::ClientId put;
+    if (const auto* session = std::get_if<broker::SessionPut>(&event)) {
+        put = session->image.header.client_id;
+        publish_order_.on_session(effects, log, session->image, logs_, view());
+    }
+    std::optional<LogPosition> routed;
+    if (const auto* route = std::get_if<broker::Routed>(&event)) routed = route->message;
+
+    log.apply();
+    if (published) {
+        effects.broker.observe_time(published->published_at);
+        publish_order_.on_publish(effects, published);
+        learn(published);
+    }
+    if (routed && log.mirror().is_unresolved(*routed)) {
+        MessagePtr message = logs().publish_at(*routed);
+        if (!message) message = effects.broker.retained_at(*routed);
+        if (message) log.mirror().resolve(message);
+    }
+    if (!put.empty() && !log.is_frozen()) {
+        mark_taken(put);
+        peer_sessions_.on_living_home(put, logs_);
+        settlement_.on_peer_session(effects, id.broker, put);
+    }
+}
+
+/// A peer is home to the client now: what the dead left of it is nobody's to adopt any more.
+void ClusterCore::mark_taken(const broker::ClientId& client) {
+    for (auto& [id, log] : logs_) log.mark_taken(client);
+}
+
+void ClusterCore::learn(const MessagePtr& message) {
+    for (auto& [id, log] : logs_) log.mirror().resolve(message);
+}
+
+void ClusterCore::ask_for_gaps(Effects& effects) {
+    for (auto& [id, log] : logs_) {
+        if (!membership_.is_alive(id)) continue;
+        if (const auto request = log.ask(effects.now, 2 * options_.beacon_every)) {
+            effects.peers.push_back({id.broker, *request});
+        }
+    }
+}
+
+void ClusterCore::trim(Effects& effects) {
+    const auto expired = keeping_.expire(effects.now, logs_, membership_, view_change_);
+    for (const LogId& id : expired) {
+        watermark_.forget(id);
+        peer_sessions_.forget(id);
+        logs_.erase(id);
+    }
+    if (!expired.empty()) forget_old_lives(effects);
+    keeping_.forget_passed(effects.now, logs(), membership_, watermark_);
+}
+
+void ClusterCore::forget_old_lives(Effects& effects) {
+    const auto are_over = [this](const LogId& id) { return is_over(id, logs(), membership_); };
+    effects.broker.forget_logs(are_over, effects.clients);
+    for (auto& [id, log] : logs_) log.mirror().forget_logs(are_over);
+}
+
+}  // namespace romano::cluster
