@@ -139,7 +139,7 @@ void ClusterCore::after_input(Effects& effects) {
     for (const auto& [from, address] : handoffs_.take_adopted()) {
         hand_back_.on_handed_over(from, address);
     }
-    handoffs_.carry_on(effects, safe());
+    handoffs_.carry_on(effects, safe(effects.now));
     roaming_.carry_on(effects, logs(), peer_sessions_.homes(), handoffs_, membership_, view());
     snapshots_.carry_on(effects.now, logs(), membership_, effects.peers);
     break_silence(effects);

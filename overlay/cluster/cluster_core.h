@@ -79,7 +79,7 @@ public:
     void forward(const MessagePtr& message, Outbox& out) const;
     [[nodiscard]] const broker::Audience& audience() const { return peer_sessions_; }
     /// The log is held by enough peers up to here.
-    Seq safe();
+    Seq safe(Instant now);
 
     // --- what the owner must know
     /// Clients may be spoken to: there is a view.
@@ -106,6 +106,9 @@ public:
     [[nodiscard]] bool is_taking(const Endpoint& address) const {
         return addresses_.is_taking(address);
     }
+    /// We may be the one that is lost to the others: nothing is said to clients until that is
+    /// known.
+    [[nodiscard]] bool is_in_doubt(Instant now) const { return membership_.may_be_deaf(now); }
     /// With acks_strict: there are fewer peers than must hold what is promised to clients.
     [[nodiscard]] bool is_short_of_peers() const;
     /// A peer says that it is home to the client.
@@ -145,6 +148,7 @@ public:
     }
     void resume(Instant now) {
         listening_.end();
+        membership_.resume(now);
         view_change_.resume();
         roaming_.resume(now);
         next_tick_ = now;

@@ -77,7 +77,7 @@ bool Membership::on_beacon(Instant now, const Beacon& beacon) {
         peer.alive = linked_->is_alive(node);
         if (!peer.alive) return true;
         peer.ended = false;
-        peer.lost_at.reset();
+        if (std::exchange(peer.lost_at, std::nullopt)) weigh_losses();
         elector_->on_claim(now, beacon.claim);
     }
     return true;
@@ -153,6 +153,27 @@ void Membership::bury_suspects(Instant now) {
         lost_.push_back(broker_of(node));
         elector_->on_suspect(now, node);
     }
+    weigh_losses();
+}
+
+void Membership::weigh_losses() {
+    std::size_t left = 1;
+    std::size_t silent = 0;
+    Instant last_lost = Instant::min();
+    for (const auto& [id, peer] : peers_) {
+        if (peer.alive) ++left;
+        if (!peer.lost_at || peer.ended) continue;
+        ++silent;
+        last_lost = std::max(last_lost, *peer.lost_at);
+    }
+    deaf_until_ = silent > left ? last_lost + 2 * detection_time() : Instant::min();
+}
+
+void Membership::resume(Instant now) {
+    for (auto& [id, peer] : peers_) {
+        if (peer.lost_at) peer.lost_at = now;
+    }
+    weigh_losses();
 }
 
 void Membership::describe(Beacon& beacon) const {
@@ -183,19 +204,6 @@ bool Membership::was_heard_just_now(const Peer& peer, Instant now) const {
 bool Membership::has_ended(const LogId& log) const {
     const Peer* peer = find(log.broker);
     return peer != nullptr && (peer->ended || peer->beacon.log != log);
-}
-
-bool Membership::may_be_deaf(Instant now) const {
-    std::size_t left = 1;
-    std::size_t silent = 0;
-    Instant last_lost = Instant::min();
-    for (const auto& [id, peer] : peers_) {
-        if (peer.alive) ++left;
-        if (!peer.lost_at || peer.ended) continue;
-        ++silent;
-        last_lost = std::max(last_lost, *peer.lost_at);
-    }
-    return silent > left && now < last_lost + detection_time();
 }
 
 std::string Membership::name_of(BrokerId id) const {

@@ -60,6 +60,8 @@ public:
     bool on_link(Instant now, const LogId& process, election::Link link);
     void on_ballot(Instant now, BrokerId from, const election::Ballot& ballot);
     void on_tick(Instant now);
+    /// After a stall, in which nobody could be heard: whoever may be deaf listens anew.
+    void resume(Instant now);
     /// What the elector has to say since the last call.
     void send_ballots(Outbox& out);
     /// The elector's next wish; detectors count beacon times.
@@ -80,8 +82,9 @@ public:
     /// That life of the broker is over for certain.
     [[nodiscard]] bool has_ended(const LogId& log) const;
     /// We have just lost more by silence than we have left, ourselves included: perhaps not they
-    /// fell silent, but we are deaf. True for one detection time after the last of them.
-    [[nodiscard]] bool may_be_deaf(Instant now) const;
+    /// fell silent, but we are deaf. True for two detection times after the last of them: when we
+    /// are, the others have replaced us by then.
+    [[nodiscard]] bool may_be_deaf(Instant now) const { return now < deaf_until_; }
     [[nodiscard]] election::Leadership leadership() const { return elector_->leadership(); }
     [[nodiscard]] bool leads() const;
     /// The peer's name, as its beacons say it; empty when unknown.
@@ -92,6 +95,7 @@ public:
 
 private:
     void bury_suspects(Instant now);
+    void weigh_losses();
     [[nodiscard]] bool was_heard_just_now(const Peer& peer, Instant now) const;
 
     ClusterOptions options_;
@@ -102,6 +106,7 @@ private:
     std::unique_ptr<election::Elector> elector_;
     std::map<BrokerId, Peer> peers_;
     std::vector<BrokerId> lost_;
+    Instant deaf_until_ = Instant::min();  // perhaps
 };
 
 }  // namespace romano::cluster

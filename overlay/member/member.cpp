@@ -100,6 +100,9 @@ private:
     void absorb(Instant now, MemberActions& out);
     void send(Instant now, const broker::Send& send, broker::Seq safe, MemberActions& out);
     void send_again(Instant now);
+    [[nodiscard]] bool says_nothing(Instant now) const {
+        return stall_.is_on() || cluster_.is_in_doubt(now);
+    }
     [[nodiscard]] bool must_wait(Instant now, const Endpoint& via, const Endpoint& from,
                                  Bytes datagram) {
         return cut_off_.must_wait(now, from) || cluster_.must_wait(via, from) ||
@@ -291,13 +294,13 @@ void Member::State::restart(Instant now, MemberActions& out) {
 void Member::State::carry_out(Instant now, MemberActions& out) {
     absorb(now, out);
     serve_waiting(now, out);
-    if (stall_.is_on()) return;
+    if (says_nothing(now)) return;
     go_on_uplink(now, out);
     const auto fate_of = [this](const Endpoint& via) {
         if (cluster_.is_silent(via)) return HeldOutput::Fate::is_dropped;
         return cluster_.is_taking(via) ? HeldOutput::Fate::waits : HeldOutput::Fate::leaves;
     };
-    held_.release(cluster_.safe(), fate_of, out.clients);
+    held_.release(cluster_.safe(now), fate_of, out.clients);
 }
 
 void Member::State::absorb(Instant now, MemberActions& out) {
@@ -320,7 +323,7 @@ void Member::State::absorb(Instant now, MemberActions& out) {
         }
     }
     cluster_.flush(out.peers);
-    const broker::Seq safe = cluster_.safe();
+    const broker::Seq safe = cluster_.safe(now);
     for (const broker::Action& action : work_.list()) {
         if (const auto* datagram = std::get_if<broker::Send>(&action)) {
             send(now, *datagram, safe, out);
@@ -349,7 +352,7 @@ void Member::State::send(Instant now, const broker::Send& send, broker::Seq safe
     const Bytes octets = work_.octets(send);
     if (cut_off_.withholds(now, send.to.endpoint, octets)) return;
     if (cluster_.is_taking(send.via)) held_.detain(send.to);
-    if (stall_.is_on() || send.after > safe || held_.detains(send.to)) {
+    if (says_nothing(now) || send.after > safe || held_.detains(send.to)) {
         held_.hold(send, octets);
         return;
     }
@@ -398,7 +401,7 @@ void Member::State::tend_uplink(Instant now, MemberActions& out) {
 
 void Member::State::go_on_uplink(Instant now, MemberActions& out) {
     if (!uplink_) return;
-    uplink_->go_on(now, {log_, cluster_.safe()}, broker_, work_, out.uplink);
+    uplink_->go_on(now, {log_, cluster_.safe(now)}, broker_, work_, out.uplink);
     absorb(now, out);
 }
 

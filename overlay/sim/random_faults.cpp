@@ -264,7 +264,7 @@ void RandomFaults::deafen() {
     }
     ++apart_;
     const Duration detection_time = world_.options().cluster.detection_timeout;
-    world_.events().after(random_.between(5ms, 3 * detection_time / 2), [this] {
+    world_.events().after(random_.between(5ms, 5 * detection_time / 2), [this] {
         --apart_;
         calm_since_ = never;
         if (active_) heal();

@@ -36,7 +36,7 @@ enum class Fault : std::uint8_t {
     late,     // a broker's core: it stands still while its process lives
     starve,   // of processor time, all of them: short stops, several at once
     relapse,  // a broker crashes or stops again just after it came back, a few times
-    deaf,  // what comes to a broker from its peers waits, for up to one and a half detection times
+    deaf,  // what comes to a broker from its peers waits, for up to two and a half detection times
 };
 inline constexpr std::size_t fault_kinds = 13;
 inline constexpr std::array<std::string_view, fault_kinds> fault_names{

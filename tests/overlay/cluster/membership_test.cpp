@@ -185,14 +185,23 @@ struct Survivor : Observer {
     }
 };
 
-TEST(Membership, WhoLosesMoreBySilenceThanItHasLeftMayBeDeafForADetectionTime) {
+TEST(Membership, WhoLosesMoreBySilenceThanItHasLeftMayBeDeafForTwoDetectionTimes) {
     Survivor survivor;
     survivor.lose_both();
     EXPECT_TRUE(survivor.membership.may_be_deaf(survivor.now));
-    survivor.wait(90ms);
+    survivor.wait(190ms);
     EXPECT_TRUE(survivor.membership.may_be_deaf(survivor.now));
     survivor.wait(10ms);
     EXPECT_FALSE(survivor.membership.may_be_deaf(survivor.now));
+}
+
+TEST(Membership, WhoStoodStillListensAnewBeforeItBelievesInSilence) {  // nobody could be heard
+    Survivor survivor;
+    survivor.lose_both();
+    survivor.now += 500ms;
+    ASSERT_FALSE(survivor.membership.may_be_deaf(survivor.now));
+    survivor.membership.resume(survivor.now);
+    EXPECT_TRUE(survivor.membership.may_be_deaf(survivor.now));
 }
 
 TEST(Membership, OneOfTwoGoesOnWithoutADoubt) {

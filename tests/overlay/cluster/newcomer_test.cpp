@@ -67,7 +67,7 @@ TEST_F(Newcomer, P3_PromisesNothingBeforeItsFirstView) {
     cluster.core.append(1, test::published(self, 1));
     cluster.pass();
     ASSERT_TRUE(cluster.core.view().members.empty());
-    EXPECT_EQ(cluster.core.safe(), 0U);
+    EXPECT_EQ(cluster.core.safe(cluster.now), 0U);
 }
 
 }  // namespace

@@ -197,7 +197,7 @@ struct DoubtfulLeader : Leader {
 TEST(ViewChange, WhoMayBeDeafTakesNobodysPlace) {
     DoubtfulLeader leader;
     leader.lose_both();
-    leader.wait(80ms);
+    leader.wait(180ms);
     EXPECT_TRUE(leader.out.empty());
     EXPECT_FALSE(leader.logs.at(high).is_frozen());
     leader.hear_both();
@@ -207,10 +207,10 @@ TEST(ViewChange, WhoMayBeDeafTakesNobodysPlace) {
     EXPECT_FALSE(leader.change.take_installed());
 }
 
-TEST(ViewChange, WhoHearsNobodyForASecondDetectionTimeGoesOnAlone) {
+TEST(ViewChange, WhoHearsNobodyForThreeDetectionTimesGoesOnAlone) {
     DoubtfulLeader leader;
     leader.lose_both();
-    leader.wait(120ms);
+    leader.wait(220ms);
     EXPECT_EQ(leader.change.view().members, std::vector{self});
     EXPECT_TRUE(leader.logs.at(high).is_frozen());
 }

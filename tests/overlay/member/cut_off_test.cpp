@@ -229,7 +229,7 @@ TEST(CutOff, P3_WhatWaitedIsDroppedWhenItsAddressGoesBack) {
     publisher.publish("pose", "1", Qos::exactly_once);
     brokers.run_for(200ms);
     for (const int rank : {1, 2, 4, 5}) brokers.kill(rank);
-    brokers.run_for(200ms);
+    brokers.run_for(400ms);
     ASSERT_EQ(brokers.server_of(1), 3);
     publisher.publish("pose", "2", Qos::exactly_once);
     brokers.run_for(100ms);
@@ -238,6 +238,23 @@ TEST(CutOff, P3_WhatWaitedIsDroppedWhenItsAddressGoesBack) {
     brokers.run_for(3s);
     EXPECT_EQ(publisher.acknowledged(), 2U);
     EXPECT_THAT(subscriber.received(), ElementsAre("1", "2"));
+}
+
+// P3: the others would go on from a log in which that is not.
+TEST(CutOff, WhoMayBeDeafSaysNothingUntilItKnows) {
+    Brokers brokers;
+    for (const int rank : {1, 2, 3}) brokers.start(rank);
+    brokers.run_for(1s);
+    Robot& robot = brokers.robot("robot", 1);
+    robot.connect();
+    brokers.run_for(200ms);
+    brokers.cut(1, 2);
+    brokers.cut(1, 3);
+    brokers.run_for(150ms);
+    robot.publish("pose", "1", Qos::at_least_once);
+    brokers.run_for(100ms);
+    EXPECT_EQ(robot.acknowledged(), 0U);
+    EXPECT_EQ(brokers.server_of(2), 2) << "nor does it go on for the others";
 }
 
 TEST(CutOff, ClientsOfAPartThatIsCutOffAreServedAfterAMoment) {
