@@ -31,7 +31,7 @@ ClusterCore::ClusterCore(const ClusterOptions& options, const Identity& identity
       last_words_(membership_.detection_time()),
       missing_messages_(4 * membership_.detection_time()),
       hand_back_(identity.log.broker, membership_.detection_time(), options.sessions_per_turn),
-      handoffs_(options.sessions_per_turn, membership_.detection_time()),
+      handoffs_(options.sessions_per_turn, 4 * membership_.detection_time()),
       settlement_(identity.log.broker, membership_.detection_time()),
       roaming_(membership_.detection_time()) {}
 

@@ -1,8 +1,8 @@
 // Sessions on their way from one live home to another: sent in parts, adopted when the last part is
 // there and none is missing, acknowledged when the adoption is safe with peers. Until then the
 // sender keeps them. Many are adopted in pieces. What their clients publish here comes after what
-// their former home had worked through: they wait for that, but for no longer than a tail takes to
-// come.
+// their former home had worked through: they wait for that, but for no longer than a snapshot takes
+// to come.
 #pragma once
 
 #include <functional>
