@@ -74,10 +74,9 @@ bool Membership::on_beacon(Instant now, const Beacon& beacon) {
     heard_->on_beacon(now, node);
     if (peer.hears(self_)) {
         linked_->on_beacon(now, node);
-        peer.alive = linked_->is_alive(node);
+        find_again(peer, linked_->is_alive(node));
         if (!peer.alive) return true;
         peer.ended = false;
-        if (std::exchange(peer.lost_at, std::nullopt)) weigh_losses();
         elector_->on_claim(now, beacon.claim);
     }
     return true;
@@ -90,10 +89,18 @@ void Membership::on_pulse(Instant now, const Pulse& pulse) {
     if (peer.beacon.log != pulse.log || pulse.tick < peer.beacon.tick || peer.beacon.leaving)
         return;
     const election::NodeId node = node_of(pulse.log.broker);
-    if (!heard_->is_alive(node)) return;
+    const bool is_missed = now < missed_until_ && peer.lost_at && !peer.ended;
+    if (!is_missed && !heard_->is_alive(node)) return;
     peer.heard_at = now;
     heard_->on_beacon(now, node);
-    if (peer.hears(self_) && linked_->is_alive(node)) linked_->on_beacon(now, node);
+    if (!peer.hears(self_) || (!is_missed && !linked_->is_alive(node))) return;
+    linked_->on_beacon(now, node);
+    if (is_missed) find_again(peer, linked_->is_alive(node));
+}
+
+void Membership::find_again(Peer& peer, bool is_alive) {
+    peer.alive = is_alive;
+    if (is_alive && std::exchange(peer.lost_at, std::nullopt)) weigh_losses();
 }
 
 void Membership::on_leader(Instant now, BrokerId leader, election::Term term) {
@@ -166,7 +173,9 @@ void Membership::weigh_losses() {
         ++silent;
         last_lost = std::max(last_lost, *peer.lost_at);
     }
-    deaf_until_ = silent > left ? last_lost + 2 * detection_time() : Instant::min();
+    const bool is_in_doubt = silent > left;
+    if (is_in_doubt) missed_until_ = last_lost + 2 * detection_time();
+    deaf_until_ = is_in_doubt ? missed_until_ : Instant::min();
 }
 
 void Membership::resume(Instant now) {

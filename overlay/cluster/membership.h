@@ -48,7 +48,8 @@ public:
 
     /// False when the beacon is not to be heeded: of an earlier life of the peer, or our own.
     bool on_beacon(Instant now, const Beacon& beacon);
-    /// A sign of life, and only of those who are alive: the next beacon tells the rest.
+    /// A sign of life, and only of those who are alive: the next beacon tells the rest. Or of those
+    /// of whom we did not know whether they or we are deaf: they listen until they know what we do.
     void on_pulse(Instant now, const Pulse& pulse);
     /// The leader's claim comes with its proposals too, and may come there before its beacon. Not
     /// in raft: terms are voted, and only beacons tell of them.
@@ -94,6 +95,7 @@ public:
     [[nodiscard]] Duration detection_time() const { return linked_->detection_time(); }
 
 private:
+    void find_again(Peer& peer, bool is_alive);
     void bury_suspects(Instant now);
     void weigh_losses();
     [[nodiscard]] bool was_heard_just_now(const Peer& peer, Instant now) const;
@@ -106,7 +108,8 @@ private:
     std::unique_ptr<election::Elector> elector_;
     std::map<BrokerId, Peer> peers_;
     std::vector<BrokerId> lost_;
-    Instant deaf_until_ = Instant::min();  // perhaps
+    Instant deaf_until_ = Instant::min();    // perhaps
+    Instant missed_until_ = Instant::min();  // also when one of those who were lost is back
 };
 
 }  // namespace romano::cluster

@@ -219,6 +219,17 @@ TEST(Membership, WhoIsHeardAgainWasNeverLost) {
     EXPECT_FALSE(survivor.membership.may_be_deaf(survivor.now));
 }
 
+// They stood still, and listen until they know whether they were replaced: they say nothing else.
+TEST(Membership, APulseRaisesWhoIsMissedByOneWhoMayBeDeaf) {
+    Survivor survivor;
+    survivor.lose_both();
+    survivor.pulse(survivor.ticks - 1, peer);
+    EXPECT_TRUE(survivor.membership.is_alive(peer));
+    EXPECT_FALSE(survivor.membership.may_be_deaf(survivor.now));
+    survivor.pulse(survivor.ticks, survivor.other);
+    EXPECT_TRUE(survivor.membership.is_alive(survivor.other)) << "a moment later";
+}
+
 TEST(Membership, OneWhoFellSilentLongAgoIsStillMissed) {  // perhaps that was the beginning
     Survivor survivor;
     survivor.hear_both();

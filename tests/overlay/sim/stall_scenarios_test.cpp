@@ -46,6 +46,23 @@ protected:
     }
 };
 
+// The third one waits for them, and they for what it does: a pulse says enough.
+TEST_F(StallScenario, TwoOfThreeThatStandStillForTwoDetectionTimesAreNotReplaced) {
+    begin_under_load();
+    world.broker(0).stop();
+    world.broker(1).stop();
+    world.run_for(world.options().cluster.detection_timeout * 2);
+    world.broker(0).go_on();
+    world.broker(1).go_on();
+    world.run_for(1s);
+    EXPECT_EQ(world.broker(2).member().facts().take_overs, 0U);
+    for (const std::size_t late : {0U, 1U}) {
+        EXPECT_EQ(world.broker(late).member().facts().replacements, 0U) << late;
+    }
+    expect_all_promises_kept();
+    expect_nobody_noticed();
+}
+
 TEST_F(StallScenario, AnAddressIsHandedBackWithoutAPauseInItsQueues) {
     begin_under_load();
     world.broker(1).stop();
