@@ -126,6 +126,19 @@ TEST_F(Reports, DrawEveryFigureAsSvgAndKeepItsScript) {
     }
 }
 
+TEST_F(Reports, ShowTheSecondsAroundTheFirstFault) {  // a soak's page would be 140 MB of marks
+    std::size_t shown = 0;
+    const auto configurations = configurations_of(rows_);
+    for (const Figure& figure : figures_of(configurations, 12, folder_)) {  // published for 8 s
+        if (figure.plot.name != "around_a_fault") continue;
+        for (const PlotSeries& series : figure.plot.panels.at(0).series) {
+            for (const auto& point : series.points) EXPECT_GE(point.x, 7);
+            shown += series.points.size();
+        }
+    }
+    EXPECT_EQ(shown, 3U * 50);
+}
+
 TEST_F(Reports, TellOfRunsThatFailed) {
     rows_[4].status = "broker b1 ended unexpectedly, signal 11 <Segmentation fault>";
     const std::string html = report();
