@@ -48,7 +48,8 @@ bool learn(SessionImage& image, const SessionImage& told) {
 }
 
 /// What the copy that gives way has begun to send at QoS 2, and only waits or is missed in the one
-/// that stays, goes on under its id: the client may have it. False when there is nothing of the
+/// that stays, goes on under its id: the client may have it. So does what the client has received
+/// there for certain, though the copy that stays has begun, too. False when there is nothing of the
 /// kind.
 bool resume_exchanges(SessionImage& stays, std::vector<MessagePtr>& missed,
                       const SessionImage& gives_way) {
@@ -62,7 +63,9 @@ bool resume_exchanges(SessionImage& stays, std::vector<MessagePtr>& missed,
         const auto waiting =
             std::ranges::find(stays.deliveries, begun.position, &Delivery::position);
         if (waiting == stays.deliveries.end() || waiting->qos != Qos::exactly_once) continue;
-        if (waiting->stage == DeliveryStage::queued) {
+        const bool is_further =
+            begun.stage == DeliveryStage::released && waiting->stage == DeliveryStage::published;
+        if (waiting->stage == DeliveryStage::queued || is_further) {
             waiting->stage = begun.stage;
             waiting->msg_id = begun.msg_id;
             resumes = true;

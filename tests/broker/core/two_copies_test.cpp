@@ -88,6 +88,19 @@ TEST_F(TwoCopies, P3_WhatTheFormerHomeHasBegunAndTheOtherOneMissedGoesOnUnderIts
     EXPECT_EQ(settled.image.deliveries.back().stage, DeliveryStage::published);
 }
 
+// It was closed there by PUBREL, and then came again from here.
+TEST_F(TwoCopies, P3_WhatTheClientReceivedFromTheOtherHomeIsNotRepeatedUnderTheOwnId) {
+    constexpr mqttsn::MsgId theirs{9};
+    missed.clear();
+    other.deliveries.push_back(delivery(3, DeliveryStage::released, theirs));
+    const Settled settled = settle(winner, other, missed);
+    ASSERT_THAT(numbers(settled.image.deliveries), ElementsAre(2, 3, 4));
+    EXPECT_EQ(settled.image.deliveries[1].stage, DeliveryStage::released);
+    EXPECT_EQ(settled.image.deliveries[1].msg_id, theirs);
+    EXPECT_EQ(settled.unfinished, sent);
+    EXPECT_TRUE(settled.is_new);
+}
+
 TEST_F(TwoCopies, WhatTellsNothingNewLeavesTheOwnCopyAsItIs) {
     other.worked_through.clear();
     missed.clear();
