@@ -164,6 +164,10 @@ void Member::State::on_datagram(Instant now, const Endpoint& via, const Endpoint
     if (stall_.is_on() || must_wait(now, via, from, datagram)) {
         return waiting_.hold(via, from, datagram, true);
     }
+    if (waiting_.holds(from)) {
+        waiting_.hold(via, from, datagram, true);
+        return carry_out(now, out);
+    }
     Effects acting = effects(now, out);
     if (cluster_.must_fetch(acting, from, datagram)) {
         return waiting_.hold(via, from, datagram, false);

@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <deque>
+#include <map>
 #include <utility>
 #include <vector>
 
@@ -32,6 +33,7 @@ public:
         }
         octets_ += octets.size() + overhead;
         waiting_.push_back({via, from, {octets.begin(), octets.end()}, is_new});
+        ++clients_[from];
     }
 
     /// Those that need not wait any more, in the order in which they came.
@@ -41,11 +43,16 @@ public:
         std::erase_if(waiting_, [&](Datagram& datagram) {
             if (must_wait(datagram)) return false;
             octets_ -= datagram.octets.size() + overhead;
+            const auto client = clients_.find(datagram.from);
+            if (--client->second == 0) clients_.erase(client);
             taken.push_back(std::move(datagram));
             return true;
         });
         return taken;
     }
+
+    /// Something of that client waits, or was not served yet: what comes now comes after it.
+    [[nodiscard]] bool holds(const Endpoint& client) const { return clients_.contains(client); }
 
     /// All that came by that address: clients ask again, and somebody else answers there now.
     void drop(const Endpoint& via) {
@@ -53,6 +60,7 @@ public:
     }
     void clear() {
         waiting_.clear();
+        clients_.clear();
         octets_ = 0;
     }
     [[nodiscard]] bool empty() const { return waiting_.empty(); }
@@ -64,6 +72,7 @@ private:
     static constexpr std::size_t overhead = 128;  // of one datagram in the queue
 
     std::deque<Datagram> waiting_;
+    std::map<Endpoint, std::size_t> clients_;  // how many of each wait
     std::size_t octets_ = 0;
     std::uint64_t dropped_ = 0;
 };

@@ -5,6 +5,8 @@
 #include <gmock/gmock.h>
 
 #include <set>
+#include <string>
+#include <vector>
 
 #include "tests/overlay/member/brokers.h"
 
@@ -255,6 +257,31 @@ TEST(CutOff, WhoMayBeDeafSaysNothingUntilItKnows) {
     brokers.run_for(100ms);
     EXPECT_EQ(robot.acknowledged(), 0U);
     EXPECT_EQ(brokers.server_of(2), 2) << "nor does it go on for the others";
+}
+
+// P5, also at QoS 0: the first datagram after the wait passed all that had waited.
+TEST(CutOff, WhatComesIsServedAfterWhatWaits) {
+    Brokers brokers;
+    for (const int rank : {1, 2, 3}) brokers.start(rank);
+    brokers.run_for(1s);
+    Robot& listener = brokers.robot("listener", 1);
+    listener.connect();
+    listener.subscribe("pose", Qos::at_most_once);
+    Robot& talker = brokers.robot("talker", 1);
+    talker.connect();
+    talker.publish("pose", "0", Qos::exactly_once);
+    brokers.run_for(200ms);
+    brokers.cut(1, 2);
+    brokers.cut(1, 3);
+    brokers.run_for(400ms);
+    std::vector<std::string> sent{"0"};
+    for (int i = 1; i < 80; ++i) {
+        sent.push_back(std::to_string(i));
+        talker.publish("pose", sent.back(), Qos::at_most_once);
+        brokers.run_for(10ms);
+    }
+    brokers.run_for(100ms);
+    EXPECT_EQ(listener.received(), sent);
 }
 
 TEST(CutOff, ClientsOfAPartThatIsCutOffAreServedAfterAMoment) {
