@@ -108,7 +108,7 @@ public:
     }
     /// We may be the one that is lost to the others: nothing is said to clients until that is
     /// known.
-    [[nodiscard]] bool is_in_doubt(Instant now) const { return membership_.may_be_deaf(now); }
+    [[nodiscard]] bool may_be_deaf(Instant now) const { return membership_.may_be_deaf(now); }
     /// With acks_strict: there are fewer peers than must hold what is promised to clients.
     [[nodiscard]] bool is_short_of_peers() const;
     /// A peer says that it is home to the client.

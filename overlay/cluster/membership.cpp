@@ -173,9 +173,8 @@ void Membership::weigh_losses() {
         ++silent;
         last_lost = std::max(last_lost, *peer.lost_at);
     }
-    const bool is_in_doubt = silent > left;
-    if (is_in_doubt) missed_until_ = last_lost + 2 * detection_time();
-    deaf_until_ = is_in_doubt ? missed_until_ : Instant::min();
+    lost_too_many_ = silent > left;
+    if (lost_too_many_) missed_until_ = last_lost + 2 * detection_time();
 }
 
 void Membership::resume(Instant now) {

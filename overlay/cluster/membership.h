@@ -85,7 +85,9 @@ public:
     /// We have just lost more by silence than we have left, ourselves included: perhaps not they
     /// fell silent, but we are deaf. True for two detection times after the last of them: when we
     /// are, the others have replaced us by then.
-    [[nodiscard]] bool may_be_deaf(Instant now) const { return now < deaf_until_; }
+    [[nodiscard]] bool may_be_deaf(Instant now) const {
+        return lost_too_many_ && now < missed_until_;
+    }
     [[nodiscard]] election::Leadership leadership() const { return elector_->leadership(); }
     [[nodiscard]] bool leads() const;
     /// The peer's name, as its beacons say it; empty when unknown.
@@ -108,8 +110,8 @@ private:
     std::unique_ptr<election::Elector> elector_;
     std::map<BrokerId, Peer> peers_;
     std::vector<BrokerId> lost_;
-    Instant deaf_until_ = Instant::min();    // perhaps
-    Instant missed_until_ = Instant::min();  // also when one of those who were lost is back
+    bool lost_too_many_ = false;             // by silence: more than are left
+    Instant missed_until_ = Instant::min();  // since then: they may say that they live
 };
 
 }  // namespace romano::cluster

@@ -101,7 +101,7 @@ private:
     void send(Instant now, const broker::Send& send, broker::Seq safe, MemberActions& out);
     void send_again(Instant now);
     [[nodiscard]] bool says_nothing(Instant now) const {
-        return stall_.is_on() || cluster_.is_in_doubt(now);
+        return stall_.is_on() || cluster_.may_be_deaf(now);
     }
     [[nodiscard]] bool must_wait(Instant now, const Endpoint& via, const Endpoint& from,
                                  Bytes datagram) {

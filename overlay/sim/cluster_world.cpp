@@ -111,6 +111,12 @@ void ClusterWorld::part(const std::vector<std::set<std::size_t>>& sides, bool cl
     }
 }
 
+void ClusterWorld::deafen(std::size_t broker) {
+    for (std::size_t other = 0; other < brokers_.size(); ++other) {
+        if (other != broker) cut(other, broker);
+    }
+}
+
 void ClusterWorld::heal() {
     peers_.join_all();
     clients().cuts().join_all();

@@ -44,6 +44,8 @@ public:
     /// the side that its broker is on (by its home address); without, all of them hear all brokers.
     void part(const std::vector<std::set<std::size_t>>& sides, bool clients_too);
     void cut(std::size_t from, std::size_t to) { peers_.cut(broker_node(from), broker_node(to)); }
+    /// Nothing of what the others say comes to it; what it says goes to them.
+    void deafen(std::size_t broker);
     /// All cuts end, of brokers and of robots.
     void heal();
 

@@ -257,11 +257,8 @@ void RandomFaults::cut_one_way() {
 
 /// Of two, each goes on without one that has fallen silent, and cannot know better.
 void RandomFaults::deafen() {
-    const std::size_t victim = some_broker();
     if (world_.broker_count() == 2) parted_.push_back({world_.now(), never});
-    for (std::size_t other = 0; other < world_.broker_count(); ++other) {
-        if (other != victim) world_.cut(other, victim);
-    }
+    world_.deafen(some_broker());
     ++apart_;
     const Duration detection_time = world_.options().cluster.detection_timeout;
     world_.events().after(random_.between(5ms, 5 * detection_time / 2), [this] {

@@ -43,6 +43,16 @@ void see(CutOff& cut_off, const cluster::View& view) {
     cut_off.on_view(Instant{1s}, view, fell_silent, is_heard);
 }
 
+void start_three(Brokers& brokers) {
+    for (const int rank : {1, 2, 3}) brokers.start(rank);
+    brokers.run_for(1s);
+}
+
+/// From the other brokers, not from the robots beside it.
+void cut_off_the_first(Brokers& brokers) {
+    for (const int other : {2, 3}) brokers.cut(1, other);
+}
+
 TEST(CutOff, RepeatsNothingToThoseThatWereNotHeardSince) {
     const Instant now{1s};
     CutOff cut_off;
@@ -132,8 +142,7 @@ TEST(CutOff, IsOverAfterAMomentThoughOneOfTheViewIsNotHeard) {
 TEST(CutOff, P3_WhatTheHeirDeliveredIsNotRepeatedWhenTheWayIsOpenAgain) {
     constexpr int robots_site = 4;
     Brokers brokers;
-    for (const int rank : {1, 2, 3}) brokers.start(rank);
-    brokers.run_for(1s);
+    start_three(brokers);
     Robot& subscriber = brokers.robot("subscriber", 1, robots_site);
     subscriber.connect();
     subscriber.subscribe("pose", Qos::exactly_once);
@@ -144,8 +153,7 @@ TEST(CutOff, P3_WhatTheHeirDeliveredIsNotRepeatedWhenTheWayIsOpenAgain) {
     brokers.cut(1, robots_site);
     publisher.publish("pose", "1", Qos::exactly_once);
     brokers.run_for(20ms);  // broker 1 has sent it, and has no answer
-    brokers.cut(1, 2);
-    brokers.cut(1, 3);
+    cut_off_the_first(brokers);
     brokers.run_for(1s);
     EXPECT_THAT(subscriber.received(), ElementsAre("1")) << "from the heir";
     brokers.heal(1, robots_site);  // the brokers have not found each other yet
@@ -164,8 +172,7 @@ TEST(CutOff, P3_WhatTheHeirDeliveredIsNotRepeatedWhenTheWayIsOpenAgain) {
 TEST(CutOff, P3_WhatTheOtherHomeDeliveredMeanwhileIsNotDeliveredAgain) {
     constexpr int robots_site = 4;
     Brokers brokers;
-    for (const int rank : {1, 2, 3}) brokers.start(rank);
-    brokers.run_for(1s);
+    start_three(brokers);
     Robot& subscriber = brokers.robot("subscriber", 2, robots_site);
     subscriber.connect();
     subscriber.subscribe("pose", Qos::exactly_once);
@@ -173,7 +180,8 @@ TEST(CutOff, P3_WhatTheOtherHomeDeliveredMeanwhileIsNotDeliveredAgain) {
     publisher.connect();
     brokers.run_for(200ms);
 
-    for (const int other : {2, 3, robots_site}) brokers.cut(1, other);
+    cut_off_the_first(brokers);
+    brokers.cut(1, robots_site);
     brokers.run_for(300ms);
     for (const char* text : {"1", "2", "3"}) publisher.publish("pose", text, Qos::exactly_once);
     brokers.run_for(1s);
@@ -193,8 +201,7 @@ TEST(CutOff, P3_WhatTheOtherHomeDeliveredMeanwhileIsNotDeliveredAgain) {
 TEST(CutOff, P3_WhatAClientSaysToTheBrokerThatWasCutOffWaitsForTheOthers) {
     constexpr int robots_site = 4;
     Brokers brokers;
-    for (const int rank : {1, 2, 3}) brokers.start(rank);
-    brokers.run_for(1s);
+    start_three(brokers);
     Robot& subscriber = brokers.robot("subscriber", 2, robots_site);
     subscriber.connect();
     subscriber.subscribe("pose", Qos::exactly_once);
@@ -202,7 +209,8 @@ TEST(CutOff, P3_WhatAClientSaysToTheBrokerThatWasCutOffWaitsForTheOthers) {
     publisher.connect();
     brokers.run_for(200ms);
 
-    for (const int other : {2, 3, robots_site}) brokers.cut(1, other);
+    cut_off_the_first(brokers);
+    brokers.cut(1, robots_site);
     brokers.run_for(300ms);
     for (const char* text : {"1", "2", "3"}) publisher.publish("pose", text, Qos::exactly_once);
     brokers.run_for(500ms);
@@ -245,13 +253,11 @@ TEST(CutOff, P3_WhatWaitedIsDroppedWhenItsAddressGoesBack) {
 // P3: the others would go on from a log in which that is not.
 TEST(CutOff, WhoMayBeDeafSaysNothingUntilItKnows) {
     Brokers brokers;
-    for (const int rank : {1, 2, 3}) brokers.start(rank);
-    brokers.run_for(1s);
+    start_three(brokers);
     Robot& robot = brokers.robot("robot", 1);
     robot.connect();
     brokers.run_for(200ms);
-    brokers.cut(1, 2);
-    brokers.cut(1, 3);
+    cut_off_the_first(brokers);
     brokers.run_for(150ms);
     robot.publish("pose", "1", Qos::at_least_once);
     brokers.run_for(100ms);
@@ -262,8 +268,7 @@ TEST(CutOff, WhoMayBeDeafSaysNothingUntilItKnows) {
 // P5, also at QoS 0: the first datagram after the wait passed all that had waited.
 TEST(CutOff, WhatComesIsServedAfterWhatWaits) {
     Brokers brokers;
-    for (const int rank : {1, 2, 3}) brokers.start(rank);
-    brokers.run_for(1s);
+    start_three(brokers);
     Robot& listener = brokers.robot("listener", 1);
     listener.connect();
     listener.subscribe("pose", Qos::at_most_once);
@@ -271,8 +276,7 @@ TEST(CutOff, WhatComesIsServedAfterWhatWaits) {
     talker.connect();
     talker.publish("pose", "0", Qos::exactly_once);
     brokers.run_for(200ms);
-    brokers.cut(1, 2);
-    brokers.cut(1, 3);
+    cut_off_the_first(brokers);
     brokers.run_for(400ms);
     std::vector<std::string> sent{"0"};
     for (int i = 1; i < 80; ++i) {
@@ -286,13 +290,11 @@ TEST(CutOff, WhatComesIsServedAfterWhatWaits) {
 
 TEST(CutOff, ClientsOfAPartThatIsCutOffAreServedAfterAMoment) {
     Brokers brokers;
-    for (const int rank : {1, 2, 3}) brokers.start(rank);
-    brokers.run_for(1s);
+    start_three(brokers);
     Robot& robot = brokers.robot("robot", 1);
     robot.connect();
     brokers.run_for(200ms);
-    brokers.cut(1, 2);
-    brokers.cut(1, 3);
+    cut_off_the_first(brokers);
     brokers.run_for(300ms);
     robot.publish("pose", "1", Qos::at_least_once);
     brokers.run_for(2s);
