@@ -163,7 +163,7 @@ void ClusterCore::break_silence(Effects& effects) {
 
 void ClusterCore::on(Effects& effects, BrokerId, const Beacon& beacon) {
     if (!membership_.on_beacon(effects.now, beacon)) return;
-    listening_.on_beacon(own_.id(), beacon);
+    listening_.on_beacon(effects.now, own_.id(), beacon);
     if (membership_.is_alive(beacon.log)) heed(beacon);
     heed_news_of_peers(effects);
 }

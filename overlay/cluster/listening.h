@@ -1,13 +1,13 @@
 // A member that was away, paused or starved, listens to its peers and says nothing meanwhile.
 //
 // It may have been replaced, and a beacon that was sent early in that time cannot know it yet: so
-// one that was sent late tells, by its tick. Whoever does not hear us is about to replace us.
+// one that was sent late tells, by its tick. Whoever does not hear us is about to replace us,
+// unless it has fallen silent since.
 #pragma once
 
 #include <algorithm>
 #include <cstdint>
 #include <map>
-#include <set>
 #include <utility>
 #include <variant>
 
@@ -37,6 +37,7 @@ public:
         has_heard_ = false;
         is_up_to_date_ = false;
         doubting_.clear();
+        patience_ = membership.detection_time();
         for (const auto& [id, peer] : membership.peers()) {
             std::uint64_t& late = late_ticks_[peer.beacon.log];
             late = std::max(late, peer.beacon.tick + beacon_times_away * 3 / 4);
@@ -44,11 +45,11 @@ public:
     }
     void end() { is_on_ = false; }
 
-    void on_beacon(const LogId& self, const Beacon& beacon) {
+    void on_beacon(Instant now, const LogId& self, const Beacon& beacon) {
         if (beacon.view.members.empty()) return;  // it knows no more than we do
         has_heard_ = true;
         if (beacon.view.contains(self) && !beacon.hears_from(self.broker)) {
-            doubting_.insert(beacon.log.broker);
+            doubting_.insert_or_assign(beacon.log.broker, now);
         } else {
             doubting_.erase(beacon.log.broker);
         }
@@ -62,14 +63,19 @@ public:
     /// A late one came.
     [[nodiscard]] bool is_up_to_date() const { return is_up_to_date_; }
     /// Somebody who is in one view with us takes us for dead: we are about to be replaced.
-    [[nodiscard]] bool is_doubted() const { return !doubting_.empty(); }
+    [[nodiscard]] bool is_doubted(Instant now) const {
+        return std::ranges::any_of(doubting_, [&](const auto& peer_and_said) {
+            return now < peer_and_said.second + patience_;
+        });
+    }
 
 private:
     bool is_on_ = false;
     bool has_heard_ = false;
     bool is_up_to_date_ = true;
     std::map<LogId, std::uint64_t> late_ticks_;  // of each peer: sent late in that time
-    std::set<BrokerId> doubting_;
+    std::map<BrokerId, Instant> doubting_;       // and when they said so last
+    Duration patience_{};
 };
 
 }  // namespace romano::cluster

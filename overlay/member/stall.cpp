@@ -40,7 +40,7 @@ bool Stall::take_pulse(Instant now) {
 bool Stall::is_over(Instant now, cluster::Listening& heard, bool is_alone) {
     heard_in_a_row_ = heard.take_heard() ? heard_in_a_row_ + 1 : 0;
     const bool knows =
-        !heard.is_doubted() && (heard.is_up_to_date() || heard_in_a_row_ >= beacon_times_heard);
+        !heard.is_doubted(now) && (heard.is_up_to_date() || heard_in_a_row_ >= beacon_times_heard);
     if (knows || is_alone || beats_left_-- <= 0) return true;
     listen_until_ = now + beacon_every_;
     return false;
