@@ -279,10 +279,12 @@ Surroundings ClusterCore::surroundings(const Effects& effects) {
             .logs = logs_,
             .serving = claimed_,
             .home = addresses_.home(),
+    told_ends_ = ended_.list();
             .sessions = static_cast<std::uint32_t>(effects.broker.session_count())};
 }
 
 bool ClusterCore::is_short_of_peers() const {
+            .ended = told_ends_,
     if (!options_.acks_strict) return false;
     return live_peers().size() < (options_.acks == all_peers ? 1 : options_.acks);
 }

@@ -217,7 +217,8 @@ private:
     OwnLog own_;
     Membership membership_;
     ServiceAddresses addresses_;
-    std::vector<Endpoint> claimed_;  // addresses_.claimed(), for the surroundings
+    std::vector<Endpoint> claimed_;       // addresses_.claimed(), for the surroundings
+    std::vector<LogPosition> told_ends_;  // ended_.list(), as well
     PeerLogs logs_;
     LogKeeping keeping_;
     PublishOrder publish_order_;

@@ -64,8 +64,10 @@ void ClusterCore::on(Effects&, BrokerId, const LogAck& ack) {
 
 void ClusterCore::on(Effects& effects, BrokerId, const TailRequest& request) {
     const auto& [id, after] = request.after;
-    if (const LogHistory* history = logs().history_of(id)) {
-        send_tail(*history, id, after, request.to, effects.peers);
+    if (id == own_.id()) {
+        send_tail(own_.history(), {id, own_.last()}, after, request.to, effects.peers);
+    } else if (const auto log = logs_.find(id); log != logs_.end()) {
+        send_tail(log->second.history(), {id, log->second.end()}, after, request.to, effects.peers);
     }
 }
 

@@ -4,17 +4,9 @@
 #include <iterator>
 
 namespace romano::cluster {
-namespace {
-
-/// That life of its broker, or a later one, is a member.
-bool lives_on(const View& view, const LogId& log) {
-    return view.contains(log) || view.has_later_life_of(log);
-}
-
-}  // namespace
 
 void EndedLogs::on_view(const View& view, const std::vector<LogPosition>& ends) {
-    std::erase_if(ends_, [&](const auto& end) { return lives_on(view, end.second.log); });
+    std::erase_if(ends_, [&](const auto& end) { return view.contains(end.second.log); });
     learn(view, ends);
 }
 
@@ -22,7 +14,7 @@ void EndedLogs::on_view(const View& view, const std::vector<LogPosition>& ends) 
 /// may be gone, but what they went on from is in their logs.
 void EndedLogs::learn(const View& view, const std::vector<LogPosition>& ends) {
     for (const LogPosition& end : ends) {
-        if (lives_on(view, end.log)) continue;
+        if (view.contains(end.log)) continue;
         if (ends_.size() == most && !ends_.contains(end.log.broker)) continue;
         LogPosition& known = ends_.try_emplace(end.log.broker, end).first->second;
         known = std::max(known, end);

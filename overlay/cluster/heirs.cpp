@@ -16,6 +16,24 @@ std::optional<Seq> held_of(const ViewHoldings& holdings, const LogId& log) {
     return std::nullopt;
 }
 
+/// Who answered so can send the log's events after `seq`.
+bool has_kept_after(const ViewHoldings& holdings, const LogId& log, Seq seq) {
+    return std::ranges::none_of(holdings.kept_after, [&](const LogPosition& kept) {
+        return kept.log == log && kept.seq > seq;
+    });
+}
+
+/// Who holds the log up to its end, and can send what follows `seq`: one that has it from a
+/// snapshot may hold none of that as events.
+std::optional<BrokerId> sender_of_tail(const Answers& answers, const LogPosition& end, Seq seq) {
+    const auto found = std::ranges::find_if(answers.holdings, [&](const auto& entry) {
+        return held_of(entry.second, end.log) == end.seq &&
+               has_kept_after(entry.second, end.log, seq);
+    });
+    if (found == answers.holdings.end()) return std::nullopt;
+    return found->first.broker;
+}
+
 /// Holds it, but for a last batch perhaps, which comes at once. One that has just started knows
 /// that the log is there, and no more; one that was cut off lacks what the others do not keep for
 /// it.
@@ -26,6 +44,11 @@ bool holds(const ViewHoldings& holdings, const LogId& log, Seq end) {
 
 bool is_outdated(const ViewHoldings& holdings, const LogId& log) {
     return std::ranges::count(holdings.outdated, log) > 0;
+}
+
+std::optional<Seq> told_end(const Answers& answers, const LogId& log) {
+    const auto told = std::ranges::find(answers.ended, log, &LogPosition::log);
+    return told == answers.ended.end() ? std::nullopt : std::optional{told->seq};
 }
 
 /// A later life of its broker is known: others went on for this one.
@@ -99,16 +122,17 @@ std::map<BrokerId, std::uint64_t> loads(const Answers& answers, const Membership
     return load;
 }
 
-/// The least loaded member that holds the log.
-std::optional<BrokerId> least_loaded(const Answers& answers, const Witnesses& witnesses,
-                                     const LogPosition& end,
-                                     const std::map<BrokerId, std::uint64_t>& load) {
-    std::optional<BrokerId> best;
+/// The members that may inherit the log: those who hold it, or will. Somebody always holds all of
+/// it.
+std::vector<BrokerId> candidates(const Answers& answers, const Witnesses& witnesses,
+                                 const LogPosition& end) {
+    std::vector<BrokerId> found;
     for (const auto& [member, holdings] : answers.holdings) {
         if (!witnesses.include(holdings, end.log) || !holds(holdings, end.log, end.seq)) continue;
-        if (!best || load.at(member.broker) < load.at(*best)) best = member.broker;
+        const Seq held = *held_of(holdings, end.log);
+        if (held >= end.seq || sender_of_tail(answers, end, held)) found.push_back(member.broker);
     }
-    return best;
+    return found;
 }
 
 }  // namespace
@@ -128,7 +152,7 @@ std::map<LogId, Seq> agreed_ends(const Answers& answers) {
             if (is_outdated(holdings, log) || !holds(holdings, log, seq)) continue;
             known = std::max(known, held_of(holdings, log));
         }
-        ends.emplace(log, known.value_or(seq));
+        ends.emplace(log, known ? *known : std::min(seq, told_end(answers, log).value_or(seq)));
     }
     return ends;
 }
@@ -153,21 +177,18 @@ std::vector<Assignment> assign(const Answers& answers, const std::map<LogId, Seq
         std::vector<BrokerId> wanted = present_servers(answers, membership, address);
         if (chosen.contains(address)) wanted.push_back(chosen.at(address));
         if (const auto home = owner(answers, membership, address)) wanted.push_back(*home);
+        const auto able = candidates(answers, witnesses, {log, end->second});
+        if (able.empty()) continue;
         // One that serves the address but does not hold the log gets the sessions from an heir.
-        const auto best = std::ranges::find_if(wanted, [&](BrokerId id) {
-            return std::ranges::any_of(answers.holdings, [&](const auto& entry) {
-                return entry.first.broker == id && witnesses.include(entry.second, log) &&
-                       holds(entry.second, log, end->second);
-            });
-        });
-        const auto heir = best != wanted.end()
-                              ? std::optional{*best}
-                              : least_loaded(answers, witnesses, {log, end->second}, load);
-        if (!heir) continue;
-        chosen.try_emplace(address, *heir);
+        const auto best = std::ranges::find_first_of(wanted, able);
+        const BrokerId heir =
+            best != wanted.end()
+                ? *best
+                : *std::ranges::min_element(able, {}, [&](BrokerId id) { return load.at(id); });
+        chosen.try_emplace(address, heir);
         const Peer* dead = membership.find(log.broker);
-        load[*heir] += 1 + (dead != nullptr ? dead->beacon.sessions : 0);
-        assignments.push_back({.end = {log, end->second}, .address = address, .heir = *heir});
+        load[heir] += 1 + (dead != nullptr ? dead->beacon.sessions : 0);
+        assignments.push_back({.end = {log, end->second}, .address = address, .heir = heir});
     }
     return assignments;
 }
@@ -178,13 +199,12 @@ std::vector<std::pair<BrokerId, TailRequest>> missing_tails(const Answers& answe
     for (const auto& log_and_end : ends) {
         const LogId& log = log_and_end.first;
         const Seq end = log_and_end.second;
-        const auto best = std::ranges::find_if(
-            answers.holdings, [&](const auto& entry) { return held_of(entry.second, log) == end; });
         for (const auto& [member, holdings] : answers.holdings) {
             const auto held = held_of(holdings, log);
             if (!held || *held >= end) continue;
-            requests.emplace_back(best->first.broker,
-                                  TailRequest{.after = {log, *held}, .to = member.broker});
+            const auto sender = sender_of_tail(answers, {log, end}, *held);
+            if (!sender) continue;
+            requests.emplace_back(*sender, TailRequest{.after = {log, *held}, .to = member.broker});
         }
     }
     return requests;

@@ -23,13 +23,15 @@ struct Answers {
     const std::vector<Endpoint>& serving;           // by the leader itself
     const std::vector<Endpoint>& home;              // of the leader itself
     const Appointed& appointed;
+    const std::vector<LogPosition>& ended;  // as the leader was told (ended_logs.h)
     LogId leader;
     std::uint32_t leader_sessions = 0;
 };
 
 /// The agreed last event of every log that somebody holds and that has no member: the last one that
 /// is held, but for what only those hold who were replaced meanwhile. It came to them while they
-/// stood still, others had agreed on an earlier end, and clients said it again to the heir.
+/// stood still, others had agreed on an earlier end, and clients said it again to the heir. When
+/// only those are left, what the others agreed on counts.
 [[nodiscard]] std::map<LogId, Seq> agreed_ends(const Answers& answers);
 [[nodiscard]] std::vector<Assignment> assign(const Answers& answers,
                                              const std::map<LogId, Seq>& ends,

@@ -126,7 +126,9 @@ struct ViewHoldings {
     ViewNumber number{};
     std::vector<LogPosition> holds{};
     std::vector<LogId> outdated{};  // of these: the sender was replaced when they were members' yet
-    std::vector<LeftAddress> addresses{};  // the leader itself may be too new to know
+    std::vector<LeftAddress> addresses{};   // the leader itself may be too new to know
+    std::vector<LogPosition> kept_after{};  // what it can send of them: the events after these, or
+                                            // where none is named, all
 };
 /// "Send it the events of that log": the leader to the member that holds most of a removed one, and
 /// who was sent a piece, for the next.

@@ -1,5 +1,6 @@
 #include "overlay/cluster/own_log.h"
 
+#include <algorithm>
 #include <cassert>
 #include <utility>
 
@@ -26,11 +27,12 @@ void OwnLog::flush(Outbox& out) {
     }
 }
 
-bool send_tail(const LogHistory& history, LogId log, Seq after, BrokerId to, Outbox& out) {
-    if (after > history.last() || !history.reaches_back_to(after)) return false;
-    auto events = history.events_after(after, events_per_batch);
+bool send_tail(const LogHistory& history, const LogPosition& end, Seq after, BrokerId to,
+               Outbox& out) {
+    if (after > end.seq || !history.reaches_back_to(after)) return false;
+    auto events = history.events_after(after, std::min<Seq>(events_per_batch, end.seq - after));
     if (!events.empty()) {
-        out.push_back({to, LogTail{log, after + 1, std::move(events), history.last()}});
+        out.push_back({to, LogTail{end.log, after + 1, std::move(events), end.seq}});
     }
     return true;
 }

@@ -32,9 +32,10 @@ private:
 /// A batch of small events fills a few UDP datagrams; larger ones only add latency.
 inline constexpr std::size_t events_per_batch = 256;
 
-/// Sends the first events after `after`, when they are kept: one batch. Who applied it asks for the
-/// next, so that neither side is busy with a long tail for longer than its peers are patient.
-/// False when `history` does not reach back to there.
-bool send_tail(const LogHistory& history, LogId log, Seq after, BrokerId to, Outbox& out);
+/// Sends the first events after `after` and up to `end`, when they are kept: one batch. Who applied
+/// it asks for the next, so that neither side is busy with a long tail for longer than its peers
+/// are patient. False when `history` does not reach back to there.
+bool send_tail(const LogHistory& history, const LogPosition& end, Seq after, BrokerId to,
+               Outbox& out);
 
 }  // namespace romano::cluster

@@ -27,9 +27,10 @@ public:
 
     [[nodiscard]] Seq applied() const { return history_.last(); }
     /// What counts of it: of a frozen log no more than was agreed on, though a process that stood
-    /// still may hold more.
+    /// still may hold more; unless its writer has lived on.
     [[nodiscard]] Seq end() const {
-        return frozen_ && agreed_end_ != 0 ? std::min(applied(), agreed_end_) : applied();
+        const bool is_over = frozen_ && agreed_end_ != 0 && !lived_on_;
+        return is_over ? std::min(applied(), agreed_end_) : applied();
     }
     [[nodiscard]] const broker::Mirror& mirror() const { return mirror_; }
     [[nodiscard]] broker::Mirror& mirror() { return mirror_; }

@@ -20,8 +20,8 @@ void SnapshotSender::on_request(Effects& effects, BrokerId from, const SnapshotR
         if (log == logs.peers.end() || !log->second.is_frozen()) return;
         return send(to, Snapshot(*log, request.after));
     }
-    if (request.after != 0 &&
-        send_tail(logs.own.history(), logs.own.id(), request.after, from, effects.peers)) {
+    if (request.after != 0 && send_tail(logs.own.history(), {logs.own.id(), logs.own.last()},
+                                        request.after, from, effects.peers)) {
         return;
     }
     send(to, Snapshot(effects.broker, logs));

@@ -261,6 +261,7 @@ void ViewChange::conclude(Instant now, Surroundings around, Outbox& out) {
                           .serving = around.serving,
                           .home = around.home,
                           .appointed = appointed_,
+                          .ended = around.ended,
                           .leader = self_,
                           .leader_sessions = around.sessions};
     const auto ends = agreed_ends(answers);
@@ -268,7 +269,8 @@ void ViewChange::conclude(Instant now, Surroundings around, Outbox& out) {
         if (holder != self_.broker) {
             out.push_back({holder, request});
         } else if (const auto log = around.logs.find(request.after.log); log != around.logs.end()) {
-            send_tail(log->second.history(), log->first, request.after.seq, request.to, out);
+            send_tail(log->second.history(), {log->first, log->second.end()}, request.after.seq,
+                      request.to, out);
         }
     }
     ViewAnnouncement announcement{.view = done.message.view,
@@ -344,8 +346,10 @@ ViewHoldings ViewChange::holdings(const View& view, Surroundings around) const {
     ViewHoldings answer{.number = view.number};
     for (const auto& [id, log] : around.logs) {
         if (view.contains(id) || !log.is_frozen()) continue;
-        answer.holds.push_back({id, log.applied()});
+        answer.holds.push_back({id, log.end()});
         if (log.is_outdated()) answer.outdated.push_back(id);
+        const Seq not_kept = log.applied() - log.history().events_kept();
+        if (not_kept > 0) answer.kept_after.push_back({id, not_kept});
         for (const Endpoint& address : log.addresses_left()) {
             answer.addresses.push_back({id, address});
         }

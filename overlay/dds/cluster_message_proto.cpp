@@ -150,6 +150,7 @@ struct Writer {
         to_proto(m.number, *to.mutable_number());
         all_to_proto(m.holds, *to.mutable_holds());
         all_to_proto(m.outdated, *to.mutable_outdated());
+        all_to_proto(m.kept_after, *to.mutable_kept_after());
         for (const auto& left : m.addresses) to_proto(left, *to.add_addresses());
     }
     void operator()(const cluster::TailRequest& m) const {
@@ -270,6 +271,7 @@ Maybe read_view_holdings(const ViewHoldings& in) {
     cluster::ViewHoldings out{.number = number_from(in.number())};
     if (!all_from_proto(in.holds(), out.holds)) return std::nullopt;
     if (!all_from_proto(in.outdated(), out.outdated)) return std::nullopt;
+    if (!all_from_proto(in.kept_after(), out.kept_after)) return std::nullopt;
     for (const auto& item : in.addresses()) {
         const auto left = from_proto(item);
         if (!left) return std::nullopt;

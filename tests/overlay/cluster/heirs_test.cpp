@@ -41,6 +41,7 @@ protected:
                 .serving = serving,
                 .home = home,
                 .appointed = appointed,
+                .ended = ended,
                 .leader = b1,
                 .leader_sessions = 5};
     }
@@ -61,6 +62,7 @@ protected:
     std::vector<Endpoint> serving;
     std::vector<Endpoint> home;
     Appointed appointed;
+    std::vector<LogPosition> ended;
     std::uint64_t ticks = 0;
 };
 
@@ -92,6 +94,16 @@ TEST_F(Heirs, P2_AReplacedMemberIsBelievedWhenNobodyElseHoldsAsMuch) {
     holds(b3, 100);  // it was cut off
     holdings[b2].outdated.push_back(dead);
     EXPECT_THAT(agreed_ends(answers()), ElementsAre(std::pair{dead, Seq{2'000}}));
+}
+
+// It comes back to those who came later, and were told where the others had gone on from
+// (simulator, faults `relapse`, seed 9881208).
+TEST_F(Heirs, P3_WhatTheLeaderWasToldEndsALogThatOnlyAReplacedMemberHolds) {
+    holds(b2, 9);
+    ended = {{dead, 5}};
+    EXPECT_THAT(agreed_ends(answers()), ElementsAre(std::pair{dead, Seq{9}}));
+    holdings[b2].outdated.push_back(dead);
+    EXPECT_THAT(agreed_ends(answers()), ElementsAre(std::pair{dead, Seq{5}}));
 }
 
 TEST_F(Heirs, P3_WhoWasGivenTheAddressByTheLastViewKeepsIt) {
@@ -152,6 +164,23 @@ TEST_F(Heirs, P2_WhoWasCutOffAndIsFarBehindInheritsNothing) {
     EXPECT_EQ(heir_of(address(9)), b2.broker);
     beacon(b3, {address(9)});
     EXPECT_EQ(heir_of(address(9)), b2.broker) << "though it serves the address";
+}
+
+// It holds the log from a snapshot, and none of the events before that: who lacks some of them
+// waited for them in vain, and went on without the exchanges that they had ended (simulator, faults
+// `relapse`, seeds 9850621 and 9851157).
+TEST_F(Heirs, P3_WhoLacksATailThatNobodyCanSendInheritsNothing) {
+    holds(b1, 9, {address(9)});
+    holds(b2, 5);
+    beacon(b2, {address(9)});
+    EXPECT_EQ(heir_of(address(9)), b2.broker);
+    EXPECT_EQ(missing_tails(answers(), agreed_ends(answers())).size(), 1U);
+    holdings[b1].kept_after = {{dead, 6}};
+    EXPECT_EQ(heir_of(address(9)), b1.broker);
+    EXPECT_THAT(missing_tails(answers(), agreed_ends(answers())), IsEmpty());
+    holds(b3, 9);
+    EXPECT_EQ(heir_of(address(9)), b2.broker) << "another one can";
+    EXPECT_EQ(missing_tails(answers(), agreed_ends(answers()))[0].first, b3.broker);
 }
 
 TEST_F(Heirs, SeveralAddressesAreSharedOut) {

@@ -77,7 +77,8 @@ TEST(LogKeeping, TheLastBatchIsThereForAnHeirThatWasNoMember) {
     keeper.peers.at(reader).freeze();
     keeper.keeping.forget_passed(keeper.now, keeper.logs(), keeper.membership, keeper.watermark);
     Outbox out;
-    EXPECT_TRUE(send_tail(keeper.peers.at(writer).history(), writer, 4, reader.broker, out));
+    const PeerLog& log = keeper.peers.at(writer);
+    EXPECT_TRUE(send_tail(log.history(), {writer, log.end()}, 4, reader.broker, out));
     EXPECT_EQ(out.size(), 1U);
 }
 

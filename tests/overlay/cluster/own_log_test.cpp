@@ -22,7 +22,7 @@ TEST(OwnLog, ATailIsSentPieceByPiece) {
     std::size_t pieces = 0;
     while (after < log.last()) {
         Outbox out;
-        ASSERT_TRUE(send_tail(log.history(), self, after, peer, out));
+        ASSERT_TRUE(send_tail(log.history(), {self, log.last()}, after, peer, out));
         ASSERT_EQ(out.size(), 1U);
         EXPECT_EQ(out[0].to, peer);
         const auto& tail = std::get<LogTail>(out[0].message);
@@ -36,18 +36,27 @@ TEST(OwnLog, ATailIsSentPieceByPiece) {
     EXPECT_GE(pieces, 10'000U / 256);
 }
 
+// What only the sender holds, it is not part of the log.
+TEST(OwnLog, ATailEndsWhereTheLogEnds) {
+    Outbox out;
+    EXPECT_TRUE(send_tail(log_of(9).history(), {self, 7}, 5, peer, out));
+    ASSERT_EQ(out.size(), 1U);
+    EXPECT_EQ(std::get<LogTail>(out[0].message).events.size(), 2U);
+    EXPECT_EQ(std::get<LogTail>(out[0].message).end, 7U);
+}
+
 TEST(OwnLog, WhoHoldsAllIsSentNothing) {
     Outbox out;
-    EXPECT_TRUE(send_tail(log_of(5).history(), self, 5, peer, out));
+    EXPECT_TRUE(send_tail(log_of(5).history(), {self, 5}, 5, peer, out));
     EXPECT_TRUE(out.empty());
 }
 
 TEST(OwnLog, WhoLagsByMoreThanIsKeptNeedsASnapshot) {
     const OwnLog log = log_of(20, 10);
     Outbox out;
-    EXPECT_FALSE(send_tail(log.history(), self, 9, peer, out));
-    EXPECT_FALSE(send_tail(log.history(), self, 21, peer, out)) << "more than there is";
-    EXPECT_TRUE(send_tail(log.history(), self, 10, peer, out));
+    EXPECT_FALSE(send_tail(log.history(), {self, 20}, 9, peer, out));
+    EXPECT_FALSE(send_tail(log.history(), {self, 20}, 21, peer, out)) << "more than there is";
+    EXPECT_TRUE(send_tail(log.history(), {self, 20}, 10, peer, out));
     EXPECT_EQ(out.size(), 1U);
 }
 

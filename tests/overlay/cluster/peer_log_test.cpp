@@ -259,6 +259,9 @@ TEST(PeerLog, WhatStandsBeyondTheAgreedEndWasNotPublished) {
     EXPECT_TRUE(held.log.publish_at(2));
     EXPECT_FALSE(held.log.publish_at(3));
     EXPECT_TRUE(held.log.has_agreed_end());
+    EXPECT_EQ(held.log.end(), 2U);
+    held.log.heard_end(4, {.term = 2});
+    EXPECT_EQ(held.log.end(), 3U) << "its writer lived on";
 }
 
 // One that outranked the heir's copy would stop it from going on with that (simulator, faults

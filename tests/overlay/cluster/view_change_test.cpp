@@ -27,12 +27,14 @@ struct Leader {
     ViewChange change{self, 100ms, 10ms};
     PeerLogs logs;
     std::vector<Endpoint> none;
+    std::vector<LogPosition> told;
     Outbox out;
     Instant now{1s};
     std::uint64_t ticks = 0;
 
     Surroundings around() {
-        return {.membership = membership, .logs = logs, .serving = none, .home = none};
+        return {
+            .membership = membership, .logs = logs, .serving = none, .home = none, .ended = told};
     }
     void hear(const LogId& from, const LogId& follows, election::Term term, std::uint32_t rank) {
         hear(from, follows, term, rank, change.view());
@@ -148,6 +150,30 @@ TEST(ViewChange, AProposalWithALaterLifeOfABrokerEndsTheFormerOne) {
     leader.change.on_proposal(leader.now, {.view = view, .removed = {}}, leader.around(),
                               leader.out);
     EXPECT_TRUE(leader.logs.at(peer).is_frozen());
+}
+
+// P3: it had been replaced, and held more than those agreed on who went on; later it was the only
+// one left who had been there (simulator, faults `relapse`, seed 9851395).
+TEST(ViewChange, AnEndThatWasAgreedOnStays) {
+    Leader member;
+    member.begin();
+    PeerLog& log = member.logs.at(peer);
+    log.offer(1, {test::published(peer, 1), test::published(peer, 2), test::published(peer, 3)});
+    while (log.next() != nullptr) log.apply();
+    member.hear(high, high, member.term() + 1, 9);
+    member.membership.on_left_out(member.now, peer);
+    member.wait(10ms);
+    View view{.number = {member.term(), high.broker, 1}, .members = {self, high}};
+    std::ranges::sort(view.members);
+    member.change.on_announcement(member.now, {.view = view, .ends = {{peer, 2}}}, member.around());
+    ASSERT_TRUE(log.is_frozen());
+    ++view.number.count;
+    member.out.clear();
+    member.change.on_proposal(member.now, {.view = view, .removed = {peer}}, member.around(),
+                              member.out);
+    ASSERT_EQ(member.out.size(), 1U);
+    EXPECT_EQ(std::get<ViewHoldings>(member.out[0].message).holds,
+              (std::vector<LogPosition>{{peer, 2}}));
 }
 
 // They may come back together to those who lived on and have not met them yet (seed 1522201).
