@@ -300,7 +300,7 @@ std::vector<LogId> ClusterCore::live_peers() const {
 Beacon ClusterCore::beacon(const broker::BrokerCore& broker) const {
     Beacon beacon{.name = name_,
                   .log = own_.id(),
-                  .last_seq = own_.last(),
+                  .last_seq = broker.last_seq(),  // with what this turn wrote
                   .tick = beacons_sent_,
                   .view = view(),
                   .ended = ended_.list(),

@@ -61,8 +61,12 @@ void TakeOver::on_view(Instant now, const ViewAnnouncement& announcement) {
                    return is_same(assignment, pending.assignment) && assignment.heir != self_;
                });
     });
+    others_.clear();
     for (const Assignment& assignment : announcement.assignments) {
-        if (assignment.heir != self_) continue;
+        if (assignment.heir != self_) {
+            others_.push_back(assignment.address);
+            continue;
+        }
         const bool is_begun = std::ranges::any_of(pending_, [&](const Pending& pending) {
             return is_same(assignment, pending.assignment);
         });
@@ -102,15 +106,23 @@ void TakeOver::carry_on(Effects& effects, const Logs& logs, const Membership& me
     });
 }
 
-/// All that the members say in this view: where their clients are.
+/// All that the members say in this view: where their clients are, those that they have just taken
+/// over among them.
 bool TakeOver::holds_all(const Logs& logs, const Membership& membership, const View& view) const {
-    return std::ranges::all_of(view.members, [&](const LogId& member) {
-        if (member.broker == self_) return true;
+    std::set<Endpoint> served;
+    for (const LogId& member : view.members) {
+        if (member.broker == self_) continue;
         const Peer* peer = membership.find(member.broker);
         const auto log = logs.peers.find(member);
-        return peer != nullptr && log != logs.peers.end() && peer->beacon.log == member &&
-               peer->beacon.view.number == view.number &&
-               log->second.applied() >= peer->beacon.last_seq;
+        if (peer == nullptr || log == logs.peers.end() || peer->beacon.log != member ||
+            peer->beacon.view.number != view.number ||
+            log->second.applied() < peer->beacon.last_seq) {
+            return false;
+        }
+        served.insert(peer->beacon.serving.begin(), peer->beacon.serving.end());
+    }
+    return std::ranges::all_of(others_, [&](const Endpoint& address) {
+        return address.family == Endpoint::Family::none || served.contains(address);
     });
 }
 

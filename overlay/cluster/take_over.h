@@ -44,7 +44,10 @@ public:
     [[nodiscard]] bool is_half_adopted(const Endpoint& address) const;
     /// Service addresses of the dead that were inherited so far.
     [[nodiscard]] std::uint64_t inherited() const { return inherited_; }
-    void restart() { pending_.clear(); }
+    void restart() {
+        pending_.clear();
+        others_.clear();
+    }
 
 private:
     struct Pending {
@@ -74,6 +77,7 @@ private:
     std::size_t sessions_per_turn_;
     bool may_go_on_ = false;
     std::vector<Pending> pending_;
+    std::vector<Endpoint> others_;  // that the view gave to other heirs
     std::uint64_t inherited_ = 0;
 };
 

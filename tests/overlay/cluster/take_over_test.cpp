@@ -27,11 +27,12 @@ protected:
         log.apply();
         return log;
     }
-    std::size_t inherit() {
+    std::size_t inherit(const std::vector<Assignment>& others = {}) {
         peers.at(dead).freeze();
         TakeOver take_over{self.broker, 100ms, 256};
-        take_over.on_view(now,
-                          {.assignments = {{{dead, 1}, theirs, self.broker}}, .ends = {{dead, 1}}});
+        ViewAnnouncement view_and_heirs{.assignments = others, .ends = {{dead, 1}}};
+        view_and_heirs.assignments.push_back({{dead, 1}, theirs, self.broker});
+        take_over.on_view(now, view_and_heirs);
         Effects effects{now, broker, clients, outbox, local};
         take_over.carry_on(effects, {peers, own}, membership, view, addresses);
         return broker.session_count();
@@ -84,6 +85,20 @@ TEST_F(TakeOverTest, P3_FromAnOutdatedLogItTakesNothingBeforeItHearsTheMembers) 
     peers.at(other).offer(2, {test::erased("robot")});
     peers.at(other).apply();
     EXPECT_EQ(inherit(), 1U);
+}
+
+// It may be about to adopt the session from a later home of it (simulator, faults `relapse`, seed
+// 9881270).
+TEST_F(TakeOverTest, P3_FromAnOutdatedLogItTakesNothingBeforeTheOtherHeirsServe) {
+    const Endpoint another = test::address(8);
+    const Assignment to_other{{test::log_of("third"), 1}, another, other.broker};
+    peers.at(dead).become_outdated();
+    view.members.push_back(other);
+    peers.try_emplace(other, other, 100);
+    (void)membership.on_beacon(now, {.log = other, .tick = 1, .view = view});
+    EXPECT_EQ(inherit({to_other}), 0U);
+    (void)membership.on_beacon(now, {.log = other, .tick = 2, .view = view, .serving = {another}});
+    EXPECT_EQ(inherit({to_other}), 1U);
 }
 
 // P3: its own broker is back, and would take the empty hand for all that there is.
