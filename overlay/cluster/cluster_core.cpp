@@ -114,6 +114,7 @@ bool ClusterCore::must_fetch(Effects& effects, const Endpoint& from, Bytes datag
 void ClusterCore::on_address(Effects& effects, const Endpoint& address, bool served) {
     addresses_.on_address(address, served);
     hand_back_.on_address(effects, address, served);
+    hand_back_.compare(effects, membership_, view(), addresses_);  // before anything is said there
     after_input(effects);
 }
 
@@ -138,6 +139,8 @@ void ClusterCore::after_input(Effects& effects) {
     heed_handoffs(effects);
     for (const auto& [from, address] : handoffs_.take_adopted()) {
         hand_back_.on_handed_over(from, address);
+        // It may have been handed on while they were on their way: they follow it.
+        if (address.family != Endpoint::Family::none) addresses_.take(effects, address);
     }
     handoffs_.carry_on(effects, safe(effects.now));
     roaming_.carry_on(effects, logs(), peer_sessions_.homes(), handoffs_, membership_, view());
@@ -259,6 +262,7 @@ void ClusterCore::on_view(Effects& effects, const ViewAnnouncement& announcement
         }
     }
     take_over_.on_view(effects.now, announcement);
+    hand_back_.on_view(announcement);
     last_words_.on_view(announcement);
     ask_for_gaps(effects);
     settlement_.compare(effects, logs_, view());
@@ -275,16 +279,16 @@ bool ClusterCore::was_replaced() const {
 
 Surroundings ClusterCore::surroundings(const Effects& effects) {
     claimed_ = addresses_.claimed();
+    told_ends_ = ended_.list();
     return {.membership = membership_,
             .logs = logs_,
             .serving = claimed_,
             .home = addresses_.home(),
-    told_ends_ = ended_.list();
+            .ended = told_ends_,
             .sessions = static_cast<std::uint32_t>(effects.broker.session_count())};
 }
 
 bool ClusterCore::is_short_of_peers() const {
-            .ended = told_ends_,
     if (!options_.acks_strict) return false;
     return live_peers().size() < (options_.acks == all_peers ? 1 : options_.acks);
 }

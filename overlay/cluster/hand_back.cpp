@@ -80,7 +80,9 @@ void HandBack::carry_on(Effects& effects, const Membership& membership, const Vi
         // We may not have met yet, though its offer is here.
         if (effects.now <= getting.since + patience_) return false;
         const Peer* from = membership.find(getting.from);
-        return from == nullptr || !from->alive;
+        if (from == nullptr) return true;
+        // One that died is a member until somebody else inherits them, and hands them over.
+        return !from->alive && !view.contains(from->beacon.log);
     });
     std::erase_if(giving_, [&](const auto& entry) {
         const auto& [address, giving] = entry;
@@ -113,8 +115,28 @@ void HandBack::carry_on(Effects& effects, const Membership& membership, const Vi
     }
 }
 
+void HandBack::on_view(const ViewAnnouncement& announcement) {
+    for (auto& [address, giving] : giving_) {
+        for (const Assignment& assignment : announcement.assignments) {
+            if (assignment.end.log != giving.owner || assignment.address != address) continue;
+            giving.heir = assignment.heir;
+        }
+    }
+}
+
+/// Until it hands over what it has, or, when the address shall stay with it, until it serves that:
+/// then it gets ours (compare()).
+bool HandBack::is_with_heir(const Endpoint& address, const Giving& giving,
+                            const Membership& membership, const View& view) const {
+    if (!giving.heir || *giving.heir == self_) return false;
+    const Peer* heir = membership.find(*giving.heir);
+    if (heir == nullptr || !view.contains(heir->beacon.log)) return false;
+    return *giving.heir < self_ || !heir->is_serving(address);
+}
+
 /// One that gets no answer, or whose owner began anew meanwhile: the sessions speak from here
-/// again. If the owner may have spoken for them, what it said comes first, from its log.
+/// again. If the owner may have spoken for them, what it said comes first, from its log, or from
+/// its heir.
 bool HandBack::is_called_off(const Endpoint& address, const Giving& giving, Instant now,
                              const Membership& membership, const View& view,
                              const NotYet& not_yet) const {
@@ -122,7 +144,8 @@ bool HandBack::is_called_off(const Endpoint& address, const Giving& giving, Inst
     const Duration limit = (giving.stage == Stage::offered ? 3 : 10) * patience_;
     if (now > giving.since + limit) return true;
     if (!giving.all_sent) return !membership.is_alive(giving.owner);
-    return !view.contains(giving.owner) && !not_yet.inheriting.contains(address);
+    return !view.contains(giving.owner) && !not_yet.inheriting.contains(address) &&
+           !is_with_heir(address, giving, membership, view);
 }
 
 void HandBack::forget_for_the_dead(Effects& effects, const View& view,
@@ -257,6 +280,8 @@ void HandBack::expect(Instant now, const Endpoint& address, BrokerId from) {
 
 void HandBack::on_handed_over(BrokerId from, const Endpoint& address) {
     expected_.erase(address);
+    const auto giving = giving_.find(address);
+    if (giving != giving_.end() && giving->second.heir == from) giving->second.heir.reset();
     // The former holder's next beacons may still name the address; it is silent there by now.
     // Another heir's word says nothing of what the rival has.
     const auto rivalry = rivals_.find(address);

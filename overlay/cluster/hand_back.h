@@ -56,6 +56,8 @@ public:
     /// An owner that acknowledged and is no member any more: its heir goes on from its copies, and
     /// may be us. All of ours must be gone then.
     void forget_for_the_dead(Effects& effects, const View& view, ServiceAddresses& addresses);
+    /// An owner died before it acknowledged, and another member inherits what it had.
+    void on_view(const ViewAnnouncement& announcement);
     void on_bound(Instant now, BrokerId from, const AddressBound& bound);
     void on_ack(Effects& effects, BrokerId from, const HandoffAck& ack,
                 ServiceAddresses& addresses);
@@ -104,6 +106,7 @@ private:
         std::uint32_t next_part = 0;
         bool all_sent = false;
         std::size_t forgotten = 0;
+        std::optional<BrokerId> heir = {};  // of the owner; it says what the owner had
     };
     struct Getting {
         BrokerId from;
@@ -112,6 +115,8 @@ private:
 
     void begin(Effects& effects, const Endpoint& address, const Membership& membership,
                const View& view);
+    [[nodiscard]] bool is_with_heir(const Endpoint& address, const Giving& giving,
+                                    const Membership& membership, const View& view) const;
     [[nodiscard]] bool is_called_off(const Endpoint& address, const Giving& giving, Instant now,
                                      const Membership& membership, const View& view,
                                      const NotYet& not_yet) const;

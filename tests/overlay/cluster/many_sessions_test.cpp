@@ -131,6 +131,31 @@ TEST(ManySessions, P3_ThoseThatTheOwnerMayHaveSpokenForAreSilentUntilItsHeirHasT
     EXPECT_FALSE(holder.hand_back.is_silent(theirs));
 }
 
+// P3: it had sent them what waits here, too. The heir has that from its log (simulator, faults
+// `relapse`, seed 9872321).
+TEST(ManySessions, P3_ThoseThatTheOwnerMayHaveSpokenForAreSilentUntilAnotherHeirHandsThemOver) {
+    Holder holder;
+    holder.carry_on();
+    holder.now += 5ms;
+    do {
+        holder.carry_on();
+    } while (holder.hand_back.is_half_done());
+    const LogId heir = test::log_of("third");
+    ASSERT_LT(heir.broker, self.broker) << "the address stays here";
+    (void)holder.membership.on_beacon(holder.now, {.log = heir, .tick = 1, .hears = {self.broker}});
+    (void)holder.membership.on_beacon(holder.now, {.log = peer, .tick = 2, .leaving = true});
+    holder.view.members = {heir, self};
+    holder.hand_back.on_view(
+        {.view = holder.view, .assignments = {{{peer, 7}, theirs, heir.broker}}, .ends = {}});
+    Effects acting = holder.effects();
+    holder.hand_back.compare(acting, holder.membership, holder.view, holder.addresses);
+    holder.carry_on();
+    EXPECT_TRUE(holder.hand_back.is_silent(theirs));
+    holder.hand_back.on_handed_over(heir.broker, theirs);
+    holder.carry_on();
+    EXPECT_FALSE(holder.hand_back.is_silent(theirs));
+}
+
 // Its heir, perhaps we, goes on from its copies.
 TEST(ManySessions, NoneIsLeftWhenTheOwnerDiesBeforeAllAreForgotten) {
     Holder holder;

@@ -128,5 +128,17 @@ TEST(SessionHandoff, P4_WhoMayHaveBeenReplacedGivesNoneAway) {
     EXPECT_EQ(home.take_sent<SessionHandoff>().size(), 1U);
 }
 
+// P2: it had given the address to its own broker, which had come back meanwhile; there it was asked
+// for nothing, because the robot only listened (simulator, faults `relapse`, seed 9851485).
+TEST(SessionHandoff, P2_WhoHasLetTheAddressGoServesItOnceMore) {
+    Cluster holder;
+    holder.hear();
+    SessionHandoff all{.to = self, .address = theirs, .last = true};
+    all.sessions.push_back(image(0, theirs));
+    holder.take(std::move(all));
+    EXPECT_EQ(holder.broker.session_count(), 1U);
+    EXPECT_TRUE(holder.core.addresses().is_taking(theirs)) << "to hand it to its broker with it";
+}
+
 }  // namespace
 }  // namespace romano::cluster
