@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <chrono>
 #include <utility>
 
 namespace romano::cluster {
@@ -9,6 +10,8 @@ namespace {
 
 // Peers that are gone are remembered for their addresses; beyond this many the dead are forgotten.
 constexpr std::size_t peers_known = 1'000;
+// A machine that is too busy to receive loses its peers one after the other, in seconds at most.
+constexpr Duration lost_counts_for = std::chrono::seconds{10};
 
 }  // namespace
 
@@ -74,7 +77,7 @@ bool Membership::on_beacon(Instant now, const Beacon& beacon) {
     heard_->on_beacon(now, node);
     if (peer.hears(self_)) {
         linked_->on_beacon(now, node);
-        find_again(peer, linked_->is_alive(node));
+        find_again(now, peer, linked_->is_alive(node));
         if (!peer.alive) return true;
         peer.ended = false;
         elector_->on_claim(now, beacon.claim);
@@ -95,12 +98,12 @@ void Membership::on_pulse(Instant now, const Pulse& pulse) {
     heard_->on_beacon(now, node);
     if (!peer.hears(self_) || (!is_missed && !linked_->is_alive(node))) return;
     linked_->on_beacon(now, node);
-    if (is_missed) find_again(peer, linked_->is_alive(node));
+    if (is_missed) find_again(now, peer, linked_->is_alive(node));
 }
 
-void Membership::find_again(Peer& peer, bool is_alive) {
+void Membership::find_again(Instant now, Peer& peer, bool is_alive) {
     peer.alive = is_alive;
-    if (is_alive && std::exchange(peer.lost_at, std::nullopt)) weigh_losses();
+    if (is_alive && std::exchange(peer.lost_at, std::nullopt)) weigh_losses(now);
 }
 
 void Membership::on_leader(Instant now, BrokerId leader, election::Term term) {
@@ -160,16 +163,16 @@ void Membership::bury_suspects(Instant now) {
         lost_.push_back(broker_of(node));
         elector_->on_suspect(now, node);
     }
-    weigh_losses();
+    weigh_losses(now);
 }
 
-void Membership::weigh_losses() {
+void Membership::weigh_losses(Instant now) {
     std::size_t left = 1;
     std::size_t silent = 0;
     Instant last_lost = Instant::min();
     for (const auto& [id, peer] : peers_) {
         if (peer.alive) ++left;
-        if (!peer.lost_at || peer.ended) continue;
+        if (!peer.lost_at || peer.ended || now >= *peer.lost_at + lost_counts_for) continue;
         ++silent;
         last_lost = std::max(last_lost, *peer.lost_at);
     }
@@ -181,7 +184,7 @@ void Membership::resume(Instant now) {
     for (auto& [id, peer] : peers_) {
         if (peer.lost_at) peer.lost_at = now;
     }
-    weigh_losses();
+    weigh_losses(now);
 }
 
 void Membership::describe(Beacon& beacon) const {

@@ -83,7 +83,8 @@ public:
     /// That life of the broker is over for certain.
     [[nodiscard]] bool has_ended(const LogId& log) const;
     /// We have just lost more by silence than we have left, ourselves included: perhaps not they
-    /// fell silent, but we are deaf. True for two detection times after the last of them: when we
+    /// fell silent, but we are deaf. Those who fell silent some seconds ago count as well: that may
+    /// have been the beginning. True for two detection times after the last of them: when we
     /// are, the others have replaced us by then.
     [[nodiscard]] bool may_be_deaf(Instant now) const {
         return lost_too_many_ && now < missed_until_;
@@ -97,9 +98,9 @@ public:
     [[nodiscard]] Duration detection_time() const { return linked_->detection_time(); }
 
 private:
-    void find_again(Peer& peer, bool is_alive);
+    void find_again(Instant now, Peer& peer, bool is_alive);
     void bury_suspects(Instant now);
-    void weigh_losses();
+    void weigh_losses(Instant now);
     [[nodiscard]] bool was_heard_just_now(const Peer& peer, Instant now) const;
 
     ClusterOptions options_;
