@@ -70,20 +70,17 @@ void ViewChange::on_tick(Instant now, Surroundings around, Outbox& out) {
     answer_early_proposal(now, around, out);
     if (!around.membership.leads()) {
         led_since_ = never;
-        proposal_.reset();
+        call_off(around.logs);
         refusing_.clear();
-        // A proposal whose leader went away before it announced: let the members speak on.
+        // A proposal whose leader went away before it announced.
         if (promised_ > view_.number && now > promised_at_ + 4 * patience_) {
             promised_ = view_.number;
-            for (auto& [id, log] : around.logs) {
-                if (contains(id)) log.thaw();
-            }
+            thaw_members(around.logs);
         }
         return;
     }
     if (around.membership.may_be_deaf(now) || waits_for_company(now, around)) {
-        proposal_.reset();
-        return;
+        return call_off(around.logs);
     }
     if (proposal_) {
         give_up_on_silent(now, around.membership);
@@ -98,6 +95,20 @@ void ViewChange::on_tick(Instant now, Surroundings around, Outbox& out) {
     auto desired = desired_members(around.membership);
     if (needs_change(now, desired, around)) {
         propose(now, std::move(desired), around, out);
+    }
+}
+
+/// Nobody announces it any more: those whose logs it froze may be back, and what they promise to
+/// clients waits for us.
+void ViewChange::call_off(PeerLogs& logs) {
+    if (!proposal_) return;
+    proposal_.reset();
+    thaw_members(logs);
+}
+
+void ViewChange::thaw_members(PeerLogs& logs) const {
+    for (auto& [id, log] : logs) {
+        if (contains(id)) log.thaw();
     }
 }
 

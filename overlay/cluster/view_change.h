@@ -75,6 +75,8 @@ private:
     [[nodiscard]] ViewNumber next_number(const Membership& membership) const;
     [[nodiscard]] bool is_outnumbered(const Membership& membership) const;
     void ask(Instant now, Outbox& out);
+    void call_off(PeerLogs& logs);
+    void thaw_members(PeerLogs& logs) const;
     void give_up_on_silent(Instant now, const Membership& membership);
     void conclude(Instant now, Surroundings around, Outbox& out);
     [[nodiscard]] ViewHoldings holdings(const View& view, Surroundings around) const;

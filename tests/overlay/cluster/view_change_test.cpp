@@ -219,6 +219,28 @@ struct DoubtfulLeader : Leader {
     }
 };
 
+// P3: it had missed one a moment before the other, and dropped what that one said when both were
+// back; the other one delivered it, and the client said it again to the heir.
+TEST(ViewChange, WhoMayBeDeafFreezesNobodysLog) {
+    DoubtfulLeader leader;
+    leader.begin();
+    for (int i = 0; i < 20 && !leader.change.contains(high); ++i) {
+        leader.hear_both();
+        leader.wait(10ms);
+        leader.answer(peer);
+        leader.answer(high);
+    }
+    leader.wait(30ms);
+    leader.hear(high, self, leader.term(), 1);
+    while (leader.membership.is_alive(peer)) leader.wait(10ms);
+    ASSERT_TRUE(leader.logs.at(peer).is_frozen());
+    while (leader.membership.is_alive(high)) leader.wait(10ms);
+    ASSERT_TRUE(leader.membership.may_be_deaf(leader.now));
+    EXPECT_FALSE(leader.logs.at(peer).is_frozen());
+    leader.wait(200ms);
+    EXPECT_TRUE(leader.logs.at(peer).is_frozen()) << "it goes on without them";
+}
+
 // P3: what they had delivered themselves came from the deaf one once more.
 TEST(ViewChange, WhoMayBeDeafTakesNobodysPlace) {
     DoubtfulLeader leader;
