@@ -21,13 +21,13 @@ namespace romano::sim {
 struct RunOptions {
     std::size_t brokers = 0;
     std::size_t robots = 0;
-    std::string elector;
-    std::string detector;
-    std::optional<std::uint32_t> acks;
-    std::vector<Fault> faults;
+    std::string elector{};
+    std::string detector{};
+    std::optional<std::uint32_t> acks{};
+    std::vector<Fault> faults{};
     Duration faults_last{std::chrono::seconds{10}};  // whole milliseconds
     Duration settles_within{std::chrono::seconds{30}};
-    Trace::Listener trace;  // lines of what happens; slow
+    Trace::Listener trace{};  // lines of what happens; slow
 };
 
 struct RunResult {

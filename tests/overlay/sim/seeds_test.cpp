@@ -68,23 +68,6 @@ TEST_P(Seeds, KeepEveryPromise) {
 INSTANTIATE_TEST_SUITE_P(Sweep, Seeds, testing::ValuesIn(shards()),
                          [](const auto& shard) { return shard.param.name; });
 
-// A leader had put the robot's home into the view before the broker heard it to which the robot
-// roamed; that one forgot who was home to it, and took it for a stranger.
-TEST(Simulation, P2_WhoRoamsFromAHomeThatWasInTheViewBeforeItWasHeardIsKnown) {
-    for (const std::uint64_t seed : {51279U, 52467U}) {
-        const RunResult run = run_seed(seed, RunOptions{});
-        EXPECT_TRUE(run.is_good()) << "seed " << seed << '\n' << to_text(run.violations);
-    }
-}
-
-// A peer acknowledged what it said when it went on, and replaced it a third of a millisecond later.
-TEST(Simulation, P3_WhoGoesOnWhenItIsAboutToBeReplacedSaysNothingTwice) {
-    RunOptions options;
-    options.faults = {Fault::late, Fault::crash, Fault::stop};
-    const RunResult run = run_seed(9103541, options);
-    EXPECT_TRUE(run.is_good()) << to_text(run.violations);
-}
-
 TEST(Simulation, IsTheSameByteForByteForTheSameSeed) {
     const auto trace_of = [](std::uint64_t seed) {
         std::string text;

@@ -1,0 +1,61 @@
+// Every seed of random faults that ever broke a promise. What each of them found has a test of its
+// own beside the code that was wrong, with the seed in its comment; here the whole runs are
+// repeated.
+
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <ostream>
+#include <string>
+#include <vector>
+
+#include "overlay/sim/run.h"
+
+namespace romano::sim {
+namespace {
+
+struct OnceBad {
+    std::string name;
+    RunOptions options;
+    std::vector<std::uint64_t> seeds;
+};
+void PrintTo(const OnceBad& once_bad, std::ostream* out) {  // for GoogleTest
+    *out << once_bad.name;
+}
+
+std::vector<OnceBad> once_bad() {
+    const std::vector<Fault> late_crash_stop{Fault::late, Fault::crash, Fault::stop};
+    return {
+        {"Mixed1", {}, {51279, 52126, 52467, 60194, 60241, 70287, 70703, 70869, 71993, 82022}},
+        {"Mixed2", {}, {90031, 116938, 138174, 145609, 205595, 206332, 300376, 404563, 407790}},
+        {"Mixed3", {}, {414907, 415533, 806446, 811931, 817448, 900899, 935207, 937788, 962900}},
+        {"Mixed4", {}, {970610, 990523, 993428, 1042460, 1107968, 1114317, 1120970, 1403805}},
+        {"Mixed5", {}, {1522201, 2105858, 2110352, 3000388, 3020203, 3107262, 3125396, 3125713}},
+        {"Mixed6", {}, {9100883, 9736261, 9755735}},
+        {"LateCrashStop", {.faults = late_crash_stop}, {9100883, 9103541}},
+        {"LateCrashStopPhi", {.detector = "phi-accrual", .faults = late_crash_stop}, {8040464}},
+        {"LateCrash", {.brokers = 5, .acks = 2, .faults = {Fault::late, Fault::crash}}, {8020270}},
+        {"StopOfFour", {.brokers = 4, .faults = {Fault::stop}}, {627}},
+        {"StopOfFive", {.brokers = 5, .acks = 2, .faults = {Fault::stop}}, {4201899}},
+        {"Relapse1", {.faults = {Fault::relapse}}, {9850621, 9851157, 9851395, 9851485, 9870835}},
+        {"Relapse2", {.faults = {Fault::relapse}}, {9872321, 9880263, 9881208, 9881270, 9882576}},
+    };
+}
+
+class OnceBadSeeds : public testing::TestWithParam<OnceBad> {};
+
+TEST_P(OnceBadSeeds, KeepEveryPromiseNow) {
+    const RunOptions& options = GetParam().options;
+    for (const std::uint64_t seed : GetParam().seeds) {
+        const RunResult run = run_seed(seed, options);
+        EXPECT_TRUE(run.is_good())
+            << "seed " << seed << " (" << run.setting << ")\n"
+            << to_text(run.violations) << "again: " << replay_command(seed, options);
+    }
+}
+
+INSTANTIATE_TEST_SUITE_P(Sweep, OnceBadSeeds, testing::ValuesIn(once_bad()),
+                         [](const auto& group) { return group.param.name; });
+
+}  // namespace
+}  // namespace romano::sim
