@@ -75,7 +75,7 @@ void ViewChange::on_tick(Instant now, Surroundings around, Outbox& out) {
         // A proposal whose leader went away before it announced.
         if (promised_ > view_.number && now > promised_at_ + 4 * patience_) {
             promised_ = view_.number;
-            thaw_members(around.logs);
+            thaw_members(view_, around.logs);
         }
         return;
     }
@@ -103,12 +103,14 @@ void ViewChange::on_tick(Instant now, Surroundings around, Outbox& out) {
 void ViewChange::call_off(PeerLogs& logs) {
     if (!proposal_) return;
     proposal_.reset();
-    thaw_members(logs);
+    thaw_members(view_, logs);
 }
 
-void ViewChange::thaw_members(PeerLogs& logs) const {
+/// Those of the present view that stay in it: what an earlier proposal froze of them lives on, for
+/// nobody may announce that one any more.
+void ViewChange::thaw_members(const View& next, PeerLogs& logs) const {
     for (auto& [id, log] : logs) {
-        if (contains(id)) log.thaw();
+        if (contains(id) && next.contains(id)) log.thaw();
     }
 }
 
@@ -198,6 +200,7 @@ void ViewChange::propose(Instant now, std::vector<LogId> members, Surroundings a
                                .since = now,
                                .asked_at = now});
     const View& view = proposal_->message.view;
+    thaw_members(view, around.logs);
     freeze_the_dead(view, around);
     for (const auto& [id, log] : around.logs) {
         if (!view.contains(id) && log.is_frozen()) proposal_->message.removed.push_back(id);
@@ -308,6 +311,7 @@ void ViewChange::on_proposal(Instant now, const ViewProposal& proposal, Surround
     early_.reset();
     promised_ = view.number;
     promised_at_ = now;
+    thaw_members(view, around.logs);
     freeze_the_dead(view, around);
     for (const LogId& id : proposal.removed) {
         const auto log = around.logs.find(id);

@@ -76,7 +76,7 @@ private:
     [[nodiscard]] bool is_outnumbered(const Membership& membership) const;
     void ask(Instant now, Outbox& out);
     void call_off(PeerLogs& logs);
-    void thaw_members(PeerLogs& logs) const;
+    void thaw_members(const View& next, PeerLogs& logs) const;
     void give_up_on_silent(Instant now, const Membership& membership);
     void conclude(Instant now, Surroundings around, Outbox& out);
     [[nodiscard]] ViewHoldings holdings(const View& view, Surroundings around) const;

@@ -136,6 +136,29 @@ TEST(ViewChange, WhomTheLeaderHearsIsNotTakenOverAtAMembersWord) {
     EXPECT_FALSE(leader.logs.at(high).is_frozen());
 }
 
+// P2: they dropped what it said then, and the only one that took it fell silent (simulator, faults
+// `relapse`, seed 9941534).
+TEST(ViewChange, AProposalWithAMemberThawsWhatAnEarlierOneFroze) {
+    Leader member;
+    member.begin();
+    member.hear(high, high, member.term() + 1, 9);
+    member.membership.on_left_out(member.now, peer);
+    member.wait(60ms);
+    View view{.number = {member.term(), high.broker, 1}, .members = {self, high}};
+    std::ranges::sort(view.members);
+    member.change.on_proposal(member.now, {.view = view, .removed = {peer}}, member.around(),
+                              member.out);
+    ASSERT_TRUE(member.logs.at(peer).is_frozen());
+    member.hear(high, high, member.term(), 9);
+    member.hear(peer, high, member.term(), 1);
+    ++view.number.count;
+    view.members.push_back(peer);
+    std::ranges::sort(view.members);
+    member.change.on_proposal(member.now, {.view = view, .removed = {}}, member.around(),
+                              member.out);
+    EXPECT_FALSE(member.logs.at(peer).is_frozen());
+}
+
 // P2: its sessions would have no heir. The leader may hear the new life long before we do.
 TEST(ViewChange, AProposalWithALaterLifeOfABrokerEndsTheFormerOne) {
     Leader leader;
