@@ -38,7 +38,9 @@ std::vector<OnceBad> once_bad() {
         {"StopOfFour", {.brokers = 4, .faults = {Fault::stop}}, {627}},
         {"StopOfFive", {.brokers = 5, .acks = 2, .faults = {Fault::stop}}, {4201899}},
         {"Relapse1", {.faults = {Fault::relapse}}, {9850621, 9851157, 9851395, 9851485, 9870835}},
-        {"Relapse2", {.faults = {Fault::relapse}}, {9872321, 9880263, 9881208, 9881270, 9882576}},
+        {"Relapse2",
+         {.faults = {Fault::relapse}},
+         {9872321, 9880263, 9881208, 9881270, 9882576, 9941534}},
     };
 }
 
