@@ -149,7 +149,7 @@ public:
     void resume(Instant now) {
         listening_.end();
         membership_.resume(now);
-        view_change_.resume();
+        view_change_.resume(logs_);
         roaming_.resume(now);
         next_tick_ = now;
     }

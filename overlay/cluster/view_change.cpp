@@ -64,6 +64,12 @@ void ViewChange::restart(LogId self) {
     appointed_.clear();
 }
 
+void ViewChange::resume(PeerLogs& logs) {
+    led_since_ = never;
+    call_off(logs);
+    refusing_.clear();
+}
+
 // --- the leader's side
 
 void ViewChange::on_tick(Instant now, Surroundings around, Outbox& out) {

@@ -51,8 +51,9 @@ public:
     [[nodiscard]] bool is_stranded(const Membership& membership, const PeerLogs& logs) const;
     /// Goes on as another member: in no view until the leader takes it into one.
     void restart(LogId self);
-    /// After a stall. Whoever waited for company has heard none meanwhile.
-    void resume() { led_since_ = never; }
+    /// After a stall. Whoever waited for company has heard none meanwhile; and nobody refused an
+    /// answer that could not have been heard.
+    void resume(PeerLogs& logs);
 
 private:
     struct Proposal {

@@ -199,6 +199,26 @@ TEST(ViewChange, AnEndThatWasAgreedOnStays) {
               (std::vector<LogPosition>{{peer, 2}}));
 }
 
+// P3: a newcomer stood still while it waited for the answers to its first proposal, took the others
+// for unwilling, and went on alone from what it had read before (simulator, faults `relapse`, seed
+// 9972482).
+TEST(ViewChange, WhoStoodStillAsksAnew) {
+    Leader leader;
+    leader.begin();
+    leader.hear(high, peer, leader.term(), 1);
+    leader.wait(10ms);
+    leader.out.clear();
+    leader.now += 1s;
+    leader.change.resume(leader.logs);
+    leader.hear(peer, self, leader.term(), 1);
+    leader.hear(high, peer, leader.term(), 1);
+    leader.wait(10ms);
+    leader.answer(peer);
+    EXPECT_FALSE(std::ranges::count(leader.change.view().members, high)) << "it has not answered";
+    leader.answer(high);
+    EXPECT_TRUE(leader.change.contains(high));
+}
+
 // They may come back together to those who lived on and have not met them yet (seed 1522201).
 TEST(ViewChange, NewcomersListenForThoseWhoMayBeThere) {
     Leader leader;
