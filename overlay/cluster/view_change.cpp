@@ -141,22 +141,28 @@ bool ViewChange::waits_for_company(Instant now, Surroundings around) {
 }
 
 /// A peer's beacons come here while ours do not reach it yet; or a peer that we met hears another;
-/// or we have met nobody, and know from being replaced that somebody is there.
+/// or we have met nobody, and know from being replaced that somebody is there; or we are newcomers,
+/// all that are here, and who has the sessions has just fallen silent.
 bool ViewChange::misses_company(const Membership& membership) const {
     const auto is_met = [&](BrokerId id) {
         const Peer* peer = membership.find(id);
         return id == self_.broker || (peer != nullptr && peer->alive);
     };
     bool is_alone = true;
+    bool are_newcomers = !has_view();
+    bool is_home_silent = false;
     for (const auto& [id, peer] : membership.peers()) {
+        const bool is_newcomer = peer.beacon.view.members.empty();
         if (!peer.alive) {
             if (membership.is_heard(id)) return true;
+            is_home_silent |= !is_newcomer && !peer.ended;
             continue;
         }
         is_alone = false;
+        are_newcomers &= is_newcomer;
         if (!std::ranges::all_of(peer.beacon.hears, is_met)) return true;
     }
-    return is_alone && was_replaced_;
+    return (is_alone && was_replaced_) || (are_newcomers && is_home_silent);
 }
 
 /// All that are alive, also followers of another leader: to leave one out means to take over its

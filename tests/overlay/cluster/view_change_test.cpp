@@ -232,6 +232,26 @@ TEST(ViewChange, NewcomersListenForThoseWhoMayBeThere) {
     EXPECT_GT(leader.now, since + 100ms);
 }
 
+// P2: two had been replaced, and the third, which had all sessions, stood still for a second. They
+// went on without it, and it began anew: nobody had the sessions any more.
+TEST(ViewChange, NewcomersWaitForOneThatHasTheSessionsAndIsSilent) {
+    for (const bool has_ended : {false, true}) {
+        Leader leader;
+        const View without_us{.number = {1, high.broker, 1}, .members = {high}};
+        leader.hear(high, high, 1, 1, without_us);
+        if (has_ended) {
+            leader.membership.on_beacon(leader.now,
+                                        {.log = high, .tick = ++leader.ticks, .leaving = true});
+        }
+        const Instant since = leader.now;
+        while (leader.out.empty() && leader.now < since + 5s) {
+            leader.hear(peer, self, leader.term(), 1);
+            leader.wait(10ms);
+        }
+        EXPECT_EQ(leader.now > since + 1s, !has_ended);
+    }
+}
+
 TEST(ViewChange, ANewcomerJoinsThoseWhoLivedOnAtOnce) {
     Leader leader;
     leader.lead();
