@@ -71,9 +71,10 @@ bool Adoption::adopt(SessionImage image, std::vector<MessagePtr> missed, Turn& t
         session->last_msg_id =
             far_from(last_msg_id(settled.image), settled.last_msg_id_elsewhere, tables_.random);
         restore(*session, settled.image, turn);
-        tables_.log.append(turn.out, [&] { return SessionPut{bare_image_of(*session)}; });
-        schedule(tables_, *session);
     }
+    // Also when the own copy stays as it is: of the other one nothing is left for anybody else.
+    tables_.log.append(turn.out, [&] { return SessionPut{bare_image_of(*session)}; });
+    if (settled.is_new) schedule(tables_, *session);
     if (settled.unfinished != mqttsn::no_msg_id) session->unfinished = settled.unfinished;
     deliveries_.release_unfinished(*session, turn);
     if (settled.is_new) deliveries_.go_on(*session, turn);

@@ -115,6 +115,22 @@ TEST_F(Adoption, WhatTwoHeirsOfOneDeadHomeBringIsTakenOnce) {
     third.drain();
 }
 
+// P3: the other copy was left in the log of a dead broker, and a later heir took it up though the
+// client had got all that waited there (simulator, faults `relapse`, seed 9974474).
+TEST_F(Adoption, WhoKeepsItsOwnCopySaysSoInItsLog) {
+    robot.connects(false);
+    robot.subscribes("cmd");
+    const SessionImage image = heir.core.caught_up(image_of(home, "robot"), {});
+    ScriptedBroker third{options_of("third")};
+    EXPECT_TRUE(third.core.adopt(third.now, image, {}, third.actions));
+    third.drain();
+    const Seq before = third.core.last_seq();
+    EXPECT_FALSE(third.core.adopt(third.now, image, {}, third.actions));
+    EXPECT_EQ(third.core.last_seq(), before + 1);
+    third.drain();
+    third.expects_mirror_to_agree();
+}
+
 /// The old home had begun with messages of a peer that the heir does not hold.
 class AdoptionOfTheUnknown : public Adoption {
 protected:
