@@ -2,8 +2,6 @@
 
 #include <algorithm>
 #include <cassert>
-#include <chrono>
-#include <map>
 #include <optional>
 #include <span>
 #include <utility>
@@ -14,22 +12,15 @@
 #include "overlay/member/cut_off.h"
 #include "overlay/member/held_output.h"
 #include "overlay/member/stall.h"
-#include "overlay/member/status_topic.h"
+#include "overlay/member/status_teller.h"
 #include "overlay/member/waiting_input.h"
 
 namespace romano::overlay {
 
-using namespace std::chrono_literals;
 using broker::BrokerCore;
 using broker::LogId;
 using cluster::ClusterCore;
 using cluster::Effects;
-
-namespace {
-
-constexpr Duration status_every = 1s;
-
-}  // namespace
 
 class Member::State {
 public:
@@ -116,7 +107,6 @@ private:
 
     /// Of the view that this broker leads; none when it leads none.
     [[nodiscard]] std::span<const LogId> led_members() const;
-    void tell_status(Instant now);
 
     MemberOptions options_;
     std::uint64_t seed_;
@@ -139,10 +129,7 @@ private:
     bool owes_output_ = false;  // what was to leave before a stall
     std::uint64_t late_output_dropped_ = 0;
 
-    Instant next_status_ = Instant::min();
-    cluster::ViewNumber told_view_;
-    election::Leadership told_leadership_;
-    std::map<std::string, std::string> told_;  // by topic: only changes are published
+    StatusTeller status_;
 };
 
 broker::BrokerOptions Member::State::broker_options() const {
@@ -219,7 +206,7 @@ void Member::State::on_tick(Instant now, MemberActions& out) {
     absorb(now, out);  // what it appended stands in the log before the cluster looks at it
     Effects acting = effects(now, out);
     cluster_.on_tick(acting, held_.addresses());
-    tell_status(now);
+    status_.on_tick(now, cluster_, broker_, work_);
     carry_out(now, out);
     tend_uplink(now, out);
 }
@@ -287,7 +274,7 @@ void Member::State::restart(Instant now, MemberActions& out) {
     if (uplink_) uplink_->abandon(out.uplink);
     late_message_.reset();
     for (const auto& message : retained) broker_.put_retained(message);
-    told_.clear();
+    status_.forget();
     Effects acting = effects(now, out);
     cluster_.restart(acting, log_);
     cluster_.resume(now);
@@ -446,46 +433,6 @@ std::span<const LogId> Member::State::led_members() const {
     const cluster::View& view = cluster_.view();
     if (view.number.leader != log_.broker) return {};
     return view.members;
-}
-
-void Member::State::tell_status(Instant now) {
-    const bool news =
-        cluster_.view().number != told_view_ || cluster_.leadership() != told_leadership_;
-    if (now < next_status_ && !news) return;
-    next_status_ = now + status_every;
-    told_view_ = cluster_.view().number;
-    told_leadership_ = cluster_.leadership();
-
-    std::vector<cluster::Beacon> beacons{cluster_.beacon(broker_)};
-    for (const auto& [id, peer] : cluster_.membership().peers()) {
-        beacons.push_back(peer.beacon);
-        if (!peer.alive) beacons.back().serving.clear();
-    }
-    const auto name_of = [&](broker::BrokerId id) {
-        for (const auto& beacon : beacons) {
-            if (beacon.log.broker == id) return beacon.name;
-        }
-        return std::string{};
-    };
-    std::vector<std::string> members;
-    for (const LogId& member : cluster_.view().members) {
-        members.push_back(name_of(member.broker));
-    }
-    const auto leader = cluster_.leadership().leader;
-    for (const auto& beacon : beacons) {
-        const bool self = beacon.log.broker == log_.broker;
-        const std::string topic = status_topic(beacon.name);
-        std::string text = to_json({.beacon = beacon,
-                                    .alive = self || cluster_.membership().is_alive(beacon.log),
-                                    .leads = leader == cluster::node_of(beacon.log.broker),
-                                    .view = cluster_.view(),
-                                    .member_names = members,
-                                    .leader_name = name_of(told_view_.leader)});
-        std::string& told = told_[topic];
-        if (told == text) continue;
-        told = std::move(text);
-        broker_.set_system_topic(now, topic, as_octets(told), work_);
-    }
 }
 
 MemberFacts Member::State::facts() const {

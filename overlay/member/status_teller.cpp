@@ -1,0 +1,69 @@
+#include "overlay/member/status_teller.h"
+
+#include <chrono>
+#include <utility>
+#include <vector>
+
+#include "overlay/member/status_topic.h"
+
+namespace romano::overlay {
+namespace {
+
+constexpr Duration tell_every = std::chrono::seconds{1};
+
+/// The newest beacons: this broker's own, which is the first, and its peers'.
+std::vector<cluster::Beacon> newest_beacons(const cluster::ClusterCore& cluster,
+                                            const broker::BrokerCore& broker) {
+    std::vector<cluster::Beacon> out{cluster.beacon(broker)};
+    for (const auto& [id, peer] : cluster.membership().peers()) {
+        out.push_back(peer.beacon);
+        if (!peer.alive) out.back().serving.clear();
+    }
+    return out;
+}
+
+}  // namespace
+
+void StatusTeller::on_tick(Instant now, const cluster::ClusterCore& cluster,
+                           broker::BrokerCore& broker, broker::Actions& out) {
+    const bool is_news =
+        cluster.view().number != told_view_ || cluster.leadership() != told_leadership_;
+    if (now < next_ && !is_news) return;
+    next_ = now + tell_every;
+    told_view_ = cluster.view().number;
+    told_leadership_ = cluster.leadership();
+    tell(now, cluster, broker, out);
+}
+
+void StatusTeller::tell(Instant now, const cluster::ClusterCore& cluster,
+                        broker::BrokerCore& broker, broker::Actions& out) {
+    const auto beacons = newest_beacons(cluster, broker);
+    const broker::LogId& self = beacons.front().log;
+    const auto name_of = [&](broker::BrokerId id) {
+        for (const auto& beacon : beacons) {
+            if (beacon.log.broker == id) return beacon.name;
+        }
+        return std::string{};
+    };
+    std::vector<std::string> members;
+    for (const broker::LogId& member : cluster.view().members) {
+        members.push_back(name_of(member.broker));
+    }
+    for (const auto& beacon : beacons) {
+        const broker::LogId& log = beacon.log;
+        const std::string topic = status_topic(beacon.name);
+        std::string text =
+            to_json({.beacon = beacon,
+                     .alive = log.broker == self.broker || cluster.membership().is_alive(log),
+                     .leads = told_leadership_.leader == cluster::node_of(log.broker),
+                     .view = cluster.view(),
+                     .member_names = members,
+                     .leader_name = name_of(told_view_.leader)});
+        std::string& told = told_[topic];
+        if (told == text) continue;
+        told = std::move(text);
+        broker.set_system_topic(now, topic, as_octets(told), out);
+    }
+}
+
+}  // namespace romano::overlay

@@ -1,0 +1,31 @@
+// When a member tells people about the brokers that it knows, and which of that is news: the
+// retained messages of `status_topic.h`, every second and when the view or the leader changes.
+#pragma once
+
+#include <map>
+#include <string>
+
+#include "broker/core/broker_core.h"
+#include "overlay/cluster/cluster_core.h"
+
+namespace romano::overlay {
+
+class StatusTeller {
+public:
+    /// Publishes what has changed since it was told; to be asked at each tick.
+    void on_tick(Instant now, const cluster::ClusterCore& cluster, broker::BrokerCore& broker,
+                 broker::Actions& out);
+    /// The broker's core is a new one, which nobody has told anything.
+    void forget() { told_.clear(); }
+
+private:
+    void tell(Instant now, const cluster::ClusterCore& cluster, broker::BrokerCore& broker,
+              broker::Actions& out);
+
+    Instant next_ = Instant::min();
+    cluster::ViewNumber told_view_;
+    election::Leadership told_leadership_;
+    std::map<std::string, std::string> told_;  // by topic: only changes are published
+};
+
+}  // namespace romano::overlay
