@@ -316,7 +316,7 @@ Beacon ClusterCore::beacon(const broker::BrokerCore& broker) const {
                   .transport_octets_received = octets_received_,
                   .link = link_};
     membership_.describe(beacon);
-    for (const auto& [id, log] : logs_) beacon.applied.push_back({id, log.applied()});
+    for (const auto& [id, log] : logs_) beacon.applied.push_back({id, held_of(id, log)});
     return beacon;
 }
 
@@ -338,6 +338,7 @@ void ClusterCore::restart(Effects& effects, LogId log) {
     own_ = OwnLog(log, options_.log_events_kept);
     membership_.restart();
     watermark_.restart();
+    acknowledgements_.restart();
     view_change_.restart(log);
     acquaintance_.restart();
     take_over_.restart();

@@ -18,6 +18,7 @@
 #include <utility>
 #include <vector>
 
+#include "overlay/cluster/acknowledgements.h"
 #include "overlay/cluster/acquaintance.h"
 #include "overlay/cluster/adoption.h"
 #include "overlay/cluster/effects.h"
@@ -193,6 +194,9 @@ private:
     /// Up to `most` events that are here; the rest at the next ticks.
     void apply(Effects& effects, const LogId& id, PeerLog& log, std::size_t most);
     void catch_up(Effects& effects);
+    void acknowledge(Effects& effects, const LogId& id, const PeerLog& log) const;
+    [[nodiscard]] Seq held_of(const LogId& id, const PeerLog& log) const;
+    [[nodiscard]] Acknowledgements::IsHeld is_held() const;
     void heed_handoffs(const Effects& effects);
     void apply_event(Effects& effects, const LogId& id, PeerLog& log);
     void learn(const MessagePtr& message);
@@ -220,6 +224,7 @@ private:
     std::vector<Endpoint> claimed_;       // addresses_.claimed(), for the surroundings
     std::vector<LogPosition> told_ends_;  // ended_.list(), as well
     PeerLogs logs_;
+    Acknowledgements acknowledgements_;
     LogKeeping keeping_;
     PublishOrder publish_order_;
     PeerSessions peer_sessions_;

@@ -104,8 +104,12 @@ void ClusterCore::on(Effects& effects, BrokerId from, const SnapshotPart& part) 
     for (const auto& image : snapshot->sessions) mark_taken(image.header.client_id);
     publish_order_.on_snapshot_end(effects, snapshot->as_of);
     settlement_.compare(effects, logs_, view());
+    acknowledgements_.forget(id);
+    for (const auto& image : snapshot->sessions) {
+        acknowledgements_.on_session(id, snapshot->as_of.seq, image, is_held());
+    }
     apply(effects, id, log, options_.events_per_turn);
-    effects.peers.push_back({from, LogAck{{id, log.applied()}, own_.id()}});
+    acknowledge(effects, id, log);
 }
 
 void ClusterCore::catch_up(Effects& effects) {
@@ -118,8 +122,31 @@ void ClusterCore::catch_up(Effects& effects) {
 void ClusterCore::apply(Effects& effects, const LogId& id, PeerLog& log, std::size_t most) {
     const Seq before = log.applied();
     for (; most > 0 && log.next() != nullptr; --most) apply_event(effects, id, log);
-    if (log.applied() == before || log.is_frozen()) return;
-    effects.peers.push_back({id.broker, LogAck{{id, log.applied()}, own_.id()}});
+    if (log.applied() == before) return;
+    if (!log.is_frozen()) acknowledge(effects, id, log);
+    for (const LogId& other : acknowledgements_.advance(is_held())) {
+        const PeerLog& waiting = logs_.at(other);
+        if (other != id && !waiting.is_frozen()) acknowledge(effects, other, waiting);
+    }
+}
+
+void ClusterCore::acknowledge(Effects& effects, const LogId& id, const PeerLog& log) const {
+    effects.peers.push_back({id.broker, LogAck{{id, held_of(id, log)}, own_.id()}});
+}
+
+Seq ClusterCore::held_of(const LogId& id, const PeerLog& log) const {
+    if (log.is_frozen()) return log.applied();
+    return acknowledgements_.through(id, log.applied(), is_held());
+}
+
+Acknowledgements::IsHeld ClusterCore::is_held() const {
+    return [this](const LogPosition& publish) {
+        const LogId& id = publish.log;
+        // Whom we do not hear brings nothing; the view will agree on where that log ends.
+        if (!view_change_.contains(id) || !membership_.is_alive(id)) return true;
+        const auto log = logs_.find(id);
+        return log != logs_.end() && log->second.holds(publish.seq);
+    };
 }
 
 void ClusterCore::apply_event(Effects& effects, const LogId& id, PeerLog& log) {
@@ -144,6 +171,9 @@ void ClusterCore::apply_event(Effects& effects, const LogId& id, PeerLog& log) {
     std::optional<LogPosition> routed;
     if (const auto* route = std::get_if<broker::Routed>(&event)) routed = route->message;
 
+    if (!log.is_frozen()) {
+        acknowledgements_.on_event(id, log.applied() + 1, event, is_held());
+    }
     log.apply();
     if (published) {
         effects.broker.observe_time(published->published_at);
@@ -184,6 +214,7 @@ void ClusterCore::trim(Effects& effects) {
     const auto expired = keeping_.expire(effects.now, logs_, membership_, view_change_);
     for (const LogId& id : expired) {
         watermark_.forget(id);
+        acknowledgements_.forget(id);
         peer_sessions_.forget(id);
         logs_.erase(id);
     }

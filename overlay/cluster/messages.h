@@ -62,7 +62,7 @@ struct Beacon {
     View view{};
     election::Claim claim{};
     std::vector<BrokerId> hears{};       // whose beacons reach the sender: a link counts both ways
-    std::vector<LogPosition> applied{};  // how far the sender applied each peer's log
+    std::vector<LogPosition> applied{};  // how far the sender holds each peer's log
     std::vector<LogPosition> ended{};    // removed logs, and where its view says that they end
     std::vector<Endpoint>
         home_addresses{};  // the service addresses that are the sender's by configuration
@@ -74,7 +74,7 @@ struct Beacon {
     bool leaving = false;  // the last beacon of an orderly stop
     LinkAddress link{};
 
-    /// How far the sender applied the log.
+    /// How far the sender holds the log: applied it, with what it tells of (acknowledgements.h).
     [[nodiscard]] Seq applied_through(const LogId& of) const;
     [[nodiscard]] bool hears_from(BrokerId broker) const;
     [[nodiscard]] bool knows(const LogId& other) const;

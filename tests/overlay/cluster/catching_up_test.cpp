@@ -156,6 +156,39 @@ TEST_F(CatchingUp, ThePublishesOfASnapshotAreHandedOnAsTheyCome) {
     EXPECT_EQ(applied(), 1'000U);
 }
 
+// It would not outlive its home and its publisher's broker (simulator, seed 9951843).
+TEST_F(CatchingUp, P3_AMessageThatAHomeWorksOnIsAcknowledgedWhenTheMessageIsHereToo) {
+    const LogId publisher = test::log_of("publisher");
+    const auto hear_publisher = [&] {
+        take(
+            Beacon{.name = "publisher", .log = publisher, .tick = ++ticks, .hears = {self.broker}});
+    };
+    while (!core.leadership().leader) {
+        hear_publisher();
+        hear_beacon(0);
+    }
+    ViewAnnouncement announcement{
+        .view = {.number = {100, self.broker, 1}, .members = {self, peer, publisher}}};
+    std::ranges::sort(announcement.view.members);
+    take(announcement);
+    (void)take_sent<LogAck>();
+
+    take_batch(1, 1);
+    take(LogBatch{.log = peer,
+                  .first_seq = 2,
+                  .events = {broker::Routed{.message = {publisher, 1}, .routes = {}}}});
+    EXPECT_EQ(applied(), 2U);
+    EXPECT_EQ(take_sent<LogAck>().back().through, (LogPosition{peer, 1}));
+    Effects acting = effects();
+    core.on_message(acting, {publisher, LogBatch{.log = publisher,
+                                                 .first_seq = 1,
+                                                 .events = {test::published(publisher, 1)}}});
+    const auto acks = take_sent<LogAck>();
+    EXPECT_TRUE(std::ranges::any_of(acks, [](const LogAck& ack) {
+        return ack.through == LogPosition{peer, 2};
+    }));
+}
+
 // They have passed the broker by when the session comes (simulator, seed 970610).
 TEST_F(CatchingUp, P2_ASessionThatComesAmidASnapshotGetsItsPublishes) {
     SnapshotPart part{.as_of = {peer, 1'000}};

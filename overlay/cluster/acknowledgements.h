@@ -1,0 +1,51 @@
+// How far this broker says that it holds each peer's log: no event that tells of a message counts
+// before the message is held too, in the log in which it was published.
+//
+// A home speaks to a client of a peer's message as soon as enough peers hold that it works on it.
+// Would one of these lack the message itself, and outlive both the home and the publisher's broker,
+// then the message ends nowhere, its publisher says it again, and the client gets it twice.
+#pragma once
+
+#include <cstddef>
+#include <deque>
+#include <functional>
+#include <map>
+#include <vector>
+
+#include "broker/core/log_event.h"
+#include "broker/core/log_position.h"
+
+namespace romano::cluster {
+
+class Acknowledgements {
+public:
+    /// That publish is here, or nobody will ever bring it.
+    using IsHeld = std::function<bool(const broker::LogPosition& publish)>;
+
+    /// The next event of that log, which is `seq` of it, was applied.
+    void on_event(const broker::LogId& log, broker::Seq seq, const broker::LogEvent& event,
+                  const IsHeld& is_held);
+    /// It was replaced by a snapshot up to `seq`, and this is a session of it.
+    void on_session(const broker::LogId& log, broker::Seq seq, const broker::SessionImage& session,
+                    const IsHeld& is_held);
+    /// How far a log counts as held that is applied so far.
+    [[nodiscard]] broker::Seq through(const broker::LogId& log, broker::Seq applied,
+                                      const IsHeld& is_held) const;
+    /// Forgets what needs not be waited for any more: the logs of which more counts now.
+    [[nodiscard]] std::vector<broker::LogId> advance(const IsHeld& is_held);
+    void forget(const broker::LogId& log) { waiting_.erase(log); }
+    void restart() { waiting_.clear(); }
+
+private:
+    struct Waiting {
+        broker::Seq seq = 0;
+        broker::LogPosition publish;
+    };
+    void wait(const broker::LogId& log, broker::Seq seq, const broker::LogPosition& publish,
+              const IsHeld& is_held);
+
+    static constexpr std::size_t waiting_most = 20'000;     // a log; beyond: counts at once
+    std::map<broker::LogId, std::deque<Waiting>> waiting_;  // none is empty
+};
+
+}  // namespace romano::cluster
