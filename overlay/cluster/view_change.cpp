@@ -1,6 +1,7 @@
 #include "overlay/cluster/view_change.h"
 
 #include <algorithm>
+#include <chrono>
 #include <utility>
 
 #include "overlay/cluster/heirs.h"
@@ -11,6 +12,8 @@ namespace {
 
 // On a busy machine it takes some detection times until two processes hear each other.
 constexpr int patience_with_the_unmet = 20;
+/// A process that stands still for two seconds, and the time in which DDS finds it again.
+constexpr Duration patience_with_a_silent_home = std::chrono::seconds{3};
 
 /// Freezes what is left of brokers that are gone. One that is alive and not in the view, because it
 /// has just started or follows another leader, serves its clients itself. Of the later life of one
@@ -130,6 +133,7 @@ bool ViewChange::waits_for_company(Instant now, Surroundings around) {
     if (now < led_since_ + patience_with_the_unmet * patience_ && misses_company(membership)) {
         return true;
     }
+    if (now < led_since_ + patience_with_a_silent_home && misses_home(membership)) return true;
     if (now >= led_since_ + 2 * patience_) return false;
     bool are_newcomers = true;
     for (const auto& [id, peer] : membership.peers()) {
@@ -141,28 +145,34 @@ bool ViewChange::waits_for_company(Instant now, Surroundings around) {
 }
 
 /// A peer's beacons come here while ours do not reach it yet; or a peer that we met hears another;
-/// or we have met nobody, and know from being replaced that somebody is there; or we are newcomers,
-/// all that are here, and who has the sessions has just fallen silent.
+/// or we have met nobody, and know from being replaced that somebody is there.
 bool ViewChange::misses_company(const Membership& membership) const {
     const auto is_met = [&](BrokerId id) {
         const Peer* peer = membership.find(id);
         return id == self_.broker || (peer != nullptr && peer->alive);
     };
     bool is_alone = true;
+    for (const auto& [id, peer] : membership.peers()) {
+        if (!peer.alive) {
+            if (membership.is_heard(id)) return true;
+            continue;
+        }
+        is_alone = false;
+        if (!std::ranges::all_of(peer.beacon.hears, is_met)) return true;
+    }
+    return is_alone && was_replaced_;
+}
+
+/// We are newcomers, all that are here, and who has the sessions fell silent.
+bool ViewChange::misses_home(const Membership& membership) const {
     bool are_newcomers = !has_view();
     bool is_home_silent = false;
     for (const auto& [id, peer] : membership.peers()) {
         const bool is_newcomer = peer.beacon.view.members.empty();
-        if (!peer.alive) {
-            if (membership.is_heard(id)) return true;
-            is_home_silent |= !is_newcomer && !peer.ended;
-            continue;
-        }
-        is_alone = false;
-        are_newcomers &= is_newcomer;
-        if (!std::ranges::all_of(peer.beacon.hears, is_met)) return true;
+        are_newcomers &= is_newcomer || !peer.alive;
+        is_home_silent |= !is_newcomer && !peer.alive && !peer.ended;
     }
-    return (is_alone && was_replaced_) || (are_newcomers && is_home_silent);
+    return are_newcomers && is_home_silent;
 }
 
 /// All that are alive, also followers of another leader: to leave one out means to take over its

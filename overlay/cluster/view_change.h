@@ -65,6 +65,7 @@ private:
 
     [[nodiscard]] bool waits_for_company(Instant now, Surroundings around);
     [[nodiscard]] bool misses_company(const Membership& membership) const;
+    [[nodiscard]] bool misses_home(const Membership& membership) const;
     [[nodiscard]] std::vector<LogId> desired_members(const Membership& membership);
     [[nodiscard]] bool needs_change(Instant now, const std::vector<LogId>& desired,
                                     Surroundings around) const;

@@ -232,8 +232,8 @@ TEST(ViewChange, NewcomersListenForThoseWhoMayBeThere) {
     EXPECT_GT(leader.now, since + 100ms);
 }
 
-// P2: two had been replaced, and the third, which had all sessions, stood still for a second. They
-// went on without it, and it began anew: nobody had the sessions any more.
+// P2, P3: two had been replaced, and the third, which had all sessions, stood still for a second or
+// two. They went on without it, and it began anew: nobody had the sessions any more.
 TEST(ViewChange, NewcomersWaitForOneThatHasTheSessionsAndIsSilent) {
     for (const bool has_ended : {false, true}) {
         Leader leader;
@@ -248,7 +248,7 @@ TEST(ViewChange, NewcomersWaitForOneThatHasTheSessionsAndIsSilent) {
             leader.hear(peer, self, leader.term(), 1);
             leader.wait(10ms);
         }
-        EXPECT_EQ(leader.now > since + 1s, !has_ended);
+        EXPECT_EQ(leader.now > since + 2500ms, !has_ended);
     }
 }
 
