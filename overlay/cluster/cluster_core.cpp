@@ -177,6 +177,7 @@ void ClusterCore::on(Effects& effects, BrokerId, const Pulse& pulse) {
 
 void ClusterCore::listen_only(Duration away) {
     listening_.begin(membership_, static_cast<std::uint64_t>(away / options_.beacon_every));
+    handoffs_.forget_waiting();
 }
 
 void ClusterCore::heed_news_of_peers(Effects& effects) {

@@ -19,7 +19,8 @@ void ClusterCore::flush(Outbox& out) {
 }
 
 Seq ClusterCore::safe(Instant now) {
-    if (may_be_deaf(now)) return watermark_.safe();
+    // Whoever says nothing promises nothing, though there may be no peer left to wait for.
+    if (listening_.is_on() || may_be_deaf(now)) return watermark_.safe();
     // In no view there are no clients: whoever promised them something alone is not replaced.
     if (!is_in_view() || view_change_.is_stranded(membership_, logs_)) return watermark_.safe();
     return watermark_.advance(own_.last(), live_peers());

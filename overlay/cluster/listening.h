@@ -25,6 +25,7 @@ namespace romano::cluster {
            std::holds_alternative<ViewAnnouncement>(message) ||
            std::holds_alternative<AddressOffer>(message) ||
            std::holds_alternative<AddressBound>(message) ||
+           std::holds_alternative<SessionHandoff>(message) ||
            std::holds_alternative<SessionRequest>(message) ||
            std::holds_alternative<SessionClaim>(message);
 }

@@ -57,6 +57,11 @@ void HandoffReceiver::on_handoff(Instant now, BrokerId from, SessionHandoff part
     arrived_.push_back(std::move(arrived));
 }
 
+void HandoffReceiver::forget_waiting() {
+    incoming_.clear();
+    std::erase_if(arrived_, [](const Arrived& arrived) { return arrived.adopted == 0; });
+}
+
 void HandoffReceiver::heed(Instant now, const IsWorkedThrough& is_worked_through) {
     for (Arrived& arrived : arrived_) {
         if (now >= arrived.until) arrived.after.clear();

@@ -37,6 +37,8 @@ public:
     };
 
     void on_handoff(Instant now, BrokerId from, SessionHandoff part);
+    /// After a stall: what came before it was called off, perhaps, and comes again.
+    void forget_waiting();
     /// Looks who need not wait any more.
     using IsWorkedThrough = std::function<bool(const LogPosition&)>;
     void heed(Instant now, const IsWorkedThrough& is_worked_through);

@@ -114,6 +114,42 @@ TEST(SessionHandoff, P3_WhatWasHandedToAFormerLifeIsNotAdopted) {
     EXPECT_EQ(hand_over(self), 1U);
 }
 
+// P3: its giver had called that off long ago, and had delivered since what it would say again
+// (simulator, faults `relapse`, seed 9992292).
+TEST(SessionHandoff, P3_WhatCameWhileOneStoodStillIsNotAdopted) {
+    Cluster home;
+    home.hear();
+    const auto hand_over = [&] {
+        SessionHandoff all{.to = self, .address = ours, .last = true};
+        all.sessions.push_back(image(0, ours));
+        home.take(std::move(all));
+        return home.broker.session_count();
+    };
+    home.core.listen_only(100ms);
+    EXPECT_EQ(hand_over(), 0U);
+    home.core.resume(home.now);
+    home.tick();
+    EXPECT_EQ(home.broker.session_count(), 0U);
+    EXPECT_EQ(hand_over(), 1U) << "it comes again if it is still meant";
+}
+
+TEST(SessionHandoff, P3_WhatWaitedBeforeAStallIsNotAdopted) {
+    NewHome home;
+    const auto hand_over = [&] {
+        SessionHandoff all{.address = ours, .last = true};
+        all.sessions.push_back(image(0, ours));
+        all.sessions.front().worked_through = {{test::log_of("third"), 7}};
+        home.take(std::move(all));
+        return home.broker.session_count();
+    };
+    EXPECT_EQ(hand_over(), 0U);
+    home.receiver.forget_waiting();
+    home.cursor = 7;
+    home.go_on();
+    EXPECT_EQ(home.broker.session_count(), 0U);
+    EXPECT_EQ(hand_over(), 1U);
+}
+
 // They may have lived on elsewhere since; whoever asks asks again.
 TEST(SessionHandoff, P4_WhoMayHaveBeenReplacedGivesNoneAway) {
     Cluster home;

@@ -94,5 +94,22 @@ TEST_F(Stranded, ANewcomerWhomAMemberNeverHearsGoesOnAloneInTheEnd) {
     EXPECT_EQ(cluster.core.safe(cluster.now), 1U);
 }
 
+// P3: its peers had begun new lives, it waited for nobody, and what it had promised then was more
+// than those held who had gone on without it (simulator, faults `relapse`, seed 9990563).
+TEST_F(Stranded, P3_WhoListensPromisesNothing) {
+    cluster.take(Beacon{.name = "other", .log = other, .tick = 1, .hears = {self.broker}});
+    ASSERT_EQ(cluster.core.safe(cluster.now), 0U) << "the peers do not hold it";
+    cluster.core.listen_only(100ms);
+    for (LogId later : {peer, other}) {
+        ++later.incarnation;
+        Effects acting = cluster.effects();
+        cluster.core.on_message(acting, {later, Beacon{.log = later, .tick = 1}});
+    }
+    ASSERT_TRUE(cluster.core.live_peers().empty());
+    EXPECT_EQ(cluster.core.safe(cluster.now), 0U);
+    cluster.core.resume(cluster.now);
+    EXPECT_EQ(cluster.core.safe(cluster.now), 1U);
+}
+
 }  // namespace
 }  // namespace romano::cluster
