@@ -176,8 +176,7 @@ void ClusterCore::on(Effects& effects, BrokerId, const Pulse& pulse) {
 }
 
 void ClusterCore::listen_only(Duration away) {
-    listening_.begin(membership_, static_cast<std::uint64_t>(away / options_.beacon_every));
-    handoffs_.forget_waiting();
+    listening_.begin(membership_, away, options_.beacon_every);
 }
 
 void ClusterCore::heed_news_of_peers(Effects& effects) {
@@ -251,7 +250,9 @@ void ClusterCore::on_view(Effects& effects, const ViewAnnouncement& announcement
         }
     }
     acquaintance_.on_view(effects.now, own_.id(), view(), logs_);
-    // Another member hands us what our earlier life left at our address, if it has not done so yet.
+    // Other members hand us what our earlier lives left at our address, if it has not been done
+    // yet.
+    std::map<Endpoint, std::set<BrokerId>> givers;
     for (const Assignment& assignment : announcement.assignments) {
         const Endpoint& address = assignment.address;
         // Unless that serves the address in its own cell: then the sessions are at home there.
@@ -259,8 +260,11 @@ void ClusterCore::on_view(Effects& effects, const ViewAnnouncement& announcement
         if (heir != nullptr && heir->is_home_of(address)) continue;
         if (assignment.heir != own_.id().broker && addresses_.is_home(address) &&
             addresses_.is_serving(address) && effects.broker.client_ids_via(address).empty()) {
-            hand_back_.expect(effects.now, address, assignment.heir);
+            givers[address].insert(assignment.heir);
         }
+    }
+    for (auto& [address, heirs] : givers) {
+        hand_back_.expect(effects.now, address, std::move(heirs));
     }
     take_over_.on_view(effects.now, announcement);
     hand_back_.on_view(announcement);
@@ -269,13 +273,34 @@ void ClusterCore::on_view(Effects& effects, const ViewAnnouncement& announcement
     settlement_.compare(effects, logs_, view());
 }
 
+bool ClusterCore::leaves_out(const Beacon& beacon) const {
+    return view_change_.contains(beacon.log) && beacon.view.number > view().number &&
+           !beacon.view.contains(own_.id());
+}
+
 bool ClusterCore::was_replaced() const {
     return std::ranges::any_of(membership_.peers(), [this](const auto& entry) {
         const Beacon& beacon = entry.second.beacon;
         if (const auto end = beacon.end_of(own_.id())) return *end >= watermark_.safe();
-        return view_change_.contains(beacon.log) && beacon.view.number > view().number &&
-               !beacon.view.contains(own_.id()) && !watermark_.has_promised_alone();
+        return leaves_out(beacon) && !watermark_.has_promised_alone();
     });
+}
+
+void ClusterCore::resume(Instant now) {
+    // Whoever hands sessions over gives up when we are in its view no more, or after ten detection
+    // times; then they live on there.
+    const bool was_left_out = std::ranges::any_of(membership_.peers(), [this](const auto& entry) {
+        const Beacon& beacon = entry.second.beacon;
+        return beacon.end_of(own_.id()).has_value() || leaves_out(beacon);
+    });
+    if (was_left_out || listening_.longest_away() > 8 * detection_time()) {
+        handoffs_.forget_waiting();
+    }
+    listening_.end();
+    membership_.resume(now);
+    view_change_.resume(logs_);
+    roaming_.resume(now);
+    next_tick_ = now;
 }
 
 Surroundings ClusterCore::surroundings(const Effects& effects) {
@@ -372,7 +397,7 @@ void ClusterCore::on(Effects& effects, BrokerId from, const SessionHandoff& part
     if (part.to != own_.id()) return;
     handoffs_.on_handoff(effects.now, from, part);
     heed_handoffs(effects);
-    handoffs_.on_turn(effects, logs());
+    if (!listening_.is_on()) handoffs_.on_turn(effects, logs());
 }
 
 void ClusterCore::heed_handoffs(const Effects& effects) {

@@ -147,13 +147,8 @@ public:
     void send_pulse(Outbox& out) const {
         out.push_back({std::nullopt, Pulse{own_.id(), beacons_sent_}});
     }
-    void resume(Instant now) {
-        listening_.end();
-        membership_.resume(now);
-        view_change_.resume(logs_);
-        roaming_.resume(now);
-        next_tick_ = now;
-    }
+    void resume(Instant now);
+    void send_beacon(Effects& effects);
 
     void check_invariants(const broker::BrokerCore& broker) const;
 
@@ -204,7 +199,6 @@ private:
     void after_input(Effects& effects);
     void take_view(Effects& effects);
     void on_view(Effects& effects, const ViewAnnouncement& announcement);
-    void send_beacon(Effects& effects);
     /// What was said from an address while it was silent went nowhere: says it again.
     void break_silence(Effects& effects);
     /// Tries again for addresses that should be served here and are served by nobody.
@@ -212,6 +206,8 @@ private:
     void ask_for_gaps(Effects& effects);
     void trim(Effects& effects);
     void forget_old_lives(Effects& effects);
+    /// Its sender is in our view, and in a later one without us.
+    [[nodiscard]] bool leaves_out(const Beacon& beacon) const;
     [[nodiscard]] Surroundings surroundings(const Effects& effects);
     [[nodiscard]] Logs logs() { return {logs_, own_}; }
 

@@ -75,14 +75,15 @@ bool HandBack::is_unsettled(const Endpoint& address) const {
 void HandBack::carry_on(Effects& effects, const Membership& membership, const View& view,
                         ServiceAddresses& addresses, const NotYet& not_yet) {
     std::erase_if(expected_, [&](const auto& entry) {
-        const Getting& getting = entry.second;
-        if (effects.now > getting.since + 20 * patience_) return true;
+        const Expected& expected = entry.second;
+        if (effects.now > expected.since + 20 * patience_) return true;
         // We may not have met yet, though its offer is here.
-        if (effects.now <= getting.since + patience_) return false;
-        const Peer* from = membership.find(getting.from);
-        if (from == nullptr) return true;
-        // One that died is a member until somebody else inherits them, and hands them over.
-        return !from->alive && !view.contains(from->beacon.log);
+        if (effects.now <= expected.since + patience_) return false;
+        return std::ranges::all_of(expected.from, [&](BrokerId id) {
+            const Peer* from = membership.find(id);
+            // One that died is a member until somebody else inherits them, and hands them over.
+            return from == nullptr || (!from->alive && !view.contains(from->beacon.log));
+        });
     });
     std::erase_if(giving_, [&](const auto& entry) {
         const auto& [address, giving] = entry;
@@ -271,15 +272,19 @@ void HandBack::on_address(Effects& effects, const Endpoint& address, bool served
     if (taking.empty()) return;
     const BrokerId from = taking.mapped().from;
     effects.peers.push_back({from, AddressBound{.address = address, .bound = served}});
-    if (served) expect(effects.now, address, from);
+    if (served) expect(effects.now, address, {from});
 }
 
-void HandBack::expect(Instant now, const Endpoint& address, BrokerId from) {
-    expected_.insert_or_assign(address, Getting{from, now});
+void HandBack::expect(Instant now, const Endpoint& address, std::set<BrokerId> from) {
+    expected_.insert_or_assign(address, Expected{std::move(from), now});
 }
 
 void HandBack::on_handed_over(BrokerId from, const Endpoint& address) {
-    expected_.erase(address);
+    const auto expected = expected_.find(address);
+    if (expected != expected_.end()) {
+        const bool was_meant = expected->second.from.erase(from) != 0;
+        if (!was_meant || expected->second.from.empty()) expected_.erase(expected);
+    }
     const auto giving = giving_.find(address);
     if (giving != giving_.end() && giving->second.heir == from) giving->second.heir.reset();
     // The former holder's next beacons may still name the address; it is silent there by now.

@@ -82,7 +82,7 @@ public:
                   ServiceAddresses& addresses);
     void on_address(Effects& effects, const Endpoint& address, bool served);
     /// The sessions of an own address are somewhere else and will come from there.
-    void expect(Instant now, const Endpoint& address, BrokerId from);
+    void expect(Instant now, const Endpoint& address, std::set<BrokerId> from);
     void on_handed_over(BrokerId from, const Endpoint& address);
     /// Another broker served our address as well, and has not handed its sessions over yet.
     [[nodiscard]] bool is_unsettled(const Endpoint& address) const;
@@ -112,6 +112,10 @@ private:
         BrokerId from;
         Instant since;
     };
+    struct Expected {
+        std::set<BrokerId> from;
+        Instant since;
+    };
 
     void begin(Effects& effects, const Endpoint& address, const Membership& membership,
                const View& view);
@@ -139,9 +143,9 @@ private:
         bool is_settled = false;  // handed over, or waited for in vain
         bool is_claimed = false;  // datagrams come here, and wait
     };
-    std::map<Endpoint, Rivalry> rivals_;    // for own addresses, that others serve as well
-    std::map<Endpoint, Getting> taking_;    // offered to us, being bound
-    std::map<Endpoint, Getting> expected_;  // bound, the sessions not here yet
+    std::map<Endpoint, Rivalry> rivals_;     // for own addresses, that others serve as well
+    std::map<Endpoint, Getting> taking_;     // offered to us, being bound
+    std::map<Endpoint, Expected> expected_;  // bound, the sessions not here yet
 };
 
 }  // namespace romano::cluster

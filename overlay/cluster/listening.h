@@ -25,7 +25,6 @@ namespace romano::cluster {
            std::holds_alternative<ViewAnnouncement>(message) ||
            std::holds_alternative<AddressOffer>(message) ||
            std::holds_alternative<AddressBound>(message) ||
-           std::holds_alternative<SessionHandoff>(message) ||
            std::holds_alternative<SessionRequest>(message) ||
            std::holds_alternative<SessionClaim>(message);
 }
@@ -33,8 +32,13 @@ namespace romano::cluster {
 class Listening {
 public:
     /// Away again while it listens: what was late for the first time is late still.
-    void begin(const Membership& membership, std::uint64_t beacon_times_away) {
-        if (!std::exchange(is_on_, true)) late_ticks_.clear();
+    void begin(const Membership& membership, Duration away, Duration beacon_every) {
+        const auto beacon_times_away = static_cast<std::uint64_t>(away / beacon_every);
+        if (!std::exchange(is_on_, true)) {
+            late_ticks_.clear();
+            longest_away_ = {};
+        }
+        longest_away_ = std::max(longest_away_, away);
         has_heard_ = false;
         is_up_to_date_ = false;
         doubting_.clear();
@@ -59,6 +63,8 @@ public:
     }
 
     [[nodiscard]] bool is_on() const { return is_on_; }
+    /// Since it listens, or when it did last.
+    [[nodiscard]] Duration longest_away() const { return longest_away_; }
     /// A beacon came since the last call.
     bool take_heard() { return std::exchange(has_heard_, false); }
     /// A late one came.
@@ -72,6 +78,7 @@ public:
 
 private:
     bool is_on_ = false;
+    Duration longest_away_{};
     bool has_heard_ = false;
     bool is_up_to_date_ = true;
     std::map<LogId, std::uint64_t> late_ticks_;  // of each peer: sent late in that time

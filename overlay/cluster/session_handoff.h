@@ -37,7 +37,7 @@ public:
     };
 
     void on_handoff(Instant now, BrokerId from, SessionHandoff part);
-    /// After a stall: what came before it was called off, perhaps, and comes again.
+    /// They were called off, and live on where they came from.
     void forget_waiting();
     /// Looks who need not wait any more.
     using IsWorkedThrough = std::function<bool(const LogPosition&)>;

@@ -250,7 +250,11 @@ void Member::State::end_stall(Instant now, MemberActions& out) {
     // Also the later life of a member, or somebody who came since, may say what happened.
     const bool is_alone = std::ranges::none_of(cluster_.membership().peers(),
                                                [](const auto& peer) { return peer.second.alive; });
-    if (!stall_.is_over(now, cluster_.listening(), is_alone)) return;
+    if (!stall_.is_over(now, cluster_.listening(), is_alone)) {
+        Effects acting = effects(now, out);
+        if (stall_.is_calling()) cluster_.send_beacon(acting);
+        return;
+    }
     stall_.end();
     cluster_.resume(now);
     // Nobody replaces one that is in no view. What waits here was answered elsewhere, perhaps.

@@ -27,6 +27,8 @@ Duration Stall::begin(Instant now, Instant next_beat, Duration detection_time) {
     is_on_ = true;
     next_pulse_ = now;
     listen_until_ = now + 3 * beacon_every_;
+    is_calling_ = false;
+    calls_left_ = detection_time / beacon_every_;
     heard_in_a_row_ = 0;
     return away;
 }
@@ -41,7 +43,11 @@ bool Stall::is_over(Instant now, cluster::Listening& heard, bool is_alone) {
     heard_in_a_row_ = heard.take_heard() ? heard_in_a_row_ + 1 : 0;
     const bool knows =
         !heard.is_doubted(now) && (heard.is_up_to_date() || heard_in_a_row_ >= beacon_times_heard);
-    if (knows || is_alone || beats_left_-- <= 0) return true;
+    if (knows || is_alone) return true;
+    if (beats_left_-- <= 0) {
+        if (!heard.is_doubted(now) || calls_left_-- <= 0) return true;
+        is_calling_ = true;
+    }
     listen_until_ = now + beacon_every_;
     return false;
 }

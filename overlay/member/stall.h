@@ -34,6 +34,9 @@ public:
     /// At `listen_until()`: whether it has heard enough, or waited long enough; if not, it listens
     /// for another beacon time. `is_alone`: there is no peer that could say anything.
     [[nodiscard]] bool is_over(Instant now, cluster::Listening& heard, bool is_alone);
+    /// It has waited long enough, but a member takes it for dead: that one shall hear beacons, and
+    /// say whether it has replaced us, before a client hears anything.
+    [[nodiscard]] bool is_calling() const { return is_on_ && is_calling_; }
     void end() { is_on_ = false; }
 
 private:
@@ -43,7 +46,9 @@ private:
     Instant next_pulse_ = never;
     Instant last_pulse_;           // at most; of several stalls in a row
     std::int64_t beats_left_ = 0;  // own ones; then nobody is there who could say what happened
-    int heard_in_a_row_ = 0;       // beacon times in which peers were heard
+    bool is_calling_ = false;
+    std::int64_t calls_left_ = 0;
+    int heard_in_a_row_ = 0;  // beacon times in which peers were heard
 };
 
 }  // namespace romano::overlay

@@ -104,6 +104,20 @@ TEST(HandBack, OnlyTheRivalsOwnWordEndsTheWaitForIt) {
     EXPECT_FALSE(healed.hand_back.is_expecting(ours)) << "its next beacons still name the address";
 }
 
+// P2: two of its former lives had left the address, and the heir of the second one, which held
+// nothing, was the first to say so (simulator, faults `relapse`, seed 9978847).
+TEST(HandBack, P2_AnOwnerWaitsForAllWhoInheritedFromIt) {
+    AfterAHeal healed;
+    healed.hear({self.broker}, {theirs});
+    ASSERT_FALSE(healed.hand_back.is_expecting(ours));
+    const BrokerId other = test::log_of("b3").broker;
+    healed.hand_back.expect(healed.now, ours, {rival.broker, other});
+    healed.hand_back.on_handed_over(other, ours);
+    EXPECT_TRUE(healed.hand_back.is_expecting(ours));
+    healed.hand_back.on_handed_over(rival.broker, ours);
+    EXPECT_FALSE(healed.hand_back.is_expecting(ours));
+}
+
 // Its beacons come here before anything of ours gets there (simulator, seed 138174).
 TEST(HandBack, NothingIsHandedToWhoDoesNotHearUsYet) {
     AfterAHeal healed;

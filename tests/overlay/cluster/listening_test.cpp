@@ -24,7 +24,7 @@ class ListeningTest : public testing::Test {
 protected:
     ListeningTest() {
         (void)membership.on_beacon(Instant{}, beacon(100, true, true));
-        listening.begin(membership, 40);
+        listening.begin(membership, 400ms, 10ms);
     }
 
     Membership membership{ClusterOptions{}, self.broker, 1};
@@ -41,13 +41,13 @@ TEST_F(ListeningTest, ABeaconFromTheEndOfTheStallIsUpToDate) {
 
 // A beacon from the end of the second stall may be from the middle of the first one.
 TEST_F(ListeningTest, AfterASecondStallOnTopOfItTheFirstOnesBeaconIsAwaitedStill) {
-    listening.begin(membership, 2);
+    listening.begin(membership, 20ms, 10ms);
     listening.on_beacon(now, self, beacon(110, true, true));
     EXPECT_FALSE(listening.is_up_to_date());
     listening.on_beacon(now, self, beacon(135, true, true));
     EXPECT_TRUE(listening.is_up_to_date());
     listening.end();
-    listening.begin(membership, 2);
+    listening.begin(membership, 20ms, 10ms);
     listening.on_beacon(now, self, beacon(136, true, true));
     EXPECT_TRUE(listening.is_up_to_date());
 }

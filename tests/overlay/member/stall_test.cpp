@@ -61,7 +61,7 @@ TEST_F(StallTest, AfterItAStallIsANewOne) {
 
 TEST_F(StallTest, EndsByPatienceWhenNobodyTellsAnything) {
     cluster::Listening nobody;
-    nobody.begin(cluster::Membership{{}, broker::broker_id_of("self"), 1}, 5);
+    nobody.begin(cluster::Membership{{}, broker::broker_id_of("self"), 1}, 50ms, beacon);
     (void)stall.begin(now, due, detection);  // away for 50 ms: five beats of patience
     for (int beat = 0; beat < 5; ++beat) {
         ASSERT_EQ(stall.listen_until(), now + (beat == 0 ? 3 * beacon : beacon));
@@ -78,11 +78,36 @@ TEST_F(StallTest, ASecondStallOnTopOfItEndsNoPatience) {
     const Instant again = stall.listen_until() + 2 * beacon;
     (void)stall.begin(again, due, detection);
     cluster::Listening nobody;
-    nobody.begin(cluster::Membership{{}, broker::broker_id_of("self"), 1}, 2);
+    nobody.begin(cluster::Membership{{}, broker::broker_id_of("self"), 1}, 20ms, beacon);
     for (int beat = 0; beat < 100; ++beat) {
         EXPECT_FALSE(stall.is_over(stall.listen_until(), nobody, false)) << beat;
     }
     EXPECT_TRUE(stall.is_over(stall.listen_until(), nobody, false));
+}
+
+// P3: its patience ended in the moment in which it was replaced, and it said one thing more
+// (simulator, faults `relapse`, seed 9978575).
+TEST_F(StallTest, P3_WhoIsTakenForDeadCallsForADetectionTimeBeforeItSpeaks) {
+    const broker::LogId self{broker::broker_id_of("self"), 1};
+    const broker::LogId peer{broker::broker_id_of("peer"), 1};
+    cluster::Membership membership{{}, self.broker, 1};
+    cluster::Listening doubted;
+    cluster::Beacon beacon_of_peer{.log = peer, .tick = 1};
+    beacon_of_peer.view.members = {std::min(self, peer), std::max(self, peer)};
+    doubted.begin(membership, 50ms, beacon);
+    (void)stall.begin(now, due, detection);
+    int calls = 0;
+    for (int beat = 0; beat < 5 + detection / beacon; ++beat) {
+        now = stall.listen_until();
+        doubted.on_beacon(now, self, beacon_of_peer);
+        ASSERT_FALSE(stall.is_over(now, doubted, false)) << beat;
+        EXPECT_EQ(stall.is_calling(), beat >= 5);
+        if (stall.is_calling()) ++calls;
+    }
+    EXPECT_EQ(calls, detection / beacon);
+    EXPECT_TRUE(stall.is_over(now, doubted, false)) << "it may never hear us";
+    stall.end();
+    EXPECT_FALSE(stall.is_calling());
 }
 
 }  // namespace

@@ -41,7 +41,9 @@ std::vector<OnceBad> once_bad() {
         {"Relapse2",
          {.faults = {Fault::relapse}},
          {9872321, 9880263, 9881208, 9881270, 9882576, 9941534, 9972482, 9974474}},
-        {"Relapse3", {.faults = {Fault::relapse}}, {9990563, 9992292, 9992392}},
+        {"Relapse3",
+         {.faults = {Fault::relapse}},
+         {9978575, 9978847, 9979376, 9990563, 9992292, 9992392}},
     };
 }
 
