@@ -10,6 +10,10 @@ namespace {
 
 // How long answers may still leave from an address whose owner has bound it.
 constexpr Duration drain_least = std::chrono::milliseconds{2};
+// In detection times: what a rival of our view takes to hand over, at most; and how long one is
+// waited for that is heard, but comes into no view with us.
+constexpr int rival_hands_over_within = 4;
+constexpr int rival_joins_within = 40;
 
 }  // namespace
 
@@ -34,11 +38,14 @@ void HandBack::compare(Effects& effects, const Membership& membership, const Vie
     const auto contested_before = std::exchange(contested_, {});
     for (const Endpoint& address : addresses.serving()) {
         std::set<BrokerId> rivals;
+        bool are_members = true;
         for (const auto& [id, peer] : membership.peers()) {
             const bool is_member = view.contains(peer.beacon.log);
             if (!peer.is_serving(address) || (!is_member && !membership.is_heard(id))) continue;
             if (addresses.is_home(address)) {
-                if (!peer.is_home_of(address)) rivals.insert(id);
+                if (peer.is_home_of(address)) continue;
+                rivals.insert(id);
+                are_members &= is_member;
             } else if (peer.is_home_of(address) || id > self_) {
                 contested_.insert_or_assign(address, id);
             }
@@ -53,10 +60,17 @@ void HandBack::compare(Effects& effects, const Membership& membership, const Vie
             if (!ended.empty() && ended.mapped().is_claimed) addresses.announce(effects, address);
             continue;
         }
-        Rivalry& rivalry =
-            rivals_.try_emplace(address, Rivalry{.with = {}, .since = effects.now}).first->second;
+        Rivalry& rivalry = rivals_
+                               .try_emplace(address, Rivalry{.with = {},
+                                                             .since = effects.now,
+                                                             .together_since = effects.now})
+                               .first->second;
         rivalry.with = std::move(rivals);
-        if (effects.now > rivalry.since + 4 * patience_) rivalry.is_settled = true;
+        if (!are_members) rivalry.together_since = effects.now;
+        if (effects.now > rivalry.together_since + rival_hands_over_within * patience_ ||
+            effects.now > rivalry.since + rival_joins_within * patience_) {
+            rivalry.is_settled = true;
+        }
         const bool is_ours =
             rivalry.is_settled || std::ranges::any_of(rivalry.with, [&](BrokerId id) {
                 return membership.find(id)->hears(self_);

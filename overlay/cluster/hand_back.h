@@ -140,6 +140,7 @@ private:
     struct Rivalry {
         std::set<BrokerId> with;
         Instant since;
+        Instant together_since;   // in one view with all of them
         bool is_settled = false;  // handed over, or waited for in vain
         bool is_claimed = false;  // datagrams come here, and wait
     };

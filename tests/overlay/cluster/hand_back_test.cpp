@@ -56,6 +56,12 @@ struct AfterAHeal {
     }
     Effects effects() { return {now, broker, clients, peers, local}; }
     [[nodiscard]] std::size_t claimed() const { return local.size(); }
+    void hear_on_for(Duration time) {
+        for (const Instant end = now + time; now < end; hear({self.broker})) {
+            now += 10ms;
+            membership.on_tick(now);
+        }
+    }
     void hear_nothing_for(Duration time) {
         for (const Instant end = now + time; now < end; compare()) {
             now += 10ms;
@@ -167,6 +173,28 @@ TEST(HandBack, AnOwnAddressIsClaimedWhenTheWaitIsInVain) {
     AfterAHeal healed{std::vector<BrokerId>{}};
     healed.hear_nothing_for(500ms);
     EXPECT_EQ(healed.claimed(), 1U);
+}
+
+// After a short cut beacons come at once, and the view when the reliable streams flow again. The
+// owner spoke from its stale copy in between: QoS 2 twice (cuts of less than a second, network
+// namespaces).
+TEST(HandBack, P3_ARivalThatIsHeardIsWaitedForUntilItIsInOurView) {
+    AfterAHeal healed;
+    healed.view.members = {self};
+    healed.hear_on_for(1s);
+    EXPECT_TRUE(healed.hand_back.is_silent(ours));
+    std::ranges::sort(healed.view.members = {self, rival});
+    healed.hear_on_for(300ms);
+    EXPECT_TRUE(healed.hand_back.is_silent(ours)) << "it is about to hand over";
+    healed.hear_on_for(200ms);
+    EXPECT_FALSE(healed.hand_back.is_silent(ours));
+}
+
+TEST(HandBack, ARivalThatComesIntoNoViewWithUsIsWaitedForForSomeTimeOnly) {
+    AfterAHeal healed;
+    healed.view.members = {self};
+    healed.hear_on_for(4100ms);
+    EXPECT_FALSE(healed.hand_back.is_silent(ours));
 }
 
 TEST(HandBack, AnOwnAddressIsSilentForARivalForSomeTimeOnly) {
