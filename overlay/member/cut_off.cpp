@@ -40,6 +40,7 @@ void CutOff::see(Instant now, const cluster::View& view, const Judgement& has_en
     std::erase_if(awaited_, [&](const auto& member) { return !members_.contains(member); });
     if (was_possible && is_possible()) return;
     served_from_.clear();
+    if (!is_possible() || now >= near_until_) near_.clear();
     if (is_possible()) return awaited_.clear();
     missing_.clear();
     if (!was_possible && !is_first) return;
@@ -47,14 +48,22 @@ void CutOff::see(Instant now, const cluster::View& view, const Judgement& has_en
     awaited_until_ = now + others_come_within;
 }
 
+void CutOff::on_heard_in_doubt(Instant now, const Endpoint& client) {
+    if (is_possible()) return;
+    if (now >= near_until_) near_.clear();
+    near_until_ = now + others_come_within;
+    if (near_.size() < heard_most) near_.insert(client);
+}
+
 bool CutOff::must_wait(Instant now, const Endpoint& client) {
     if (!awaited_.empty()) return true;
     if (!is_possible()) return false;
-    const auto heard = served_from_.find(client);
-    if (heard != served_from_.end()) return now < heard->second;
-    if (served_from_.size() == heard_most) return false;
-    served_from_.emplace(client, now + others_come_within);
-    return true;
+    auto heard = served_from_.find(client);
+    if (heard == served_from_.end()) {
+        if (served_from_.size() == heard_most) return false;
+        heard = served_from_.emplace(client, now + others_come_within).first;
+    }
+    return now < heard->second && !near_.contains(client);
 }
 
 bool CutOff::withholds(Instant now, const Endpoint& client, Bytes datagram) const {

@@ -7,7 +7,8 @@
 // (PUBLISH with DUP, PUBREL) to a client that was not heard since; and when one is heard again,
 // what it says waits, for the way may be open again for the other brokers too, and then it is
 // theirs. They come within a moment, or else it is served: in a part of the network that is cut off
-// indeed, clients are served.
+// indeed, clients are served. Whoever was heard while the others were missing already does not
+// wait: what cut us off from them left its way open.
 //
 // Back in a view with the others, or in its first one, it says nothing and lets clients wait until
 // it hears all of them, for a moment at most: whoever took over may be one that it does not hear
@@ -37,6 +38,8 @@ public:
     /// over now: what was withheld may be said.
     bool on_view(Instant now, const cluster::View& view, const Judgement& has_ended,
                  const Judgement& is_heard);
+    /// The client was heard while the others were missing, and no view says so yet.
+    void on_heard_in_doubt(Instant now, const Endpoint& client);
     /// Whether what the client says now has to wait. To be asked again for what waits.
     [[nodiscard]] bool must_wait(Instant now, const Endpoint& client);
     [[nodiscard]] bool withholds(Instant now, const Endpoint& client, Bytes datagram) const;
@@ -58,6 +61,8 @@ private:
     std::set<broker::LogId> awaited_;  // in the view that took us in, and not heard yet
     Instant awaited_until_{};
     std::map<Endpoint, Instant> served_from_;  // the clients that were heard since
+    std::set<Endpoint> near_;                  // those that were heard in doubt
+    Instant near_until_{};                     // that doubt is long past, when it came to nothing
 };
 
 }  // namespace romano::overlay

@@ -148,6 +148,7 @@ void Member::State::on_datagram(Instant now, const Endpoint& via, const Endpoint
     if (has_left_) return;
     notice_stall(now, out);
     if (cluster_.is_deaf(via)) return;  // its sessions are with another broker by now
+    if (!stall_.is_on() && cluster_.may_be_deaf(now)) cut_off_.on_heard_in_doubt(now, from);
     if (stall_.is_on() || must_wait(now, via, from, datagram)) {
         return waiting_.hold(via, from, datagram, true);
     }
@@ -346,8 +347,8 @@ void Member::State::send(Instant now, const broker::Send& send, broker::Seq safe
     if (send.to.endpoint == broker::owner_endpoint || cluster_.is_silent(send.via)) return;
     const Bytes octets = work_.octets(send);
     if (cut_off_.withholds(now, send.to.endpoint, octets)) return;
-    if (cluster_.is_taking(send.via)) held_.detain(send.to);
-    if (says_nothing(now) || send.after > safe || held_.detains(send.to)) {
+    if (cluster_.is_taking(send.via) || says_nothing(now)) held_.detain(send.to);
+    if (send.after > safe || held_.detains(send.to)) {
         held_.hold(send, octets);
         return;
     }

@@ -75,6 +75,33 @@ TEST(CutOff, RepeatsNothingToThoseThatWereNotHeardSince) {
     EXPECT_FALSE(cut_off.must_wait(now, client(3)));
 }
 
+TEST(CutOff, WhoWasHeardInDoubtDoesNotWaitAndIsSentNothingTwiceYet) {
+    const Instant now{1s};
+    CutOff cut_off;
+    see(cut_off, view(1, {member(1), member(2), member(3)}));
+    cut_off.on_heard_in_doubt(now, client(1));
+    EXPECT_FALSE(cut_off.must_wait(now, client(1)));
+    see(cut_off, view(2, {member(1)}));
+    EXPECT_FALSE(cut_off.must_wait(now, client(1)));
+    EXPECT_TRUE(cut_off.withholds(now, client(1), publish(0xC0)));
+    EXPECT_FALSE(cut_off.withholds(now + 500ms, client(1), publish(0xC0)));
+    EXPECT_TRUE(cut_off.must_wait(now, client(2)));
+}
+
+TEST(CutOff, WhoWasHeardInADoubtThatCameToNothingWaitsInTheNextOne) {
+    CutOff cut_off;
+    see(cut_off, view(1, {member(1), member(2), member(3)}));
+    cut_off.on_heard_in_doubt(Instant{200ms}, client(1));
+    cut_off.on_heard_in_doubt(Instant{700ms}, client(2));
+    see(cut_off, view(2, {member(1)}));  // at one second
+    EXPECT_TRUE(cut_off.must_wait(Instant{1s}, client(1)));
+    EXPECT_FALSE(cut_off.must_wait(Instant{1s}, client(2)));
+
+    see(cut_off, view(3, {member(1), member(2), member(3)}));
+    see(cut_off, view(4, {member(1)}));
+    EXPECT_TRUE(cut_off.must_wait(Instant{1s}, client(2)));
+}
+
 TEST(CutOff, IsImpossibleForThoseWhoAreNotFewer) {
     CutOff cut_off;
     see(cut_off, view(1, {member(1), member(2), member(3)}));
@@ -285,6 +312,27 @@ TEST(CutOff, WhatComesIsServedAfterWhatWaits) {
         brokers.run_for(10ms);
     }
     brokers.run_for(100ms);
+    EXPECT_EQ(listener.received(), sent);
+}
+
+// Two of three fall silent. A client of the third one that goes on speaking waits for the doubt.
+TEST(CutOff, WhoGoesOnSpeakingIsServedAsSoonAsTheDoubtIsOver) {
+    Brokers brokers;
+    start_three(brokers);
+    Robot& listener = brokers.robot("listener", 1);
+    listener.connect();
+    listener.subscribe("pose", Qos::at_most_once);
+    Robot& talker = brokers.robot("talker", 1);
+    talker.connect();
+    talker.publish("pose", "0", Qos::exactly_once);
+    brokers.run_for(200ms);
+    cut_off_the_first(brokers);
+    std::vector<std::string> sent{"0"};
+    for (int i = 1; i < 40; ++i) {
+        sent.push_back(std::to_string(i));
+        talker.publish("pose", sent.back(), Qos::at_most_once);
+        brokers.run_for(10ms);
+    }
     EXPECT_EQ(listener.received(), sent);
 }
 
