@@ -1,5 +1,6 @@
 #include "broker/core/liveness.h"
 
+#include <chrono>
 #include <utility>
 
 #include "broker/core/session_deadline.h"
@@ -9,6 +10,9 @@ namespace romano::broker {
 using mqttsn::MsgType;
 
 namespace {
+
+/// A look that comes so late is no busy moment: the process stood still.
+constexpr Duration stood_still_after = std::chrono::milliseconds{100};
 
 /// From a sleeper: it collects its messages, or ends its sleep or changes it.
 bool is_of_sleepers(MsgType type) {
@@ -71,15 +75,17 @@ void Liveness::on_disconnect(Session& session, const mqttsn::Disconnect& message
     lifecycle_.disconnect(session, turn);
 }
 
-void Liveness::on_tick(Turn& turn) {
+void Liveness::on_tick(const Judgement& may_be_unheard, Turn& turn) {
+    const bool stood_still = turn.now - stood_still_after >= tables_.deadlines.next();
+    static const Judgement everybody = [](const SessionHeader&) { return true; };
     while (tables_.deadlines.next() <= turn.now) {
         Session* session = tables_.sessions.at(tables_.deadlines.pop());
-        if (session != nullptr) look_at(*session, turn);
+        if (session != nullptr) look_at(*session, stood_still ? everybody : may_be_unheard, turn);
     }
 }
 
 /// Does what is due, if anything is: deadlines that moved are found out here.
-void Liveness::look_at(Session& session, Turn& turn) {
+void Liveness::look_at(Session& session, const Judgement& may_be_unheard, Turn& turn) {
     const BrokerOptions& options = tables_.options;
     if (forgotten_at(session, options) <= turn.now) {
         if (!session.header.clean) ++tables_.counters.sessions_expired;
@@ -87,8 +93,11 @@ void Liveness::look_at(Session& session, Turn& turn) {
         return;
     }
     if (lost_at(session, options) <= turn.now) {
-        lifecycle_.lose(session, turn);
-        return;
+        if (!may_be_unheard || !may_be_unheard(session.header)) {
+            lifecycle_.lose(session, turn);
+            return;
+        }
+        session.heard_at = turn.now;
     }
     if (session.late_answer.at <= turn.now) publishes_.answer_what_is_owed(session, turn);
     if (probed_at(session, options) <= turn.now) {

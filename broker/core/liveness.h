@@ -2,6 +2,8 @@
 // (MQTT-SN 1.2 sections 6.11, 6.12, 6.14; G6, G9, G10, G11, G28).
 #pragma once
 
+#include <functional>
+
 #include "broker/core/delivery_flow.h"
 #include "broker/core/lifecycle.h"
 #include "broker/core/outbox.h"
@@ -28,11 +30,13 @@ public:
     void on_pingreq(Session& session, const mqttsn::Pingreq& message, Turn& turn);
     void on_disconnect(Session& session, const mqttsn::Disconnect& message, Turn& turn);
 
-    /// All sessions that are due.
-    void on_tick(Turn& turn);
+    /// All sessions that are due. Whoever looks so late stood still, and nobody is lost for that:
+    /// what clients said meanwhile may wait to be read.
+    using Judgement = std::function<bool(const SessionHeader& client)>;
+    void on_tick(const Judgement& may_be_unheard, Turn& turn);
 
 private:
-    void look_at(Session& session, Turn& turn);
+    void look_at(Session& session, const Judgement& may_be_unheard, Turn& turn);
 
     Tables& tables_;
     Outbox& outbox_;

@@ -107,6 +107,10 @@ public:
     [[nodiscard]] bool is_taking(const Endpoint& address) const {
         return addresses_.is_taking(address);
     }
+    /// What clients say there waits, or is another broker's to hear.
+    [[nodiscard]] bool is_unheard(const Endpoint& address) const {
+        return hand_back_.is_silent(address) || hand_back_.is_expecting(address);
+    }
     /// We may be the one that is lost to the others: nothing is said to clients until that is
     /// known.
     [[nodiscard]] bool may_be_deaf(Instant now) const { return membership_.may_be_deaf(now); }

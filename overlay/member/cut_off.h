@@ -43,6 +43,11 @@ public:
     /// Whether what the client says now has to wait. To be asked again for what waits.
     [[nodiscard]] bool must_wait(Instant now, const Endpoint& client);
     [[nodiscard]] bool withholds(Instant now, const Endpoint& client, Bytes datagram) const;
+    /// It may talk to the others, and was not heard since: to be silent here is no sign of its
+    /// loss.
+    [[nodiscard]] bool may_be_elsewhere(const Endpoint& client) const {
+        return is_in_doubt() && !served_from_.contains(client) && !near_.contains(client);
+    }
     [[nodiscard]] bool is_possible() const { return missing_.size() > members_.size(); }
     /// It is possible, or was a moment ago.
     [[nodiscard]] bool is_in_doubt() const { return is_possible() || !awaited_.empty(); }

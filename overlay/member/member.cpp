@@ -200,7 +200,11 @@ void Member::State::on_tick(Instant now, MemberActions& out) {
         if (stall_.is_on()) return;
     }
     broker_.set_congested(cluster_.is_short_of_peers());
-    broker_.on_tick(now, work_);
+    broker_.on_tick(now, work_, [&](const broker::SessionHeader& client) {
+        const Endpoint& from = client.address.endpoint;
+        return waiting_.holds(from) || cluster_.is_unheard(client.via) ||
+               cluster_.may_be_deaf(now) || cut_off_.may_be_elsewhere(from);
+    });
     if (options_.romano && cluster_.is_in_view()) {
         server_.on_tick(now, broker_, led_members(), work_);
     }

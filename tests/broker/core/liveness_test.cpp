@@ -100,6 +100,28 @@ TEST_F(Living, ALossAndTheWillAreOneEvent) {  // P7: no heir knows of one withou
     }
 }
 
+// P7: another broker hears it, or what it says waits.
+TEST_F(Living, WhoCannotBeHeardIsNotLostForBeingSilent) {
+    robot.connects(true, 20);
+    broker.waits(30s - 1ms);
+    broker.now += 1ms;
+    broker.core.on_tick(broker.now, broker.actions, [](const SessionHeader&) { return true; });
+    broker.waits(30s - 1ms);
+    EXPECT_EQ(state_of(robot), SessionState::active) << "its keep-alive began anew";
+    broker.waits(1ms);
+    EXPECT_EQ(state_of(robot), SessionState::lost);
+}
+
+// P7: what it said meanwhile may wait to be read.
+TEST_F(Living, NobodyIsLostForAStandstillOfTheBroker) {
+    robot.connects(true, 20);
+    broker.now += 45s;
+    broker.waits(1s);
+    EXPECT_EQ(state_of(robot), SessionState::active);
+    broker.waits(30s);
+    EXPECT_EQ(state_of(robot), SessionState::lost) << "its keep-alive began anew";
+}
+
 TEST_F(Living, AnyMessageRestartsKeepAlive) {  // 6.14
     robot.connects(true, 20);
     for (int i = 0; i < 5; ++i) {

@@ -19,6 +19,11 @@ void Robot::connect(bool clean) {
     ask({.type = MsgType::connect, .flag = clean});
 }
 
+void Robot::connect_with_will(const std::string& topic, std::uint16_t keep_alive_s) {
+    keep_alive_s_ = keep_alive_s;
+    ask({.type = MsgType::connect, .topic = topic, .flag = true});
+}
+
 void Robot::subscribe(const std::string& topic, Qos qos) {
     ask({.type = MsgType::subscribe, .topic = topic, .qos = qos});
 }
@@ -48,7 +53,8 @@ void Robot::send_front() {
         request.again_at = now_ + retry;
         const bool again = std::exchange(request.sent, true);
         if (request.type == MsgType::connect) {
-            send(mqttsn::Connect{false, request.flag, mqttsn::protocol_id, 60, name_});
+            send(mqttsn::Connect{!request.topic.empty(), request.flag, mqttsn::protocol_id,
+                                 keep_alive_s_, name_});
         } else if (request.type == MsgType::subscribe) {
             send(mqttsn::Subscribe{again,
                                    request.qos,
@@ -92,6 +98,10 @@ void Robot::on_datagram(Bytes datagram) {
     };
     if (std::holds_alternative<mqttsn::Connack>(message)) {
         if (!requests_.empty() && requests_.front().type == MsgType::connect) done();
+    } else if (std::holds_alternative<mqttsn::Willtopicreq>(message)) {
+        send(mqttsn::Willtopic{Qos::exactly_once, false, requests_.front().topic});
+    } else if (std::holds_alternative<mqttsn::Willmsgreq>(message)) {
+        send(mqttsn::Willmsg{as_octets(name_)});
     } else if (const auto* suback = std::get_if<mqttsn::Suback>(&message)) {
         if (!waits_for(MsgType::subscribe, suback->msg_id)) return;
         if (suback->topic_id != mqttsn::no_topic_id) {

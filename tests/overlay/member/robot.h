@@ -26,6 +26,8 @@ public:
         : name_(std::move(name)), self_(self), broker_(broker), sender_(std::move(sender)) {}
 
     void connect(bool clean = true);
+    /// A will of QoS 2: the robot's name on that topic.
+    void connect_with_will(const std::string& topic, std::uint16_t keep_alive_s);
     void disconnect() { send(mqttsn::Disconnect{}); }
     void subscribe(const std::string& topic, mqttsn::Qos qos);
     void publish(const std::string& topic, const std::string& text, mqttsn::Qos qos,
@@ -75,6 +77,7 @@ private:
     Sender sender_;
     Instant now_{};
     std::deque<Request> requests_;
+    std::uint16_t keep_alive_s_ = 60;
     std::uint16_t last_msg_id_ = 0;
     std::map<std::string, mqttsn::TopicId> topic_ids_;
     std::set<mqttsn::MsgId> unreleased_;
