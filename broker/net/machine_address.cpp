@@ -4,6 +4,7 @@
 #include <linux/capability.h>
 #include <linux/if_addr.h>
 #include <linux/ip.h>
+#include <linux/neighbour.h>
 #include <linux/netlink.h>
 #include <linux/rtnetlink.h>
 #include <net/if.h>
@@ -15,6 +16,7 @@
 #include <cstddef>
 #include <cstring>
 #include <memory>
+#include <string_view>
 
 #include "broker/net/socket_address.h"
 
@@ -60,14 +62,13 @@ public:
         request_.body = body;
     }
 
-    /// All that we add have a size that is a multiple of four, as attributes must.
     void add(std::uint16_t type, const void* data, std::size_t size) {
         const rtattr head{.rta_len = static_cast<std::uint16_t>(sizeof(rtattr) + size),
                           .rta_type = type};
         const std::size_t at = request_.header.nlmsg_len - offsetof(Request, attributes);
         std::memcpy(&request_.attributes[at], &head, sizeof head);
         std::memcpy(&request_.attributes[at + sizeof head], data, size);
-        request_.header.nlmsg_len += head.rta_len;
+        request_.header.nlmsg_len += RTA_ALIGN(head.rta_len);
     }
 
     /// Asks, and waits for the kernel's answer, which comes at once.
@@ -238,6 +239,29 @@ error_code ask_neighbours_as_itself(InterfaceIndex interface) {
     body.ifi_index = static_cast<int>(interface);
     RouteRequest<ifinfomsg> request(RTM_SETLINK, 0, body);
     request.add(IFLA_AF_SPEC, &ipv4, sizeof ipv4);
+    return request.carry_out();
+}
+
+error_code ask_neighbours_again_after(std::chrono::milliseconds time, Endpoint::Family family,
+                                      InterfaceIndex interface) {
+    const bool v6 = family == Endpoint::Family::ipv6;
+    struct {
+        rtattr index_head;
+        std::uint32_t index;
+        rtattr time_head;
+        std::array<std::uint32_t, 2> time_ms;  // 64 bits that stand where 32 may
+    } settings{.index_head = {.rta_len = 8, .rta_type = NDTPA_IFINDEX},
+               .index = static_cast<std::uint32_t>(interface),
+               .time_head = {.rta_len = 12, .rta_type = NDTPA_RETRANS_TIME},
+               .time_ms = {}};
+    const auto time_ms = static_cast<std::uint64_t>(time.count());
+    std::memcpy(settings.time_ms.data(), &time_ms, sizeof time_ms);
+    ndtmsg body{};
+    body.ndtm_family = v6 ? AF_INET6 : AF_INET;
+    RouteRequest<ndtmsg> request(RTM_SETNEIGHTBL, 0, body);
+    const std::string_view table = v6 ? "ndisc_cache" : "arp_cache";
+    request.add(NDTA_NAME, table.data(), table.size() + 1);
+    request.add(NDTA_PARMS, &settings, sizeof settings);
     return request.carry_out();
 }
 

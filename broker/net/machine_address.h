@@ -34,4 +34,11 @@ enum class InterfaceIndex : unsigned {};
 /// news: it would call clients of an address that went back to its own machine here again.
 [[nodiscard]] boost::system::error_code ask_neighbours_as_itself(InterfaceIndex interface);
 
+/// Lets the interface ask a neighbour that does not answer again after so long (retrans_time_ms of
+/// ARP or neighbour discovery). Linux waits for a second: when a link is back, brokers would hear
+/// each other's multicasts and not reach each other meanwhile.
+[[nodiscard]] boost::system::error_code ask_neighbours_again_after(std::chrono::milliseconds time,
+                                                                   Endpoint::Family family,
+                                                                   InterfaceIndex interface);
+
 }  // namespace romano::net

@@ -10,6 +10,7 @@ using boost::system::error_code;
 
 constexpr auto renew_every = 1s;
 constexpr auto lease = 5s;
+constexpr auto neighbours_are_asked_again_after = 100ms;
 constexpr int announcements = 3;  // a frame may be lost
 
 }  // namespace
@@ -32,8 +33,10 @@ void MovedAddresses::forget_earlier_life(const Endpoint& address) {
 error_code MovedAddresses::add(const Endpoint& address) {
     const auto interface = interface_towards(address);
     if (!interface) return make_error_code(boost::system::errc::address_not_available);
-    // Where that is refused, clients of an address that goes back may have to say something twice.
+    // Where these are refused, clients of an address that goes back may have to say something
+    // twice, and brokers that were cut off need a second more to be back.
     if (address.family == Endpoint::Family::ipv4) (void)ask_neighbours_as_itself(*interface);
+    (void)ask_neighbours_again_after(neighbours_are_asked_again_after, address.family, *interface);
     if (const auto error = add_address(address, *interface, lease)) return error;
     moved_.insert_or_assign(address, Moved{.interface = *interface, .added = true});
     wait();

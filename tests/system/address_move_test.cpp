@@ -71,6 +71,13 @@ protected:
         std::ifstream("/proc/sys/net/ipv4/conf/eth0/arp_announce") >> value;
         return value;
     }
+    [[nodiscard]] int asks_neighbours_again_after_ms(int host) const {
+        const Lan::On on(lan, host);
+        const std::string family = uses_arp() ? "ipv4" : "ipv6";
+        int value = -1;
+        std::ifstream("/proc/sys/net/" + family + "/neigh/eth0/retrans_time_ms") >> value;
+        return value;
+    }
     /// Publishes until the subscriber has one of these messages.
     static bool reaches(TestClient& publisher, mqttsn::TopicId topic, TestClient& subscriber,
                         const std::string& data) {
@@ -109,6 +116,7 @@ TEST_P(AddressMove, AClientHearsTheHeirAndThenItsOwnBrokerAgainAtOneAddress) {
     EXPECT_TRUE(lan.has_address(heir, address(1)));
     EXPECT_EQ(arp_announce(heir), uses_arp() ? 2 : 0)
         << "it would ask for clients in the name of what it gave back";
+    EXPECT_EQ(asks_neighbours_again_after_ms(heir), 100);
     EXPECT_EQ(lan.neighbour(client_host, address(1)), lan.mac_of(heir));
 
     const auto again = start(1);
