@@ -12,7 +12,7 @@ namespace {
 constexpr Duration drain_least = std::chrono::milliseconds{2};
 // In detection times: what a rival of our view takes to hand over, at most; and how long one is
 // waited for that is heard, but comes into no view with us.
-constexpr int rival_hands_over_within = 4;
+constexpr int rival_hands_over_within = 20;
 constexpr int rival_joins_within = 40;
 
 }  // namespace

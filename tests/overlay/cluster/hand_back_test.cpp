@@ -171,7 +171,7 @@ TEST(HandBack, NothingIsAnnouncedToClientsOfARivalThatDoesNotHearUs) {
 
 TEST(HandBack, AnOwnAddressIsClaimedWhenTheWaitIsInVain) {
     AfterAHeal healed{std::vector<BrokerId>{}};
-    healed.hear_nothing_for(500ms);
+    healed.hear_nothing_for(2100ms);
     EXPECT_EQ(healed.claimed(), 1U);
 }
 
@@ -184,7 +184,7 @@ TEST(HandBack, P3_ARivalThatIsHeardIsWaitedForUntilItIsInOurView) {
     healed.hear_on_for(1s);
     EXPECT_TRUE(healed.hand_back.is_silent(ours));
     std::ranges::sort(healed.view.members = {self, rival});
-    healed.hear_on_for(300ms);
+    healed.hear_on_for(1900ms);
     EXPECT_TRUE(healed.hand_back.is_silent(ours)) << "it is about to hand over";
     healed.hear_on_for(200ms);
     EXPECT_FALSE(healed.hand_back.is_silent(ours));
@@ -199,7 +199,7 @@ TEST(HandBack, ARivalThatComesIntoNoViewWithUsIsWaitedForForSomeTimeOnly) {
 
 TEST(HandBack, AnOwnAddressIsSilentForARivalForSomeTimeOnly) {
     AfterAHeal healed;
-    healed.hear_nothing_for(500ms);
+    healed.hear_nothing_for(2100ms);
     EXPECT_FALSE(healed.hand_back.is_silent(ours)) << "what the rival has does not come";
 }
 
