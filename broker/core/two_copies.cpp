@@ -111,6 +111,16 @@ bool leave_out_delivered(SessionImage& stays, std::vector<MessagePtr>& missed,
            }) != 0;
 }
 
+/// P7: the other home lost the client, and said its will, when it had been silent to both for
+/// longer than a client that lives: it is lost to this copy, too. That one's broker could not know,
+/// for the client might have been with the other one.
+bool is_lost_elsewhere(const SessionHeader& own, const SessionHeader& other) {
+    if (!is_connected(own) || other.state != SessionState::lost) return false;
+    const auto unix_ms = [](HybridTime time) { return time.value >> 16U; };
+    const std::uint64_t silence_s = std::max(own.keep_alive_s, own.sleep_s);
+    return unix_ms(other.departed) > unix_ms(own.last_heard) + 1000 * silence_s;
+}
+
 }  // namespace
 
 Settled settle(SessionImage own, SessionImage comes, std::vector<MessagePtr>& missed) {
@@ -124,7 +134,13 @@ Settled settle(SessionImage own, SessionImage comes, std::vector<MessagePtr>& mi
     settled.unfinished = left_open(other, stays);
     if (settled.unfinished == mqttsn::no_msg_id) settled.unfinished = left_open(before, stays);
     const bool learns = other.header.last_heard > stays.header.last_heard && learn(stays, other);
-    settled.is_new = settled.comes || leaves_out || resumes || learns;
+    // A mirror's copy that comes may have been heard since.
+    const bool is_lost = !settled.comes && is_lost_elsewhere(stays.header, other.header);
+    if (is_lost) {
+        stays.header.state = SessionState::lost;
+        stays.header.departed = other.header.departed;
+    }
+    settled.is_new = settled.comes || leaves_out || resumes || learns || is_lost;
     settled.image = std::move(stays);
     return settled;
 }

@@ -60,6 +60,31 @@ struct TwoCopies : testing::Test {
     std::vector<MessagePtr> missed{message(5), message(6), message(7)};
 };
 
+HybridTime at_second(std::uint64_t second) {
+    return {(second * 1000) << 16U};
+}
+
+// P7: its broker was cut off when the client died, and said no will, for it might be elsewhere.
+TEST_F(TwoCopies, P7_WhoWasLostAtTheOtherHomeAndSilentHereIsNotLostTwice) {
+    winner.header.keep_alive_s = 10;
+    winner.header.last_heard = at_second(100);
+    other.header.state = SessionState::lost;
+    other.header.departed = at_second(115);
+    const Settled settled = settle(winner, other, missed);
+    EXPECT_FALSE(settled.comes);
+    EXPECT_TRUE(settled.is_new);
+    EXPECT_EQ(settled.image.header.state, SessionState::lost);
+    EXPECT_EQ(settled.image.header.departed, at_second(115));
+}
+
+TEST_F(TwoCopies, WhoWasLostAtTheOtherHomeAndHeardHereLives) {
+    winner.header.keep_alive_s = 10;
+    winner.header.last_heard = at_second(106);
+    other.header.state = SessionState::lost;
+    other.header.departed = at_second(115);
+    EXPECT_EQ(settle(winner, other, missed).image.header.state, SessionState::active);
+}
+
 TEST_F(TwoCopies, P3_WhatTheFormerHomeDeliveredIsLeftOut) {
     const Settled settled = settle(other, winner, missed);
     EXPECT_TRUE(settled.comes);
