@@ -30,9 +30,9 @@ public:
     void on_pingreq(Session& session, const mqttsn::Pingreq& message, Turn& turn);
     void on_disconnect(Session& session, const mqttsn::Disconnect& message, Turn& turn);
 
-    /// All sessions that are due. Whoever looks so late stood still, and nobody is lost for that:
-    /// what clients said meanwhile may wait to be read.
     using Judgement = std::function<bool(const SessionHeader& client)>;
+    /// All sessions that are due; `may_be_unheard` as in BrokerCore::on_tick(). Whoever looks late
+    /// stood still, and nobody is lost for that: what clients said meanwhile may wait to be read.
     void on_tick(const Judgement& may_be_unheard, Turn& turn);
 
 private:
