@@ -33,7 +33,7 @@ public:
         : tables(options, seed), strangers_(options.limits.stranger_datagrams_per_second) {}
 
     void on_datagram(const Origin& origin, Bytes datagram, bool wrapped, Turn& turn);
-    void on_tick(const Judgement& may_be_unheard, Turn& turn);
+    void on_tick(const SessionJudgement& may_be_unheard, Turn& turn);
     [[nodiscard]] Instant next_wakeup() const;
 
     Tables tables;
@@ -275,7 +275,7 @@ void BrokerCore::State::on_stranger(const Origin& origin, MsgType type, Turn& tu
     }
 }
 
-void BrokerCore::State::on_tick(const Judgement& may_be_unheard, Turn& turn) {
+void BrokerCore::State::on_tick(const SessionJudgement& may_be_unheard, Turn& turn) {
     liveness_.on_tick(may_be_unheard, turn);
     connect_flow_.on_tick(turn.now);
     discovery_.on_tick(turn);
@@ -305,7 +305,7 @@ void BrokerCore::on_datagram(Instant now, const Endpoint& via, const Endpoint& f
     state_->on_datagram({via, {from, {}}}, datagram, false, turn);
 }
 
-void BrokerCore::on_tick(Instant now, Actions& out, const Judgement& may_be_unheard) {
+void BrokerCore::on_tick(Instant now, Actions& out, const SessionJudgement& may_be_unheard) {
     Turn turn{now, out};
     state_->on_tick(may_be_unheard, turn);
 }

@@ -35,10 +35,9 @@ public:
     /// A datagram from `from` that was sent to our service address `via`. Answers leave from `via`.
     void on_datagram(Instant now, const Endpoint& via, const Endpoint& from, Bytes datagram,
                      Actions& out);
-    using Judgement = std::function<bool(const SessionHeader& client)>;
     /// `may_be_unheard(client)`: what it says may wait somewhere, or be another broker's to hear.
     /// It is not lost for being silent then: its keep-alive begins anew.
-    void on_tick(Instant now, Actions& out, const Judgement& may_be_unheard = {});
+    void on_tick(Instant now, Actions& out, const SessionJudgement& may_be_unheard = {});
     [[nodiscard]] Instant next_wakeup() const;
 
     // --- a cluster's side

@@ -14,6 +14,8 @@ namespace romano::broker {
 struct HybridTime {
     std::uint64_t value = 0;
 
+    [[nodiscard]] constexpr std::uint64_t unix_ms() const { return value >> 16U; }
+
     friend bool operator==(HybridTime, HybridTime) = default;
     friend auto operator<=>(HybridTime, HybridTime) = default;
 };
@@ -34,9 +36,8 @@ public:
 
     /// How long ago that was by the wall clocks; nothing when they disagree.
     [[nodiscard]] constexpr Duration since(HybridTime then, Instant now) const {
-        const auto milliseconds = [](HybridTime time) { return time.value >> 16U; };
         if (reading(now) <= then) return Duration{0};
-        return std::chrono::milliseconds{milliseconds(reading(now)) - milliseconds(then)};
+        return std::chrono::milliseconds{reading(now).unix_ms() - then.unix_ms()};
     }
 
     /// Takes note of another broker's time.

@@ -75,17 +75,19 @@ void Liveness::on_disconnect(Session& session, const mqttsn::Disconnect& message
     lifecycle_.disconnect(session, turn);
 }
 
-void Liveness::on_tick(const Judgement& may_be_unheard, Turn& turn) {
+void Liveness::on_tick(const SessionJudgement& may_be_unheard, Turn& turn) {
     const bool stood_still = turn.now - stood_still_after >= tables_.deadlines.next();
-    static const Judgement everybody = [](const SessionHeader&) { return true; };
+    const SessionJudgement is_excused = [&](const SessionHeader& client) {
+        return stood_still || (may_be_unheard && may_be_unheard(client));
+    };
     while (tables_.deadlines.next() <= turn.now) {
         Session* session = tables_.sessions.at(tables_.deadlines.pop());
-        if (session != nullptr) look_at(*session, stood_still ? everybody : may_be_unheard, turn);
+        if (session != nullptr) look_at(*session, is_excused, turn);
     }
 }
 
 /// Does what is due, if anything is: deadlines that moved are found out here.
-void Liveness::look_at(Session& session, const Judgement& may_be_unheard, Turn& turn) {
+void Liveness::look_at(Session& session, const SessionJudgement& is_excused, Turn& turn) {
     const BrokerOptions& options = tables_.options;
     if (forgotten_at(session, options) <= turn.now) {
         if (!session.header.clean) ++tables_.counters.sessions_expired;
@@ -93,7 +95,7 @@ void Liveness::look_at(Session& session, const Judgement& may_be_unheard, Turn& 
         return;
     }
     if (lost_at(session, options) <= turn.now) {
-        if (!may_be_unheard || !may_be_unheard(session.header)) {
+        if (!is_excused(session.header)) {
             lifecycle_.lose(session, turn);
             return;
         }

@@ -2,8 +2,6 @@
 // (MQTT-SN 1.2 sections 6.11, 6.12, 6.14; G6, G9, G10, G11, G28).
 #pragma once
 
-#include <functional>
-
 #include "broker/core/delivery_flow.h"
 #include "broker/core/lifecycle.h"
 #include "broker/core/outbox.h"
@@ -30,13 +28,12 @@ public:
     void on_pingreq(Session& session, const mqttsn::Pingreq& message, Turn& turn);
     void on_disconnect(Session& session, const mqttsn::Disconnect& message, Turn& turn);
 
-    using Judgement = std::function<bool(const SessionHeader& client)>;
     /// All sessions that are due; `may_be_unheard` as in BrokerCore::on_tick(). Whoever looks late
     /// stood still, and nobody is lost for that: what clients said meanwhile may wait to be read.
-    void on_tick(const Judgement& may_be_unheard, Turn& turn);
+    void on_tick(const SessionJudgement& may_be_unheard, Turn& turn);
 
 private:
-    void look_at(Session& session, const Judgement& may_be_unheard, Turn& turn);
+    void look_at(Session& session, const SessionJudgement& is_excused, Turn& turn);
 
     Tables& tables_;
     Outbox& outbox_;

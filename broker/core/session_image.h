@@ -6,6 +6,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -85,6 +86,9 @@ struct SessionHeader {
     HybridTime departed;       // when it became disconnected or lost; 0: it is connected
     friend bool operator==(const SessionHeader&, const SessionHeader&) = default;
 };
+
+/// Answers a question about one client.
+using SessionJudgement = std::function<bool(const SessionHeader& client)>;
 
 [[nodiscard]] inline bool is_connected(const SessionHeader& header) {
     return header.state == SessionState::active || header.state == SessionState::asleep ||

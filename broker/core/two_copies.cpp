@@ -116,9 +116,8 @@ bool leave_out_delivered(SessionImage& stays, std::vector<MessagePtr>& missed,
 /// for the client might have been with the other one.
 bool is_lost_elsewhere(const SessionHeader& own, const SessionHeader& other) {
     if (!is_connected(own) || other.state != SessionState::lost) return false;
-    const auto unix_ms = [](HybridTime time) { return time.value >> 16U; };
     const std::uint64_t silence_s = std::max(own.keep_alive_s, own.sleep_s);
-    return unix_ms(other.departed) > unix_ms(own.last_heard) + 1000 * silence_s;
+    return other.departed.unix_ms() > own.last_heard.unix_ms() + 1000 * silence_s;
 }
 
 }  // namespace

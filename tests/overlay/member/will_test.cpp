@@ -12,6 +12,23 @@ using mqttsn::Qos;
 using testing::ElementsAre;
 using testing::IsEmpty;
 
+/// It has a will for the topic "gone", and a topic id for "pose".
+Robot& mortal(Brokers& brokers, const std::string& name, int broker, int site) {
+    Robot& robot = brokers.robot(name, broker, site);
+    robot.connect_with_will("gone", 1);
+    robot.publish("pose", "0", Qos::exactly_once);
+    return robot;
+}
+
+/// More often than a keep-alive ends.
+void go_on_speaking(Brokers& brokers, std::initializer_list<Robot*> robots, Duration time) {
+    constexpr Duration often = 400ms;
+    for (Duration passed{0}; passed < time; passed += often) {
+        for (Robot* robot : robots) robot->publish("pose", "1", Qos::at_most_once);
+        brokers.run_for(often);
+    }
+}
+
 /// A robot of broker 1 that has spoken its last word, which broker 1 did not outlive either; and
 /// one that waits for the will at broker 3.
 struct LastWord {
@@ -73,20 +90,12 @@ TEST(Will, P7_IsNotPublishedForAStandstillOfAllBrokers) {
     Brokers brokers;
     start(brokers, {1, 2, 3});
     Robot& watcher = subscriber(brokers, "watcher", 3, Qos::exactly_once, "gone");
-    Robot& robot = brokers.robot("robot", 1);
-    robot.connect_with_will("gone", 1);
-    robot.publish("pose", "0", Qos::exactly_once);
+    Robot& robot = mortal(brokers, "robot", 1, 1);
     brokers.run_for(500ms);
     for (const int rank : {1, 2, 3}) brokers.stall(rank);
-    for (int i = 0; i < 6; ++i) {
-        robot.publish("pose", "1", Qos::at_most_once);
-        brokers.run_for(500ms);
-    }
+    go_on_speaking(brokers, {&robot}, 3s);
     for (const int rank : {1, 2, 3}) brokers.wake(rank);
-    for (int i = 0; i < 6; ++i) {
-        robot.publish("pose", "2", Qos::at_most_once);
-        brokers.run_for(500ms);
-    }
+    go_on_speaking(brokers, {&robot}, 3s);
     EXPECT_THAT(watcher.received(), IsEmpty());
     EXPECT_EQ(robot.rejections(), 0);
 }
@@ -97,30 +106,16 @@ TEST(Will, P7_OfClientsThatLiveElsewhereIsNotPublishedByABrokerThatWasCutOff) {
     Brokers brokers;
     start(brokers, {1, 2, 3});
     Robot& watcher = subscriber(brokers, "watcher", 3, Qos::exactly_once, "gone");
-    Robot& elsewhere = brokers.robot("elsewhere", 2);
-    elsewhere.connect_with_will("gone", 1);
-    elsewhere.publish("pose", "0", Qos::exactly_once);
-    Robot& here = brokers.robot("here", 1);
-    here.connect_with_will("gone", 1);
-    here.publish("pose", "0", Qos::exactly_once);
-    Robot& taken_over = brokers.robot("taken over", 1, 2);  // the others reach it
-    taken_over.connect_with_will("gone", 1);
-    taken_over.publish("pose", "0", Qos::exactly_once);
+    Robot& elsewhere = mortal(brokers, "elsewhere", 2, 2);
+    Robot& here = mortal(brokers, "here", 1, 1);
+    Robot& taken_over = mortal(brokers, "taken over", 1, 2);  // the others reach it
     brokers.run_for(200ms);
     for (const int other : {2, 3}) brokers.cut(1, other);
-    for (int i = 0; i < 10; ++i) {
-        for (Robot* robot : {&elsewhere, &taken_over})
-            robot->publish("pose", "1", Qos::at_most_once);
-        if (i < 4) here.publish("pose", "1", Qos::at_most_once);  // then it dies
-        brokers.run_for(400ms);
-    }
+    go_on_speaking(brokers, {&elsewhere, &taken_over, &here}, 1600ms);
+    go_on_speaking(brokers, {&elsewhere, &taken_over}, 2400ms);  // the other one is dead
     EXPECT_THAT(watcher.received(), ElementsAre("here")) << "to this side it is lost at once";
     brokers.heal();
-    for (int i = 0; i < 10; ++i) {
-        for (Robot* robot : {&elsewhere, &taken_over})
-            robot->publish("pose", "1", Qos::at_most_once);
-        brokers.run_for(400ms);
-    }
+    go_on_speaking(brokers, {&elsewhere, &taken_over}, 4s);
     EXPECT_THAT(watcher.received(), ElementsAre("here", "here")) << "and once on its own side";
     EXPECT_EQ(elsewhere.rejections() + taken_over.rejections(), 0);
 }
