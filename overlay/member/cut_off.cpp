@@ -5,15 +5,21 @@
 namespace romano::overlay {
 namespace {
 
-constexpr std::uint8_t dup = 0x80;  // MQTT-SN 1.2 section 5.3.4
+// Flags, MQTT-SN 1.2 section 5.3.4.
+constexpr std::uint8_t dup = 0x80;
+constexpr std::uint8_t qos = 0x60;
+constexpr std::uint8_t exactly_once = 0x40;
 
-bool is_repetition(Bytes datagram) {
+/// Whether the client may have had it from another broker.
+bool may_be_said(CutOff::Address from, Bytes datagram) {
     auto frame = mqttsn::decode_frame(datagram);
     if (frame && !frame->wrapped.empty()) frame = mqttsn::decode_frame(frame->wrapped);
     if (!frame) return false;
     if (frame->type == mqttsn::MsgType::pubrel) return true;
-    return frame->type == mqttsn::MsgType::publish && !frame->body.empty() &&
-           (frame->body[0] & dup) != 0;
+    if (frame->type != mqttsn::MsgType::publish || frame->body.empty()) return false;
+    const std::uint8_t flags = frame->body[0];
+    return (flags & dup) != 0 ||
+           (from == CutOff::Address::taken_over && (flags & qos) == exactly_once);
 }
 
 }  // namespace
@@ -66,9 +72,9 @@ bool CutOff::must_wait(Instant now, const Endpoint& client) {
     return now < heard->second && !near_.contains(client);
 }
 
-bool CutOff::withholds(Instant now, const Endpoint& client, Bytes datagram) const {
+bool CutOff::withholds(Instant now, Address from, const Endpoint& client, Bytes datagram) const {
     if (!awaited_.empty()) return true;
-    if (!is_possible() || !is_repetition(datagram)) return false;
+    if (!is_possible() || !may_be_said(from, datagram)) return false;
     const auto heard = served_from_.find(client);
     return heard == served_from_.end() || now < heard->second;
 }

@@ -4,11 +4,13 @@
 // taken its clients over and sent them what was in flight here. Said once more from here, in the
 // moment in which the way is open again, that would be a QoS 2 message delivered twice; and what
 // comes from here calls clients away from a broker that lives (ARP). So nothing is repeated
-// (PUBLISH with DUP, PUBREL) to a client that was not heard since; and when one is heard again,
-// what it says waits, for the way may be open again for the other brokers too, and then it is
-// theirs. They come within a moment, or else it is served: in a part of the network that is cut off
-// indeed, clients are served. Whoever was heard while the others were missing already does not
-// wait: what cut us off from them left its way open.
+// (PUBLISH with DUP, PUBREL) to a client that was not heard since, nor is a QoS 2 message sent for
+// the first time to one whose address was taken over: its heir among the others may have sent it,
+// and what is sent into a cut waits in the kernel and leaves when that is over. When a client is
+// heard again, what it says waits, for the way may be open again for the other brokers too, and
+// then it is theirs. They come within a moment, or else it is served: in a part of the network that
+// is cut off indeed, clients are served. Whoever was heard while the others were missing already
+// does not wait: what cut us off from them left its way open.
 //
 // Back in a view with the others, or in its first one, it says nothing and lets clients wait until
 // it hears all of them, for a moment at most: whoever took over may be one that it does not hear
@@ -18,6 +20,7 @@
 
 #include <chrono>
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <map>
 #include <set>
@@ -42,7 +45,10 @@ public:
     void on_heard_in_doubt(Instant now, const Endpoint& client);
     /// Whether what the client says now has to wait. To be asked again for what waits.
     [[nodiscard]] bool must_wait(Instant now, const Endpoint& client);
-    [[nodiscard]] bool withholds(Instant now, const Endpoint& client, Bytes datagram) const;
+    enum class Address : std::uint8_t { own, taken_over };
+    /// `from`: the service address that it would leave from.
+    [[nodiscard]] bool withholds(Instant now, Address from, const Endpoint& client,
+                                 Bytes datagram) const;
     /// It may talk to the others, and was not heard since: to be silent here is no sign of its
     /// loss.
     [[nodiscard]] bool may_be_elsewhere(const Endpoint& client) const {

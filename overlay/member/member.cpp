@@ -350,7 +350,9 @@ void Member::State::send(Instant now, const broker::Send& send, broker::Seq safe
                          MemberActions& out) {
     if (send.to.endpoint == broker::owner_endpoint || cluster_.is_silent(send.via)) return;
     const Bytes octets = work_.octets(send);
-    if (cut_off_.withholds(now, send.to.endpoint, octets)) return;
+    const bool is_own = cluster_.addresses().is_home(send.via);
+    const auto from = is_own ? CutOff::Address::own : CutOff::Address::taken_over;
+    if (cut_off_.withholds(now, from, send.to.endpoint, octets)) return;
     if (cluster_.is_taking(send.via) || says_nothing(now)) held_.detain(send.to);
     if (send.after > safe || held_.detains(send.to)) {
         held_.hold(send, octets);

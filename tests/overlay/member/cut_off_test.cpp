@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "tests/overlay/member/brokers.h"
+#include "tests/overlay/member/steps.h"
 
 namespace romano::test {
 namespace {
@@ -16,6 +16,7 @@ namespace {
 using namespace std::chrono_literals;
 using mqttsn::Qos;
 using overlay::CutOff;
+using Address = CutOff::Address;
 using testing::ElementsAre;
 
 Endpoint client(std::uint8_t host) {
@@ -44,8 +45,7 @@ void see(CutOff& cut_off, const cluster::View& view) {
 }
 
 void start_three(Brokers& brokers) {
-    for (const int rank : {1, 2, 3}) brokers.start(rank);
-    brokers.run_for(1s);
+    start(brokers, {1, 2, 3});
 }
 
 /// From the other brokers, not from the robots beside it.
@@ -58,20 +58,24 @@ TEST(CutOff, RepeatsNothingToThoseThatWereNotHeardSince) {
     CutOff cut_off;
     see(cut_off, view(1, {member(1), member(2), member(3)}));
     EXPECT_FALSE(cut_off.must_wait(now, client(1)));
-    EXPECT_FALSE(cut_off.withholds(now, client(1), publish(0xC0)));
+    EXPECT_FALSE(cut_off.withholds(now, Address::own, client(1), publish(0xC0)));
     see(cut_off, view(2, {member(1)}));
-    EXPECT_TRUE(cut_off.withholds(now, client(1), publish(0xC0)));
-    EXPECT_FALSE(cut_off.withholds(now, client(1), publish(0x40))) << "the first time";
-    EXPECT_TRUE(cut_off.withholds(now, client(1), publish(0xA0))) << "QoS 1";
+    EXPECT_TRUE(cut_off.withholds(now, Address::own, client(1), publish(0xC0)));
+    EXPECT_FALSE(cut_off.withholds(now, Address::own, client(1), publish(0x40)))
+        << "the first time";
+    EXPECT_TRUE(cut_off.withholds(now, Address::own, client(1), publish(0xA0))) << "QoS 1";
+    EXPECT_TRUE(cut_off.withholds(now, Address::taken_over, client(1), publish(0x40)))
+        << "its heir may have sent it";
+    EXPECT_FALSE(cut_off.withholds(now, Address::taken_over, client(1), publish(0x20)));
     const std::vector<std::uint8_t> pubrel{4, 0x10, 0, 1};
-    EXPECT_TRUE(cut_off.withholds(now, client(1), pubrel));
+    EXPECT_TRUE(cut_off.withholds(now, Address::own, client(1), pubrel));
     EXPECT_TRUE(cut_off.must_wait(now, client(2))) << "the others may be on their way";
-    EXPECT_TRUE(cut_off.withholds(now, client(2), publish(0xC0)));
+    EXPECT_TRUE(cut_off.withholds(now, Address::own, client(2), publish(0xC0)));
     EXPECT_FALSE(cut_off.must_wait(now + 500ms, client(2)));
-    EXPECT_FALSE(cut_off.withholds(now + 500ms, client(2), publish(0xC0)));
-    EXPECT_TRUE(cut_off.withholds(now + 500ms, client(1), publish(0xC0)));
+    EXPECT_FALSE(cut_off.withholds(now + 500ms, Address::own, client(2), publish(0xC0)));
+    EXPECT_TRUE(cut_off.withholds(now + 500ms, Address::own, client(1), publish(0xC0)));
     see(cut_off, view(3, {member(1), member(2), member(3)}));
-    EXPECT_FALSE(cut_off.withholds(now, client(1), publish(0xC0)));
+    EXPECT_FALSE(cut_off.withholds(now, Address::own, client(1), publish(0xC0)));
     EXPECT_FALSE(cut_off.must_wait(now, client(3)));
 }
 
@@ -83,8 +87,8 @@ TEST(CutOff, WhoWasHeardInDoubtDoesNotWaitAndIsSentNothingTwiceYet) {
     EXPECT_FALSE(cut_off.must_wait(now, client(1)));
     see(cut_off, view(2, {member(1)}));
     EXPECT_FALSE(cut_off.must_wait(now, client(1)));
-    EXPECT_TRUE(cut_off.withholds(now, client(1), publish(0xC0)));
-    EXPECT_FALSE(cut_off.withholds(now + 500ms, client(1), publish(0xC0)));
+    EXPECT_TRUE(cut_off.withholds(now, Address::own, client(1), publish(0xC0)));
+    EXPECT_FALSE(cut_off.withholds(now + 500ms, Address::own, client(1), publish(0xC0)));
     EXPECT_TRUE(cut_off.must_wait(now, client(2)));
 }
 
@@ -128,11 +132,12 @@ TEST(CutOff, LastsUntilAllOfTheViewThatTakesItBackAreHeard) {
     const auto is_heard = [&](const auto& m) { return heard.contains(m); };
     const auto together = view(3, {member(1), member(2), member(3)});
     EXPECT_FALSE(cut_off.on_view(Instant{2s}, together, fell_silent, is_heard));
-    EXPECT_TRUE(cut_off.withholds(Instant{2s}, client(1), publish(0x40))) << "3 may have sent it";
+    EXPECT_TRUE(cut_off.withholds(Instant{2s}, Address::own, client(1), publish(0x40)))
+        << "3 may have sent it";
     EXPECT_TRUE(cut_off.must_wait(Instant{2s}, client(1)));
     heard.insert(member(3));
     EXPECT_TRUE(cut_off.on_view(Instant{2s}, together, fell_silent, is_heard));
-    EXPECT_FALSE(cut_off.withholds(Instant{2s}, client(1), publish(0x40)));
+    EXPECT_FALSE(cut_off.withholds(Instant{2s}, Address::own, client(1), publish(0x40)));
     EXPECT_FALSE(cut_off.must_wait(Instant{2s}, client(1)));
 }
 
@@ -192,6 +197,31 @@ TEST(CutOff, P3_WhatTheHeirDeliveredIsNotRepeatedWhenTheWayIsOpenAgain) {
     publisher.publish("pose", "2", Qos::exactly_once);
     brokers.run_for(1s);
     EXPECT_THAT(subscriber.received(), ElementsAre("1", "2"));
+}
+
+// The broker that was cut off has the message, and not the word of the other home that it began.
+TEST(CutOff, P3_WhatTheOtherHomeBeganAtTheCutIsNotSentForTheFirstTimeToo) {
+    constexpr int robots_site = 4;
+    Brokers brokers;
+    start_three(brokers);
+    Robot& listener = brokers.robot("listener", 2, robots_site);
+    listener.connect();
+    listener.subscribe("pose", Qos::exactly_once);
+    Robot& talker = publisher(brokers, "talker", 3);
+
+    brokers.cut(1, 2);
+    talker.publish("pose", "1", Qos::exactly_once);
+    brokers.run_for(10ms);
+    ASSERT_THAT(listener.received(), ElementsAre("1"));
+    brokers.cut(1, 3);
+    brokers.run_for(1s);
+    EXPECT_THAT(listener.received(), ElementsAre("1"));
+
+    brokers.heal();
+    brokers.run_for(1s);
+    talker.publish("pose", "2", Qos::exactly_once);
+    brokers.run_for(1s);
+    EXPECT_THAT(listener.received(), ElementsAre("1", "2"));
 }
 
 // The way to the clients is open again before the brokers meet: a client speaks to the broker that
@@ -281,9 +311,7 @@ TEST(CutOff, P3_WhatWaitedIsDroppedWhenItsAddressGoesBack) {
 TEST(CutOff, WhoMayBeDeafSaysNothingUntilItKnows) {
     Brokers brokers;
     start_three(brokers);
-    Robot& robot = brokers.robot("robot", 1);
-    robot.connect();
-    brokers.run_for(200ms);
+    Robot& robot = publisher(brokers, "robot", 1);
     cut_off_the_first(brokers);
     brokers.run_for(150ms);
     robot.publish("pose", "1", Qos::at_least_once);
@@ -296,11 +324,8 @@ TEST(CutOff, WhoMayBeDeafSaysNothingUntilItKnows) {
 TEST(CutOff, WhatComesIsServedAfterWhatWaits) {
     Brokers brokers;
     start_three(brokers);
-    Robot& listener = brokers.robot("listener", 1);
-    listener.connect();
-    listener.subscribe("pose", Qos::at_most_once);
-    Robot& talker = brokers.robot("talker", 1);
-    talker.connect();
+    Robot& listener = subscriber(brokers, "listener", 1, Qos::at_most_once);
+    Robot& talker = publisher(brokers, "talker", 1);
     talker.publish("pose", "0", Qos::exactly_once);
     brokers.run_for(200ms);
     cut_off_the_first(brokers);
@@ -319,11 +344,8 @@ TEST(CutOff, WhatComesIsServedAfterWhatWaits) {
 TEST(CutOff, WhoGoesOnSpeakingIsServedAsSoonAsTheDoubtIsOver) {
     Brokers brokers;
     start_three(brokers);
-    Robot& listener = brokers.robot("listener", 1);
-    listener.connect();
-    listener.subscribe("pose", Qos::at_most_once);
-    Robot& talker = brokers.robot("talker", 1);
-    talker.connect();
+    Robot& listener = subscriber(brokers, "listener", 1, Qos::at_most_once);
+    Robot& talker = publisher(brokers, "talker", 1);
     talker.publish("pose", "0", Qos::exactly_once);
     brokers.run_for(200ms);
     cut_off_the_first(brokers);
@@ -339,9 +361,7 @@ TEST(CutOff, WhoGoesOnSpeakingIsServedAsSoonAsTheDoubtIsOver) {
 TEST(CutOff, ClientsOfAPartThatIsCutOffAreServedAfterAMoment) {
     Brokers brokers;
     start_three(brokers);
-    Robot& robot = brokers.robot("robot", 1);
-    robot.connect();
-    brokers.run_for(200ms);
+    Robot& robot = publisher(brokers, "robot", 1);
     cut_off_the_first(brokers);
     brokers.run_for(300ms);
     robot.publish("pose", "1", Qos::at_least_once);
