@@ -1,25 +1,21 @@
 #include "overlay/member/cut_off.h"
 
 #include "romano/mqttsn/frame.h"
+#include "romano/mqttsn/types.h"
 
 namespace romano::overlay {
 namespace {
 
-// Flags, MQTT-SN 1.2 section 5.3.4.
-constexpr std::uint8_t dup = 0x80;
-constexpr std::uint8_t qos = 0x60;
-constexpr std::uint8_t exactly_once = 0x40;
-
 /// Whether the client may have had it from another broker.
-bool may_be_said(CutOff::Address from, Bytes datagram) {
+bool may_be_repetition(CutOff::Address from, Bytes datagram) {
     auto frame = mqttsn::decode_frame(datagram);
     if (frame && !frame->wrapped.empty()) frame = mqttsn::decode_frame(frame->wrapped);
     if (!frame) return false;
     if (frame->type == mqttsn::MsgType::pubrel) return true;
     if (frame->type != mqttsn::MsgType::publish || frame->body.empty()) return false;
-    const std::uint8_t flags = frame->body[0];
-    return (flags & dup) != 0 ||
-           (from == CutOff::Address::taken_over && (flags & qos) == exactly_once);
+    const mqttsn::Flags flags = mqttsn::flags_from_wire(frame->body[0]);
+    const bool is_taken_over = from == CutOff::Address::taken_over;
+    return flags.dup || (is_taken_over && flags.qos == mqttsn::Qos::exactly_once);
 }
 
 }  // namespace
@@ -74,7 +70,7 @@ bool CutOff::must_wait(Instant now, const Endpoint& client) {
 
 bool CutOff::withholds(Instant now, Address from, const Endpoint& client, Bytes datagram) const {
     if (!awaited_.empty()) return true;
-    if (!is_possible() || !may_be_said(from, datagram)) return false;
+    if (!is_possible() || !may_be_repetition(from, datagram)) return false;
     const auto heard = served_from_.find(client);
     return heard == served_from_.end() || now < heard->second;
 }

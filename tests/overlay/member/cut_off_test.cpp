@@ -48,6 +48,16 @@ void start_three(Brokers& brokers) {
     start(brokers, {1, 2, 3});
 }
 
+constexpr int robots_site = 4;
+
+/// It stands apart from all brokers.
+Robot& subscriber_apart(Brokers& brokers, int broker) {
+    Robot& robot = brokers.robot("subscriber", broker, robots_site);
+    robot.connect();
+    robot.subscribe("pose", Qos::exactly_once);
+    return robot;
+}
+
 /// From the other brokers, not from the robots beside it.
 void cut_off_the_first(Brokers& brokers) {
     for (const int other : {2, 3}) brokers.cut(1, other);
@@ -172,12 +182,9 @@ TEST(CutOff, IsOverAfterAMomentThoughOneOfTheViewIsNotHeard) {
 }
 
 TEST(CutOff, P3_WhatTheHeirDeliveredIsNotRepeatedWhenTheWayIsOpenAgain) {
-    constexpr int robots_site = 4;
     Brokers brokers;
     start_three(brokers);
-    Robot& subscriber = brokers.robot("subscriber", 1, robots_site);
-    subscriber.connect();
-    subscriber.subscribe("pose", Qos::exactly_once);
+    Robot& subscriber = subscriber_apart(brokers, 1);
     Robot& publisher = brokers.robot("publisher", 2);
     publisher.connect();
     brokers.run_for(200ms);
@@ -201,12 +208,9 @@ TEST(CutOff, P3_WhatTheHeirDeliveredIsNotRepeatedWhenTheWayIsOpenAgain) {
 
 // The broker that was cut off has the message, and not the word of the other home that it began.
 TEST(CutOff, P3_WhatTheOtherHomeBeganAtTheCutIsNotSentForTheFirstTimeToo) {
-    constexpr int robots_site = 4;
     Brokers brokers;
     start_three(brokers);
-    Robot& listener = brokers.robot("listener", 2, robots_site);
-    listener.connect();
-    listener.subscribe("pose", Qos::exactly_once);
+    Robot& listener = subscriber_apart(brokers, 2);
     Robot& talker = publisher(brokers, "talker", 3);
 
     brokers.cut(1, 2);
@@ -227,12 +231,9 @@ TEST(CutOff, P3_WhatTheOtherHomeBeganAtTheCutIsNotSentForTheFirstTimeToo) {
 // The way to the clients is open again before the brokers meet: a client speaks to the broker that
 // was cut off, whose copy of the session wins.
 TEST(CutOff, P3_WhatTheOtherHomeDeliveredMeanwhileIsNotDeliveredAgain) {
-    constexpr int robots_site = 4;
     Brokers brokers;
     start_three(brokers);
-    Robot& subscriber = brokers.robot("subscriber", 2, robots_site);
-    subscriber.connect();
-    subscriber.subscribe("pose", Qos::exactly_once);
+    Robot& subscriber = subscriber_apart(brokers, 2);
     Robot& publisher = brokers.robot("publisher", 3);
     publisher.connect();
     brokers.run_for(200ms);
@@ -256,12 +257,9 @@ TEST(CutOff, P3_WhatTheOtherHomeDeliveredMeanwhileIsNotDeliveredAgain) {
 // The same, and the client is in the middle of what the heir sent it. The brokers meet a moment
 // after the way to the clients is open: what the client says waits for that.
 TEST(CutOff, P3_WhatAClientSaysToTheBrokerThatWasCutOffWaitsForTheOthers) {
-    constexpr int robots_site = 4;
     Brokers brokers;
     start_three(brokers);
-    Robot& subscriber = brokers.robot("subscriber", 2, robots_site);
-    subscriber.connect();
-    subscriber.subscribe("pose", Qos::exactly_once);
+    Robot& subscriber = subscriber_apart(brokers, 2);
     Robot& publisher = brokers.robot("publisher", 1, robots_site);
     publisher.connect();
     brokers.run_for(200ms);
