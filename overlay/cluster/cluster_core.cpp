@@ -350,11 +350,13 @@ void ClusterCore::send_beacon(Effects& effects) {
     ++beacons_sent_;
     last_leadership_ = leadership();
     last_view_ = view().number;
+    own_.accompany_beacon();
     effects.peers.push_back({std::nullopt, beacon(effects.broker)});
 }
 
 void ClusterCore::leave(Effects& effects) {
     ++beacons_sent_;
+    own_.accompany_beacon();
     Beacon last = beacon(effects.broker);
     last.leaving = true;
     effects.peers.push_back({std::nullopt, std::move(last)});

@@ -75,7 +75,8 @@ public:
 
     // --- the own log
     void append(Seq seq, LogEvent event);
-    void flush(Outbox& out);
+    /// `awaited`: clients wait until the log is safe up to there.
+    void flush(Seq awaited, Outbox& out) { own_.flush(awaited, out); }
     /// To peers with a matching subscriber.
     void forward(const MessagePtr& message, Outbox& out) const;
     [[nodiscard]] const broker::Audience& audience() const { return peer_sessions_; }
@@ -190,8 +191,11 @@ private:
         if (is_new && view_change_.contains(id)) peer_sessions_.reset(id, at->second.mirror());
         return at->second;
     }
+    enum class Answer : std::uint8_t { at_once, with_the_beacon };
     /// Up to `most` events that are here; the rest at the next ticks.
-    void apply(Effects& effects, const LogId& id, PeerLog& log, std::size_t most);
+    void apply(Effects& effects, const LogId& id, PeerLog& log, std::size_t most,
+               Answer answer = Answer::at_once);
+    [[nodiscard]] Answer answer_to(const LogBatch& batch) const;
     void catch_up(Effects& effects);
     void acknowledge(Effects& effects, const LogId& id, const PeerLog& log) const;
     [[nodiscard]] Seq held_of(const LogId& id, const PeerLog& log) const;

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "overlay/cluster/cluster_core.h"
+#include "overlay/cluster/quick_holder.h"
 
 namespace romano::cluster {
 
@@ -12,10 +13,6 @@ void ClusterCore::append(Seq seq, LogEvent event) {
         peer_sessions_.on_own_session(session->image.header.client_id, logs_);
     }
     own_.append(seq, std::move(event));
-}
-
-void ClusterCore::flush(Outbox& out) {
-    own_.flush(out);
 }
 
 Seq ClusterCore::safe(Instant now) {
@@ -43,7 +40,18 @@ void ClusterCore::on(Effects& effects, BrokerId from, const LogBatch& batch) {
     const auto log = logs_.find(batch.log);
     if (batch.log.broker != from || log == logs_.end() || log->second.is_frozen()) return;
     log->second.offer(batch.first_seq, batch.events);
-    apply(effects, batch.log, log->second, 2 * batch.events.size());
+    apply(effects, batch.log, log->second, 2 * batch.events.size(), answer_to(batch));
+}
+
+ClusterCore::Answer ClusterCore::answer_to(const LogBatch& batch) const {
+    if (!batch.awaited) return Answer::with_the_beacon;
+    // A view without its writer, or without us, tells nothing about who else answers.
+    if (!view_change_.contains(own_.id()) || !view_change_.contains(batch.log)) {
+        return Answer::at_once;
+    }
+    const bool is_asked =
+        is_quick_holder(own_.id().broker, batch.log.broker, live_peers(), options_.acks);
+    return is_asked ? Answer::at_once : Answer::with_the_beacon;
 }
 
 void ClusterCore::on(Effects& effects, BrokerId from, const LogTail& tail) {
@@ -120,11 +128,12 @@ void ClusterCore::catch_up(Effects& effects) {
     for (auto& [id, log] : logs_) apply(effects, id, log, options_.events_per_turn);
 }
 
-void ClusterCore::apply(Effects& effects, const LogId& id, PeerLog& log, std::size_t most) {
+void ClusterCore::apply(Effects& effects, const LogId& id, PeerLog& log, std::size_t most,
+                        Answer answer) {
     const Seq before = log.applied();
     for (; most > 0 && log.next() != nullptr; --most) apply_event(effects, id, log);
     if (log.applied() == before) return;
-    if (!log.is_frozen()) acknowledge(effects, id, log);
+    if (!log.is_frozen() && answer == Answer::at_once) acknowledge(effects, id, log);
     for (const LogId& other : acknowledgements_.advance(is_held())) {
         const PeerLog& waiting = logs_.at(other);
         if (other != id && !waiting.is_frozen()) acknowledge(effects, other, waiting);

@@ -93,6 +93,7 @@ struct LogBatch {
     LogId log{};
     Seq first_seq = 0;
     std::vector<broker::LogEvent> events{};
+    bool awaited = true;  // a client or a peer waits until enough members hold it
 };
 /// "I hold your log up to here." `by`: the sender's own log, so that an earlier life does not speak
 /// for this one.

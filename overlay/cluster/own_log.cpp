@@ -5,14 +5,30 @@
 #include <utility>
 
 namespace romano::cluster {
+namespace {
+
+/// What its writer has done about messages that the log of their publisher holds. A client that
+/// relies on it waits for it (broker::Send::after).
+bool is_note(const LogEvent& event) {
+    return std::holds_alternative<broker::Routed>(event) ||
+           std::holds_alternative<broker::Cursor>(event) ||
+           std::holds_alternative<broker::DeliveryStarted>(event) ||
+           std::holds_alternative<broker::DeliveryEnded>(event);
+}
+
+}  // namespace
 
 void OwnLog::append(Seq seq, LogEvent event) {
     assert(seq == history_.last() + 1);
-    (void)seq;
+    if (!is_note(event)) urgent_ = seq;
     history_.append(std::move(event));
 }
 
-void OwnLog::flush(Outbox& out) {
+void OwnLog::flush(Seq awaited, Outbox& out) {
+    awaited = std::max(awaited, urgent_);
+    const bool fills_a_batch = history_.last() >= flushed_ + events_per_batch;
+    const bool may_wait = awaited <= flushed_ && !fills_a_batch;
+    if (!std::exchange(accompanies_beacon_, false) && may_wait) return;
     while (flushed_ < history_.last()) {
         // Only events that were dropped for want of room before they were sent are skipped.
         if (!history_.reaches_back_to(flushed_)) {
@@ -20,7 +36,8 @@ void OwnLog::flush(Outbox& out) {
         }
         LogBatch batch{.log = id_,
                        .first_seq = flushed_ + 1,
-                       .events = history_.events_after(flushed_, events_per_batch)};
+                       .events = history_.events_after(flushed_, events_per_batch),
+                       .awaited = awaited > flushed_};
         if (batch.events.empty()) return;
         flushed_ += batch.events.size();
         out.push_back({std::nullopt, std::move(batch)});

@@ -1,5 +1,9 @@
 // The broker's own log on its way to the peers: everything appended in one input leaves as one
 // batch; what a peer missed is sent again while it is kept.
+//
+// Notes of what happened to deliveries leave later, when nobody waits for them: with the next event
+// that is more than that, or the next beacon. Should they be lost with the broker, then its heir
+// repeats deliveries at QoS 1.
 #pragma once
 
 #include <cstddef>
@@ -15,8 +19,11 @@ public:
     OwnLog(LogId id, std::size_t events_kept) : id_(id), history_(events_kept) {}
 
     void append(Seq seq, LogEvent event);
-    /// Batches of what was appended since the last call: to all.
-    void flush(Outbox& out);
+    /// Batches of what was appended since the last time, to all, unless all of it may wait.
+    /// `awaited`: how far clients wait for the log.
+    void flush(Seq awaited, Outbox& out);
+    /// A beacon is about to say how far the log goes: the next flush() sends all.
+    void accompany_beacon() { accompanies_beacon_ = true; }
 
     [[nodiscard]] LogId id() const { return id_; }
     [[nodiscard]] Seq last() const { return history_.last(); }
@@ -27,6 +34,8 @@ private:
     LogId id_;
     LogHistory history_;
     Seq flushed_ = 0;
+    Seq urgent_ = 0;  // the last event that is more than a note
+    bool accompanies_beacon_ = false;
 };
 
 /// A batch of small events fills a few UDP datagrams; larger ones only add latency.

@@ -64,6 +64,7 @@ bool read_events(const LogEvents& in, Log& out) {
 Maybe read_log_batch(const LogEvents& in) {
     cluster::LogBatch out{};
     if (!read_events(in, out)) return std::nullopt;
+    out.awaited = in.awaited();
     return out;
 }
 
@@ -126,6 +127,7 @@ struct Writer {
     }
     void operator()(const cluster::LogBatch& m) const {
         events_to_proto(m, *out.mutable_log_batch());
+        out.mutable_log_batch()->set_awaited(m.awaited);
     }
     void operator()(const cluster::LogAck& m) const {
         to_proto(m.through, *out.mutable_log_ack()->mutable_through());

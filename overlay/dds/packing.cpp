@@ -52,6 +52,7 @@ bool join(cluster::LogBatch& early, cluster::LogBatch& late) {
     }
     if (size_of_all(early.events) + size_of_all(late.events) > most_octets) return false;
     move_behind(early.events, late.events);
+    early.awaited |= late.awaited;
     return true;
 }
 

@@ -44,6 +44,10 @@ public:
                     broker::BrokerCore& broker, broker::Actions& actions);
     void on_for_owner(const broker::MessagePtr& message, std::vector<uplink::UplinkAction>& out);
 
+    /// How far the own log must be safe for the MQTT broker to know of all that came from it.
+    [[nodiscard]] broker::Seq awaits() const {
+        return unsafe_.empty() ? 0 : unsafe_.rbegin()->first;
+    }
     /// Sends what may go, lets the MQTT broker know of what is safe. `own`: how far the own log is
     /// safe.
     void go_on(Instant now, const broker::LogPosition& own, broker::BrokerCore& broker,

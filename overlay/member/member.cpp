@@ -322,7 +322,13 @@ void Member::State::absorb(Instant now, MemberActions& out) {
             if (uplink_) uplink_->on_for_owner(for_owner->message, out.uplink);
         }
     }
-    cluster_.flush(out.peers);
+    broker::Seq awaited = uplink_ ? uplink_->awaits() : 0;
+    for (const broker::Action& action : work_.list()) {
+        if (const auto* datagram = std::get_if<broker::Send>(&action)) {
+            awaited = std::max(awaited, datagram->after);
+        }
+    }
+    cluster_.flush(awaited, out.peers);
     const broker::Seq safe = cluster_.safe(now);
     for (const broker::Action& action : work_.list()) {
         if (const auto* datagram = std::get_if<broker::Send>(&action)) {

@@ -16,6 +16,74 @@ OwnLog log_of(Seq events, std::size_t events_kept = 100'000) {
     return log;
 }
 
+LogEvent note() {
+    return broker::DeliveryEnded{.client_id = "robot", .message = {test::log_of("b2"), 1}};
+}
+
+std::vector<LogBatch> flushed(OwnLog& log, Seq awaited = 0) {
+    Outbox out;
+    log.flush(awaited, out);
+    std::vector<LogBatch> batches;
+    for (auto& outgoing : out) {
+        EXPECT_EQ(outgoing.to, std::nullopt);
+        batches.push_back(std::get<LogBatch>(outgoing.message));
+    }
+    return batches;
+}
+
+TEST(OwnLog, APublishLeavesAtOnceAndIsAwaited) {
+    OwnLog log = log_of(1);
+    const auto batches = flushed(log);
+    ASSERT_EQ(batches.size(), 1U);
+    EXPECT_EQ(batches[0].first_seq, 1U);
+    EXPECT_TRUE(batches[0].awaited);
+    EXPECT_TRUE(flushed(log).empty()) << "once";
+}
+
+TEST(OwnLog, ANoteThatNobodyWaitsForLeavesWithTheBeacon) {
+    OwnLog log = log_of(0);
+    log.append(1, note());
+    EXPECT_TRUE(flushed(log).empty());
+    log.accompany_beacon();
+    const auto batches = flushed(log);
+    ASSERT_EQ(batches.size(), 1U);
+    EXPECT_EQ(batches[0].events.size(), 1U);
+    EXPECT_FALSE(batches[0].awaited);
+    log.append(2, note());
+    EXPECT_TRUE(flushed(log).empty()) << "the next one waits for the next beacon";
+}
+
+TEST(OwnLog, ANoteThatAClientWaitsForLeavesAtOnce) {
+    OwnLog log = log_of(0);
+    log.append(1, note());
+    const auto batches = flushed(log, 1);
+    ASSERT_EQ(batches.size(), 1U);
+    EXPECT_TRUE(batches[0].awaited);
+}
+
+TEST(OwnLog, NotesLeaveBeforeThePublishThatFollowsThem) {
+    OwnLog log = log_of(0);
+    log.append(1, note());
+    EXPECT_TRUE(flushed(log).empty());
+    log.append(2, test::published(self, 2));
+    const auto batches = flushed(log);
+    ASSERT_EQ(batches.size(), 1U);
+    EXPECT_EQ(batches[0].first_seq, 1U);
+    EXPECT_EQ(batches[0].events.size(), 2U);
+    EXPECT_TRUE(batches[0].awaited);
+}
+
+TEST(OwnLog, NotesThatFillABatchWaitForNothing) {
+    OwnLog log = log_of(0);
+    for (Seq seq = 1; seq < events_per_batch; ++seq) log.append(seq, note());
+    EXPECT_TRUE(flushed(log).empty());
+    log.append(events_per_batch, note());
+    const auto batches = flushed(log);
+    ASSERT_EQ(batches.size(), 1U);
+    EXPECT_EQ(batches[0].events.size(), events_per_batch);
+    EXPECT_FALSE(batches[0].awaited);
+}
+
 TEST(OwnLog, ATailIsSentPieceByPiece) {
     const OwnLog log = log_of(10'000);
     Seq after = 17;

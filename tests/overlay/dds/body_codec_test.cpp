@@ -42,7 +42,7 @@ static_assert(field_count<cluster::ViewNumber>() == 3);
 static_assert(field_count<cluster::View>() == 2);
 static_assert(field_count<cluster::Beacon>() == 17);
 static_assert(field_count<cluster::Pulse>() == 2);
-static_assert(field_count<cluster::LogBatch>() == 3);
+static_assert(field_count<cluster::LogBatch>() == 4);
 static_assert(field_count<cluster::LogAck>() == 2);
 static_assert(field_count<cluster::ViewProposal>() == 2);
 static_assert(field_count<cluster::LeftAddress>() == 2);

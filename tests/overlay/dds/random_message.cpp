@@ -209,7 +209,7 @@ cluster::ClusterMessage random_message(std::size_t kind, Random& r) {
         case 0:
             return beacon(r);
         case 1:
-            return cluster::LogBatch{log_id(r), wide(r), one_event_of_each_kind(r)};
+            return cluster::LogBatch{log_id(r), wide(r), one_event_of_each_kind(r), flag(r)};
         case 2:
             return cluster::LogAck{position(r), log_id(r)};
         case 3:
