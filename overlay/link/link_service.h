@@ -1,5 +1,6 @@
 // Links between brokers: TCP connections that the kernel closes when a process dies, so that its
-// peers know within a millisecond (election/link.h decides what that means).
+// peers know within a millisecond (election/link.h decides what that means; memory_keeper.h, why
+// it does not take longer).
 //
 // Each broker dials every peer whose beacon names an address, and watches that one connection; the
 // peer only holds the other end. When it closes, the peer is dialled again at once: if its port
@@ -23,6 +24,7 @@
 
 #include "broker/core/log_position.h"
 #include "election/failure_detector.h"
+#include "overlay/link/memory_keeper.h"
 #include "romano/base/endpoint.h"
 
 namespace romano::link {
@@ -69,6 +71,7 @@ private:
     [[nodiscard]] bool knows(const broker::LogId& process) const;
 
     boost::asio::io_context& io_;
+    MemoryKeeper memory_keeper_;
     broker::LogId self_;
     OnLink on_link_;
     Endpoint address_;
