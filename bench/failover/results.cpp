@@ -167,7 +167,10 @@ Results::Results(const Options& options) : options_(options), file_(options.outp
     std::filesystem::create_directories(options.output);
     const auto settings_file = options.output / "settings.json";
     const std::string settings = settings_json(options).dump(2) + "\n";
-    if (options.fresh) std::filesystem::remove(file_);
+    if (options.fresh) {
+        std::filesystem::remove(file_);
+        std::filesystem::remove_all(traces());
+    }
     if (std::filesystem::exists(file_) && text_of(settings_file) != settings) {
         throw std::runtime_error("--output '" + options.output.string() +
                                  "': holds trials of other settings; give another folder, or "

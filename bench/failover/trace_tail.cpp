@@ -34,7 +34,14 @@ void TraceTail::read() {
     offset_ += static_cast<std::streamoff>(begin);
 }
 
+std::filesystem::path TraceTail::earlier_lives() const {
+    return file_.parent_path() / (file_.stem().string() + "-earlier-lives.txt");
+}
+
 void TraceTail::restart() {
+    if (std::ifstream before(file_); before.peek() != std::ifstream::traits_type::eof()) {
+        std::ofstream(earlier_lives(), std::ios::app) << before.rdbuf();
+    }
     offset_ = 0;
     lines_.clear();
 }

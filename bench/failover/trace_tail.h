@@ -28,8 +28,10 @@ public:
 
     /// Reads the complete lines that have come since; all lines so far are in lines().
     void read();
-    /// Begins anew: the file is another process's now.
+    /// Begins anew: the file will be another process's. What it holds goes behind
+    /// earlier_lives().
     void restart();
+    [[nodiscard]] std::filesystem::path earlier_lives() const;
 
     [[nodiscard]] const std::vector<TraceLine>& lines() const { return lines_; }
     /// The first line at or after `since` that begins with `beginning`.

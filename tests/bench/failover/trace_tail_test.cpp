@@ -4,6 +4,8 @@
 
 #include <filesystem>
 #include <fstream>
+#include <iterator>
+#include <string>
 
 #include "tests/temporary_folder.h"
 
@@ -46,6 +48,18 @@ TEST_F(TraceTailTest, ALineIsReadOnceItIsComplete) {
     tail.read();
     ASSERT_EQ(tail.lines().size(), 2u);
     EXPECT_EQ(tail.last("view ")->text, "view 1 of 3");
+}
+
+TEST_F(TraceTailTest, KeepsWhatEarlierLivesSaid) {
+    for (const std::string life : {"first\n", "second\n", "third\n"}) {
+        tail.restart();
+        std::ofstream{file} << life;
+        tail.read();
+        ASSERT_EQ(tail.lines().size(), 1u);
+    }
+    std::ifstream earlier(tail.earlier_lives());
+    const std::string text{std::istreambuf_iterator<char>(earlier), {}};
+    EXPECT_EQ(text, "first\nsecond\n");
 }
 
 TEST_F(TraceTailTest, FindsTheFirstLineOfATimeOrLater) {
