@@ -99,7 +99,9 @@ void CarriedUplink::on_answer(Instant now, const broker::LogPosition& position,
                               uplink::Answer answer, broker::BrokerCore& broker,
                               broker::Actions& actions) {
     core_.on_answer(position, answer);
-    if (answer == uplink::Answer::done) broker.on_read(now, position, actions);
+    if (answer != uplink::Answer::done) return;
+    broker.on_read(now, position, actions);
+    confirmed_ = broker.last_seq();
 }
 
 void CarriedUplink::on_message(Instant now, const uplink::FromRemote& message, std::uint64_t token,

@@ -5,6 +5,7 @@
 // reads its queue. A new leader does the same, and the session comes with what still waits.
 #pragma once
 
+#include <algorithm>
 #include <map>
 #include <string>
 #include <vector>
@@ -34,6 +35,7 @@ public:
     void abandon(std::vector<uplink::UplinkAction>& out) {
         core_.hold(false, out);
         unsafe_.clear();
+        confirmed_ = 0;
     }
 
     void on_up(bool resumed) { core_.on_up(resumed); }
@@ -44,9 +46,10 @@ public:
                     broker::BrokerCore& broker, broker::Actions& actions);
     void on_for_owner(const broker::MessagePtr& message, std::vector<uplink::UplinkAction>& out);
 
-    /// How far the own log must be safe for the MQTT broker to know of all that came from it.
+    /// How far peers must know the own log soon: the MQTT broker waits for it, or the next leader
+    /// would send what was confirmed.
     [[nodiscard]] broker::Seq awaits() const {
-        return unsafe_.empty() ? 0 : unsafe_.rbegin()->first;
+        return unsafe_.empty() ? confirmed_ : std::max(confirmed_, unsafe_.rbegin()->first);
     }
     /// Sends what may go, lets the MQTT broker know of what is safe. `own`: how far the own log is
     /// safe.
@@ -66,6 +69,7 @@ private:
     bool is_subscribed_ = false;
     Instant subscribe_again_at_ = Instant::min();
     std::map<broker::Seq, std::vector<std::uint64_t>> unsafe_;  // tokens, by what they wait for
+    broker::Seq confirmed_ = 0;  // says that the MQTT broker has a message
 };
 
 }  // namespace romano::overlay

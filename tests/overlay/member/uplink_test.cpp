@@ -143,6 +143,26 @@ TEST_F(MemberWithUplink, WhatWasNotConfirmedIsSentAgainByTheNextLeaderUnderTheSa
     EXPECT_EQ(sent(2)[0].identity, first[1].identity);
 }
 
+/// Some time between two beacons, which tell what else would not be told.
+class AnswerToUplink : public MemberWithUplink, public testing::WithParamInterface<Duration> {};
+INSTANTIATE_TEST_SUITE_P(Times, AnswerToUplink, testing::Values(500ms, 503ms, 506ms, 509ms));
+
+TEST_P(AnswerToUplink, WhatWasConfirmedJustBeforeTheLeaderDiedIsNotSentAgain) {
+    start({1, 2, 3});
+    brokers.uplink_up(3, false);
+    Robot& robot = publisher(1);
+    for (const char* text : {"a", "b"}) robot.publish("fleet/x", text, Qos::exactly_once);
+    brokers.run_for(GetParam());
+    ASSERT_THAT(texts(3), ElementsAre("a", "b"));
+    brokers.uplink_answers(3, sent(3)[0].message->position, uplink::Answer::done);
+    brokers.run_for(2ms);
+    brokers.kill(3);
+    brokers.run_for(3s);
+    ASSERT_TRUE(holds(2));
+    brokers.uplink_up(2, false);
+    EXPECT_THAT(texts(2), ElementsAre("b"));
+}
+
 TEST_F(MemberWithUplink, WhatTheMqttBrokerDidNotTakeIsSentAgain) {
     start({1, 2});
     brokers.uplink_up(2, true);
