@@ -22,6 +22,9 @@ public:
     MemoryKeeper(const MemoryKeeper&) = delete;
     MemoryKeeper& operator=(const MemoryKeeper&) = delete;
 
+    /// Not where the machine has no room for another process, nor under QEMU's user mode.
+    [[nodiscard]] bool was_started() const { return process_ > 0; }
+
 private:
     void* stack_ = nullptr;
     pid_t process_ = -1;
