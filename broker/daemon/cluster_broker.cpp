@@ -58,8 +58,8 @@ ClusterBroker::ClusterBroker(boost::asio::io_context& io, const Settings& settin
       standstill_(settings.cluster->options.detection_timeout) {
     if (make_uplink != nullptr) open_uplink(make_uplink);
     open_addresses();
-    if (options_.cluster.detector == "link") open_links();
     open_transport();
+    if (options_.cluster.detector == "link") open_links();
     if (!held_.empty()) wait_for_the_holders();
     start_member();
 }

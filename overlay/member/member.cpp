@@ -313,19 +313,16 @@ void Member::State::absorb(Instant now, MemberActions& out) {
     const bool is_found = cut_off_.on_view(now, cluster_.view(), has_ended, is_heard);
     if (is_found) send_again(now);
     server_.answer(now, broker_, work_);
+    broker::Seq awaited = uplink_ ? uplink_->awaits() : 0;
     for (broker::Action& action : work_.list()) {
-        if (auto* append = std::get_if<broker::Append>(&action)) {
+        if (const auto* datagram = std::get_if<broker::Send>(&action)) {
+            awaited = std::max(awaited, datagram->after);
+        } else if (auto* append = std::get_if<broker::Append>(&action)) {
             cluster_.append(append->seq, std::move(*append->event));
         } else if (const auto* forward = std::get_if<broker::Forward>(&action)) {
             cluster_.forward(forward->message, out.peers);
         } else if (const auto* for_owner = std::get_if<broker::ForOwner>(&action)) {
             if (uplink_) uplink_->on_for_owner(for_owner->message, out.uplink);
-        }
-    }
-    broker::Seq awaited = uplink_ ? uplink_->awaits() : 0;
-    for (const broker::Action& action : work_.list()) {
-        if (const auto* datagram = std::get_if<broker::Send>(&action)) {
-            awaited = std::max(awaited, datagram->after);
         }
     }
     cluster_.flush(awaited, out.peers);
