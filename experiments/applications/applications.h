@@ -35,7 +35,7 @@ void run_radio_distance(const ApplicationOptions& options);
 
 /// Two networks of robots, on IPv6 and on IPv4, with brokers that it starts, exchange messages
 /// through a mosquitto with TLS and credentials; a leader is killed meanwhile. Throws when a
-/// message of QoS 1 or 2 is lost, or any is doubled or looped.
+/// message of QoS 1 or 2 is lost, or one of QoS 0 or 2 is doubled or looped.
 void run_bridge(const ApplicationOptions& options);
 
 /// Robots drive between the cells of three brokers, which it starts, and talk to the nearest.

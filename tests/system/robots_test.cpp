@@ -12,7 +12,9 @@
 #include <algorithm>
 #include <cctype>
 #include <filesystem>
+#include <fstream>
 #include <memory>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -290,6 +292,17 @@ private:
     int lock_;
 };
 
+/// What the brokers said, for a run that failed.
+std::string traces_in(const std::filesystem::path& folder) {
+    std::ostringstream out;
+    for (const auto& file : std::filesystem::directory_iterator{folder}) {
+        if (file.path().extension() != ".txt") continue;
+        out << "--- " << file.path().filename().string() << '\n'
+            << std::ifstream{file.path()}.rdbuf();
+    }
+    return out.str();
+}
+
 TEST_P(ApplicationWithBrokers, DoesWhatItShouldAndDrawsIt) {
     const tests::TemporaryFolder folder;
     std::vector<std::string> arguments{"apply",    "-o", folder.path(), "--broker", ROMANO_BROKER,
@@ -297,7 +310,7 @@ TEST_P(ApplicationWithBrokers, DoesWhatItShouldAndDrawsIt) {
     arguments.insert(arguments.begin() + 1, GetParam().begin(), GetParam().end());
     Process program(ROMANO_PROGRAM, arguments);
     const bool done = program.wait_for_exit(std::chrono::minutes{3}) == 0;
-    EXPECT_TRUE(done) << program.rest_of_output() << program.errors();
+    EXPECT_TRUE(done) << program.rest_of_output() << program.errors() << traces_in(folder.path());
     const std::string& file = GetParam()[0];
     EXPECT_TRUE(std::filesystem::exists(folder / (file + ".csv")));
     EXPECT_TRUE(std::filesystem::exists(folder / (file + ".svg"))) << "is gnuplot installed?";
