@@ -135,8 +135,8 @@ void check_broker_name(std::string_view option, const std::string& text) {
     const bool printable =
         std::ranges::all_of(text, [](char c) { return static_cast<unsigned char>(c) > ' '; });
     if (!printable || text.size() > longest_name || !mqttsn::is_valid_topic_name(text) ||
-        text.find('/') != std::string::npos) {
-        refuse(option, text, "must be 1 to 64 octets without spaces, '/', '+' and '#'");
+        text.find_first_of("/,") != std::string::npos) {
+        refuse(option, text, "must be 1 to 64 octets without spaces, ',', '/', '+' and '#'");
     }
 }
 
@@ -258,7 +258,7 @@ std::vector<std::string> check_voters(const SettingTexts& texts) {
     }
     if (texts.voters.empty()) {
         refuse("elector", texts.elector,
-               "needs --voters: the names of the brokers that vote, for example --voters r1 r2 r3");
+               "needs --voters: the names of the brokers that vote, for example --voters r1,r2,r3");
     }
     for (const std::string& voter : texts.voters) {
         check_broker_name("voters", voter);

@@ -78,7 +78,18 @@ void ClusterCore::on_tick(Effects& effects, const std::set<Endpoint>& pending_ou
         seek_addresses(effects);
     }
     ask_for_gaps(effects);
+    warn_when_leaderless(effects);
     send_beacon(effects);
+}
+
+void ClusterCore::warn_when_leaderless(Effects& effects) {
+    const bool is_led = is_in_view() && leadership().leader.has_value();
+    if (!leaderless_.is_to_be_told(effects.now, is_led)) return;
+    std::vector<std::string> heard;
+    for (const auto& [id, peer] : membership_.peers()) {
+        if (peer.alive) heard.push_back(membership_.name_of(id));
+    }
+    effects.local.push_back(leaderless_notice(heard, options_));
 }
 
 Instant ClusterCore::next_wakeup() const {

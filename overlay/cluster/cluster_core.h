@@ -25,6 +25,7 @@
 #include "overlay/cluster/ended_logs.h"
 #include "overlay/cluster/hand_back.h"
 #include "overlay/cluster/last_words.h"
+#include "overlay/cluster/leaderless.h"
 #include "overlay/cluster/listening.h"
 #include "overlay/cluster/log_keeping.h"
 #include "overlay/cluster/membership.h"
@@ -211,6 +212,7 @@ private:
     void break_silence(Effects& effects);
     /// Tries again for addresses that should be served here and are served by nobody.
     void seek_addresses(Effects& effects);
+    void warn_when_leaderless(Effects& effects);
     void ask_for_gaps(Effects& effects);
     void trim(Effects& effects);
     void forget_old_lives(Effects& effects);
@@ -248,6 +250,7 @@ private:
     Listening listening_;
     Acquaintance acquaintance_;
     Namesake namesake_;
+    Leaderless leaderless_;
     Instant next_tick_ = Instant::min();
     Instant next_cursors_ = Instant::min();
     Instant next_trim_ = Instant::min();

@@ -58,6 +58,12 @@ TEST(CommandLine, TakesRepeatedOptionsAndSeveralValues) {
     EXPECT_FALSE(read.domain);
 }
 
+TEST(CommandLine, VotersAreAListOrRepeated) {
+    EXPECT_THAT(texts({"--voters", "r1,r2", "--voters", "r3"}).voters,
+                ElementsAre("r1", "r2", "r3"));
+    EXPECT_THAT(texts({"--voters", "r1", "r2", "r3"}).voters, ElementsAre("r1", "r2", "r3"));
+}
+
 TEST(CommandLine, EveryOptionIsAKeyOfTheConfigurationFile) {
     const ConfigFile file(R"(# a comment
 listen = ["127.0.0.1:1883", "[::1]:1883"]

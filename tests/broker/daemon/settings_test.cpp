@@ -126,6 +126,7 @@ TEST(Settings, RaftNeedsVotersAndOthersNeedNone) {
     EXPECT_THAT(refusal({.voters = {"r1"}}), names("voters", "r1"));
     EXPECT_THAT(refusal({.elector = "raft", .voters = {"r1", "r1"}}), names("voters", "r1"));
     EXPECT_THAT(refusal({.elector = "raft", .voters = {"a/b"}}), names("voters", "a/b"));
+    EXPECT_THAT(refusal({.name = "r1,r2"}), names("name", "r1,r2"));
 }
 
 TEST(Settings, AllPeersMayBeAskedToHoldAnEvent) {

@@ -49,7 +49,10 @@ struct Owner {
 
 /// Broker "self", and what it knows of "peer".
 struct Cluster : Owner {
-    ClusterCore core{ClusterOptions{}, {.name = "self", .log = self, .home_addresses = {ours}}, 1};
+    explicit Cluster(const ClusterOptions& options = {})
+        : core{options, {.name = "self", .log = self, .home_addresses = {ours}}, 1} {}
+
+    ClusterCore core;
     std::uint64_t ticks = 0;
 
     void keep_log() {
