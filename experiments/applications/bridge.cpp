@@ -158,7 +158,7 @@ void publish_once_there_is_room(boost::asio::io_context& io, Network& network,
     while (!network.robot->publish(network.topic(), message::NormalData{as_octets(message.text)},
                                    message.qos)) {
         if (net::now() > end) {
-            throw std::runtime_error("a robot's queue has been full for " +
+            throw std::runtime_error("a robot has had no room or no connection for " +
                                      std::to_string(arrives_within / 1s) + " s, at message " +
                                      message.text);
         }

@@ -1,8 +1,7 @@
-// Nobody leads us for long: no view then, and no client is served. What people configured may be
+// Nobody leads us for long: no view comes then, and clients may wait. What people configured may be
 // why, so that they are told whom we hear and what the elector waits for.
 #pragma once
 
-#include <algorithm>
 #include <chrono>
 #include <optional>
 #include <string>
@@ -16,7 +15,9 @@ namespace romano::cluster {
 
 class Leaderless {
 public:
-    /// True when people should be told: no leader and view for so long, and as long not told.
+    static constexpr std::chrono::seconds told_every{10};
+
+    /// True when people should be told: no leader or no view for so long, and as long not told.
     bool is_to_be_told(Instant now, bool is_led) {
         if (is_led || !since_) since_ = now;
         if (is_led || now - *since_ < told_every) return false;
@@ -25,8 +26,6 @@ public:
     }
 
 private:
-    static constexpr Duration told_every = std::chrono::seconds{10};
-
     std::optional<Instant> since_;  // led last, or told last
 };
 
@@ -37,7 +36,8 @@ private:
         for (const auto& name : names) list += (list.empty() ? "" : ", ") + name;
         return list;
     };
-    std::string text = "no leader for 10 s, so no client is served; ";
+    std::string text = "no leader for " + std::to_string(Leaderless::told_every.count()) +
+                       " s, clients may have to wait; ";
     text += heard.empty() ? "no peer is heard" : "heard: " + listed(heard);
     if (options.elector == "raft") {
         text += "; raft needs " + std::to_string(options.voters.size() / 2 + 1) +
