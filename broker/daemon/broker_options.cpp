@@ -3,7 +3,7 @@
 #include <random>
 
 #include "broker/net/clock.h"
-#include "overlay/member/carried_server.h"
+#include "broker/server/carried_server.h"
 
 namespace romano::daemon {
 
@@ -17,7 +17,7 @@ broker::BrokerOptions broker_options(const Settings& settings) {
     out.t_retry = settings.t_retry;
     out.n_retry = settings.n_retry;
     out.predefined_topics = settings.predefined_topics;
-    if (settings.romano) out.observed_topics = overlay::CarriedServer::observed_topics();
+    if (settings.romano) out.observed_topics = broker::CarriedServer::observed_topics();
     out.limits = settings.limits;
     return out;
 }

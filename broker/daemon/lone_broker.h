@@ -14,7 +14,7 @@
 #include "broker/daemon/running_broker.h"
 #include "broker/net/core_timer.h"
 #include "broker/net/udp_service.h"
-#include "overlay/member/carried_server.h"
+#include "broker/server/carried_server.h"
 
 namespace romano::daemon {
 
@@ -39,7 +39,7 @@ private:
     std::optional<Persistence> persistence_;
     broker::BrokerOptions options_;
     broker::BrokerCore core_;
-    overlay::CarriedServer server_;
+    broker::CarriedServer server_;
     broker::Actions actions_;
     net::UdpService udp_;
     net::CoreTimer core_timer_;

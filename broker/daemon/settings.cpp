@@ -214,10 +214,10 @@ std::string check_interface(const std::optional<std::string>& text) {
     refuse("interface", *text, "is no network interface of this machine; there are: " + list);
 }
 
-std::uint32_t check_acks(const std::string& text) {
-    if (text == "all") return cluster::all_peers;
+std::optional<std::uint32_t> check_acks(const std::string& text) {
+    if (text == "all") return std::nullopt;
     const auto number = parse_number(text);
-    if (!number || *number >= cluster::all_peers) {
+    if (!number || *number >= std::numeric_limits<std::uint32_t>::max()) {
         refuse("acks", text, "must be a number of peers, or all");
     }
     return static_cast<std::uint32_t>(*number);
@@ -272,16 +272,15 @@ std::vector<std::string> check_voters(const SettingTexts& texts) {
 std::optional<ClusterSettings> check_cluster(const SettingTexts& texts, const Profile& profile) {
     ClusterSettings out;
     // Also without --domain: a setting that is wrong is wrong.
-    auto& options = out.options;
-    options.rank =
+    out.rank =
         number_in<std::uint32_t>("rank", texts.rank, 0, std::numeric_limits<std::uint32_t>::max());
-    options.acks = check_acks(texts.acks);
-    options.elector = one_of("elector", texts.elector, election::elector_names());
-    options.detector = one_of("detector", texts.detector, election::detector_names());
-    options.voters = check_voters(texts);
-    options.beacon_every = profile.beacon_every;
-    options.detection_timeout = profile.detection_timeout;
-    options.phi_threshold = profile.phi_threshold;
+    out.acks = check_acks(texts.acks);
+    out.elector = one_of("elector", texts.elector, election::elector_names());
+    out.detector = one_of("detector", texts.detector, election::detector_names());
+    out.voters = check_voters(texts);
+    out.beacon_every = profile.beacon_every;
+    out.detection_timeout = profile.detection_timeout;
+    out.phi_threshold = profile.phi_threshold;
     if (texts.interface && !texts.domain) {
         refuse("interface", *texts.interface, "is for the brokers of a cluster; give --domain too");
     }

@@ -12,7 +12,6 @@
 #include "broker/daemon/command_line.h"
 #include "broker/uplink/mqtt/mqtt_settings.h"
 #include "broker/uplink/uplink_core.h"
-#include "overlay/cluster/options.h"
 #include "romano/base/endpoint.h"
 #include "romano/mqttsn/types.h"
 
@@ -21,7 +20,14 @@ namespace romano::daemon {
 struct ClusterSettings {
     std::uint32_t domain = 0;
     std::string interface;  // empty: DDS chooses
-    cluster::ClusterOptions options;
+    std::string elector;
+    std::vector<std::string> voters;
+    std::string detector;
+    std::uint32_t rank = 0;
+    std::optional<std::uint32_t> acks;  // empty: all peers
+    std::chrono::milliseconds beacon_every{};
+    std::chrono::milliseconds detection_timeout{};
+    double phi_threshold = 0;
 };
 
 struct StoreSettings {

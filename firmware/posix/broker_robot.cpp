@@ -11,7 +11,6 @@
 #include <stdexcept>
 #include <utility>
 
-#include "broker/daemon/cluster_broker.h"
 #include "broker/daemon/command_line.h"
 #include "broker/daemon/lone_broker.h"
 #include "broker/daemon/refusal.h"
@@ -22,6 +21,7 @@
 #include "broker/net/service_manager.h"
 #include "broker/net/socket_address.h"
 #include "firmware/posix/simulated_robot.h"
+#include "overlay/daemon/cluster_broker.h"
 
 namespace {
 

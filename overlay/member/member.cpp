@@ -6,8 +6,8 @@
 #include <span>
 #include <utility>
 
+#include "broker/server/carried_server.h"
 #include "overlay/cluster/cluster_core.h"
-#include "overlay/member/carried_server.h"
 #include "overlay/member/carried_uplink.h"
 #include "overlay/member/cut_off.h"
 #include "overlay/member/held_output.h"
@@ -112,7 +112,7 @@ private:
     std::uint64_t seed_;
     LogId log_;
     BrokerCore broker_;
-    CarriedServer server_;
+    broker::CarriedServer server_;
     std::optional<CarriedUplink> uplink_;
     /// Came in a stall; the next one comes when this one is acknowledged.
     std::optional<std::pair<uplink::FromRemote, std::uint64_t>> late_message_;
@@ -136,7 +136,7 @@ broker::BrokerOptions Member::State::broker_options() const {
     broker::BrokerOptions options = options_.broker;
     options.log = log_;
     options.writes_log = true;
-    if (options_.romano) options.observed_topics = CarriedServer::observed_topics();
+    if (options_.romano) options.observed_topics = broker::CarriedServer::observed_topics();
     if (options_.uplink) options.read_by_owner = CarriedUplink::client_id;
     return options;
 }

@@ -32,13 +32,14 @@ const std::map<std::string, Folders>& allowed() {
         {"broker/core", {"romano/base", "romano/mqttsn"}},
         {"broker/uplink", {"romano/base", "romano/mqttsn", "broker/core"}},
         {"romano/server", {"romano/base", "romano/message"}},
+        {"broker/server", {"romano/base", "romano/mqttsn", "romano/server", "broker/core"}},
         {"romano/node", {"romano/base", "romano/mqttsn", "romano/message", "romano/client"}},
         {"overlay/cluster", {"romano/base", "romano/mqttsn", "election", "broker/core"}},
         {"overlay",  // transport.h
          {"romano/base", "broker/core", "election", "overlay/cluster"}},
         {"overlay/member",
-         {"romano/base", "romano/mqttsn", "romano/message", "romano/server", "election",
-          "broker/core", "broker/uplink", "overlay", "overlay/cluster"}},
+         {"romano/base", "romano/mqttsn", "election", "broker/core", "broker/server",
+          "broker/uplink", "overlay", "overlay/cluster"}},
         // shells
         {"broker/net", {"romano/base", "romano/mqttsn", "broker/core"}},
         {"broker/uplink/mqtt", {"romano/base", "romano/mqttsn", "broker/core", "broker/uplink"}},
@@ -51,7 +52,13 @@ const std::map<std::string, Folders>& allowed() {
          {"romano/base", "romano/mqttsn", "romano/client", "election", "broker/core", "overlay",
           "overlay/cluster", "overlay/member"}},
         // programs
-        {"broker/daemon", {"*"}},
+        {"broker/daemon",
+         {"romano/base", "romano/mqttsn", "election", "broker/core", "broker/server",
+          "broker/uplink", "broker/uplink/mqtt", "broker/net", "broker/metrics", "broker/store"}},
+        {"overlay/daemon",
+         {"romano/base", "election", "broker/core", "broker/uplink", "broker/uplink/mqtt",
+          "broker/net", "broker/metrics", "broker/daemon", "overlay", "overlay/cluster",
+          "overlay/member", "overlay/dds", "overlay/link"}},
         {"experiments", {"*"}},
         {"firmware", {"*"}},
         {"bench", {"*"}},
@@ -62,9 +69,9 @@ const std::map<std::string, Folders>& allowed() {
 // Folders whose code has no heap, clock, thread, file or socket of its own.
 const std::set<std::string>& cores() {
     static const std::set<std::string> folders = {
-        "romano/base",   "romano/mqttsn",   "romano/message", "romano/client",
-        "romano/node",   "romano/server",   "election",       "broker/core",
-        "broker/uplink", "overlay/cluster", "overlay/member"};
+        "romano/base",   "romano/mqttsn", "romano/message",  "romano/client",
+        "romano/node",   "romano/server", "election",        "broker/core",
+        "broker/server", "broker/uplink", "overlay/cluster", "overlay/member"};
     return folders;
 }
 

@@ -82,19 +82,19 @@ TEST(Settings, ADomainMakesAMember) {
     ASSERT_TRUE(settings.cluster);
     EXPECT_EQ(settings.cluster->domain, 7U);
     EXPECT_EQ(settings.cluster->interface, "lo");
-    EXPECT_EQ(settings.cluster->options.rank, 3U);
-    EXPECT_EQ(settings.cluster->options.acks, 2U);
-    EXPECT_EQ(settings.cluster->options.beacon_every, 20ms);
-    EXPECT_EQ(settings.cluster->options.detection_timeout, 150ms);
+    EXPECT_EQ(settings.cluster->rank, 3U);
+    EXPECT_EQ(settings.cluster->acks, 2U);
+    EXPECT_EQ(settings.cluster->beacon_every, 20ms);
+    EXPECT_EQ(settings.cluster->detection_timeout, 150ms);
 }
 
 TEST(Settings, AProfileSetsTheTimesTogether) {
     const Settings lan = check({.domain = "7"});
     const Settings mesh = check({.domain = "7", .profile = "mesh"});
-    EXPECT_EQ(lan.cluster->options.beacon_every, 10ms);
-    EXPECT_EQ(mesh.cluster->options.beacon_every, 1s);
-    EXPECT_GT(mesh.cluster->options.detection_timeout, lan.cluster->options.detection_timeout);
-    EXPECT_GT(mesh.cluster->options.phi_threshold, lan.cluster->options.phi_threshold);
+    EXPECT_EQ(lan.cluster->beacon_every, 10ms);
+    EXPECT_EQ(mesh.cluster->beacon_every, 1s);
+    EXPECT_GT(mesh.cluster->detection_timeout, lan.cluster->detection_timeout);
+    EXPECT_GT(mesh.cluster->phi_threshold, lan.cluster->phi_threshold);
     EXPECT_GT(mesh.t_retry, lan.t_retry);
 }
 
@@ -106,9 +106,9 @@ TEST(Settings, EachTimeOfAProfileMayBeGiven) {
                                      .phi_threshold = "5",
                                      .retry_ms = "700",
                                      .retries = "3"});
-    EXPECT_EQ(settings.cluster->options.beacon_every, 20ms);
-    EXPECT_EQ(settings.cluster->options.detection_timeout, 80ms);
-    EXPECT_EQ(settings.cluster->options.phi_threshold, 5);
+    EXPECT_EQ(settings.cluster->beacon_every, 20ms);
+    EXPECT_EQ(settings.cluster->detection_timeout, 80ms);
+    EXPECT_EQ(settings.cluster->phi_threshold, 5);
     EXPECT_EQ(settings.t_retry, 700ms);
     EXPECT_EQ(settings.n_retry, 3);
 }
@@ -121,7 +121,7 @@ TEST(Settings, BeaconsMustBeShorterThanHalfTheTimeout) {
 
 TEST(Settings, RaftNeedsVotersAndOthersNeedNone) {
     const Settings settings = check({.domain = "7", .elector = "raft", .voters = {"r1", "r2"}});
-    EXPECT_THAT(settings.cluster->options.voters, testing::ElementsAre("r1", "r2"));
+    EXPECT_THAT(settings.cluster->voters, testing::ElementsAre("r1", "r2"));
     EXPECT_THAT(refusal({.elector = "raft"}), AllOf(names("elector", "raft"), HasSubstr("voters")));
     EXPECT_THAT(refusal({.voters = {"r1"}}), names("voters", "r1"));
     EXPECT_THAT(refusal({.elector = "raft", .voters = {"r1", "r1"}}), names("voters", "r1"));
@@ -130,7 +130,7 @@ TEST(Settings, RaftNeedsVotersAndOthersNeedNone) {
 }
 
 TEST(Settings, AllPeersMayBeAskedToHoldAnEvent) {
-    EXPECT_EQ(check({.domain = "7", .acks = "all"}).cluster->options.acks, cluster::all_peers);
+    EXPECT_EQ(check({.domain = "7", .acks = "all"}).cluster->acks, std::nullopt);
 }
 
 TEST(Settings, PredefinedTopicsMayHoldEqualsSigns) {

@@ -1,4 +1,4 @@
-#include "broker/daemon/cluster_metrics.h"
+#include "overlay/daemon/cluster_metrics.h"
 
 namespace romano::daemon {
 

@@ -1,11 +1,10 @@
-#include "broker/daemon/cluster_broker.h"
+#include "overlay/daemon/cluster_broker.h"
 
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
 
 #include "broker/daemon/broker_options.h"
-#include "broker/daemon/cluster_metrics.h"
 #include "broker/daemon/refusal.h"
 #include "broker/daemon/service_addresses.h"
 #include "broker/metrics/broker_metrics.h"
@@ -13,6 +12,8 @@
 #include "broker/net/endpoint_text.h"
 #include "broker/net/interface_address.h"
 #include "broker/net/socket_address.h"
+#include "overlay/daemon/cluster_metrics.h"
+#include "overlay/daemon/member_options.h"
 #include "overlay/dds/packing.h"
 
 namespace romano::daemon {
@@ -32,17 +33,6 @@ bool contains(const std::vector<Endpoint>& list, const Endpoint& address) {
     return std::ranges::find(list, address) != list.end();
 }
 
-overlay::MemberOptions member_options(const Settings& settings) {
-    overlay::MemberOptions out;
-    out.broker = broker_options(settings);
-    out.cluster = settings.cluster->options;
-    out.romano = settings.romano;
-    out.name = settings.name;
-    out.incarnation = out.broker.log.incarnation;
-    if (settings.uplink) out.uplink = settings.uplink->options;
-    return out;
-}
-
 }  // namespace
 
 ClusterBroker::ClusterBroker(boost::asio::io_context& io, const Settings& settings,
@@ -55,7 +45,7 @@ ClusterBroker::ClusterBroker(boost::asio::io_context& io, const Settings& settin
       moved_(io, [this](const Endpoint& a) { return !member_ || member_->may_announce(a); }),
       timer_(io, [this] { on_core_wakeup(); }),
       heap_limit_(settings.limits.memory_mib),
-      standstill_(settings.cluster->options.detection_timeout) {
+      standstill_(settings.cluster->detection_timeout) {
     if (make_uplink != nullptr) open_uplink(make_uplink);
     open_addresses();
     open_transport();

@@ -3,10 +3,10 @@
 #include <memory>
 #include <utility>
 
-#include "broker/daemon/cluster_broker.h"
 #include "broker/daemon/program.h"
 #include "broker/daemon/refusal.h"
 #include "broker/uplink/mqtt/mqtt_link.h"
+#include "overlay/daemon/cluster_broker.h"
 
 namespace {
 

@@ -1,22 +1,19 @@
-#include "overlay/member/carried_server.h"
+#include "broker/server/carried_server.h"
 
 #include <algorithm>
 #include <memory>
 #include <utility>
 
-namespace romano::overlay {
+namespace romano::broker {
 namespace {
-
-using broker::SessionState;
 
 class BrokerHost final : public server::Host {
 public:
-    BrokerHost(Instant now, broker::BrokerCore& broker, std::span<const broker::LogId> led,
-               broker::Actions& actions)
+    BrokerHost(Instant now, BrokerCore& broker, std::span<const LogId> led, Actions& actions)
         : now_(now), broker_(broker), led_(led), actions_(actions) {}
 
     [[nodiscard]] std::optional<server::Standing> standing(std::string_view client) const override {
-        const broker::SessionHeader* header = broker_.header(client);
+        const SessionHeader* header = broker_.header(client);
         if (header == nullptr) return std::nullopt;
         const bool departed =
             header->state == SessionState::disconnected || header->state == SessionState::lost;
@@ -33,8 +30,8 @@ public:
     }
 
     [[nodiscard]] bool tidies_up_after(std::string_view home) const override {
-        const auto id = broker::broker_id_of(home);
-        return !led_.empty() && std::ranges::count(led_, id, &broker::LogId::broker) == 0;
+        const auto id = broker_id_of(home);
+        return !led_.empty() && std::ranges::count(led_, id, &LogId::broker) == 0;
     }
 
     void publish(std::string_view topic, Bytes data, bool retain) override {
@@ -48,9 +45,9 @@ public:
 
 private:
     Instant now_;
-    broker::BrokerCore& broker_;
-    std::span<const broker::LogId> led_;
-    broker::Actions& actions_;
+    BrokerCore& broker_;
+    std::span<const LogId> led_;
+    Actions& actions_;
 };
 
 }  // namespace
@@ -59,21 +56,21 @@ std::vector<std::string> CarriedServer::observed_topics() {
     return {server::observed_topics.begin(), server::observed_topics.end()};
 }
 
-void CarriedServer::answer(Instant now, broker::BrokerCore& broker, broker::Actions& actions) {
+void CarriedServer::answer(Instant now, BrokerCore& broker, Actions& actions) {
     BrokerHost host{now, broker, {}, actions};
     for (std::size_t i = 0; i < actions.list().size(); ++i) {  // answers are added to it
-        auto* observed = std::get_if<broker::Observed>(&actions.list()[i]);
+        auto* observed = std::get_if<Observed>(&actions.list()[i]);
         if (observed == nullptr || observed->what == nullptr) continue;
-        const std::unique_ptr<broker::Observation> what = std::move(observed->what);
+        const std::unique_ptr<Observation> what = std::move(observed->what);
         core_.on_publish(now, what->publisher, what->topic, what->payload, host);
     }
 }
 
-void CarriedServer::on_tick(Instant now, broker::BrokerCore& broker,
-                            std::span<const broker::LogId> led, broker::Actions& actions) {
+void CarriedServer::on_tick(Instant now, BrokerCore& broker, std::span<const LogId> led,
+                            Actions& actions) {
     if (now < core_.next_wakeup()) return;
     BrokerHost host{now, broker, led, actions};
     core_.on_tick(now, host);
 }
 
-}  // namespace romano::overlay
+}  // namespace romano::broker

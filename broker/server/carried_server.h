@@ -10,7 +10,7 @@
 #include "romano/base/time.h"
 #include "romano/server/server.h"
 
-namespace romano::overlay {
+namespace romano::broker {
 
 class CarriedServer {
 public:
@@ -21,15 +21,14 @@ public:
         : core_({.name = name, .unix_time_at_zero = unix_time_at_zero}) {}
 
     /// Answers what was observed in `actions`, with further actions of the broker.
-    void answer(Instant now, broker::BrokerCore& broker, broker::Actions& actions);
+    void answer(Instant now, BrokerCore& broker, Actions& actions);
 
     /// `led`: the members of the view that this broker leads; empty when it leads none.
-    void on_tick(Instant now, broker::BrokerCore& broker, std::span<const broker::LogId> led,
-                 broker::Actions& actions);
+    void on_tick(Instant now, BrokerCore& broker, std::span<const LogId> led, Actions& actions);
     [[nodiscard]] Instant next_wakeup() const { return core_.next_wakeup(); }
 
 private:
     server::ServerCore core_;
 };
 
-}  // namespace romano::overlay
+}  // namespace romano::broker

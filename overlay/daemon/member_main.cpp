@@ -3,9 +3,9 @@
 #include <memory>
 #include <utility>
 
-#include "broker/daemon/cluster_broker.h"
 #include "broker/daemon/program.h"
 #include "broker/daemon/refusal.h"
+#include "overlay/daemon/cluster_broker.h"
 
 int main(int argc, char** argv) {
     using namespace romano::daemon;
