@@ -13,6 +13,7 @@
 #include "broker/net/interface_address.h"
 #include "broker/net/socket_address.h"
 #include "overlay/daemon/cluster_metrics.h"
+#include "overlay/daemon/low_descriptors.h"
 #include "overlay/daemon/member_options.h"
 #include "overlay/dds/packing.h"
 
@@ -94,6 +95,7 @@ void ClusterBroker::warn_of_shared_addresses() const {
 
 void ClusterBroker::open_transport() {
     const ClusterSettings& cluster = *settings_.cluster;
+    expect_low_descriptors();
     try {
         domain_ =
             std::make_unique<dds::Domain>(dds::DomainOptions{cluster.domain, cluster.interface});

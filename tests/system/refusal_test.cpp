@@ -81,6 +81,17 @@ TEST(Refusal, OfAPortThatAStrangerToTheClusterHas) {
                 AllOf(HasSubstr("'" + addresses.service(1) + "'"), HasSubstr("in use")));
 }
 
+// DDS would abort at the first descriptor that select() cannot wait for.
+TEST(Refusal, OfABrokerThatInheritsTheDescriptorsThatDdsNeeds) {
+    std::string script = "for fd in $(seq 10 1100); do eval \"exec $fd</dev/null\"; done; exec ";
+    script += ROMANO_BROKER " --listen 127.77.0.1:0 --domain 7 --interface lo";
+    Process broker("/bin/bash", {"-c", script});
+    EXPECT_EQ(broker.wait_for_exit(), 2);
+    EXPECT_THAT(broker.errors(),
+                HasSubstr(" of the file descriptors below 1024 are open, inherited from what "
+                          "started this broker, and DDS needs 64 of them"));
+}
+
 TEST(Help, AndVersionEndWithSuccess) {
     BrokerProcess help({"--help"});
     EXPECT_EQ(help.wait_for_exit(), 0);
