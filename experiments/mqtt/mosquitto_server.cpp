@@ -4,10 +4,11 @@
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
 #include <chrono>
-#include <cstdlib>
 #include <fstream>
 #include <stdexcept>
 #include <thread>
+
+#include "experiments/process/program.h"
 
 namespace romano::experiments {
 namespace {
@@ -17,9 +18,11 @@ namespace fs = std::filesystem;
 
 constexpr auto starts_within = 10s;
 
-void run(const std::string& command) {
-    if (std::system((command + " >/dev/null 2>&1").c_str()) != 0) {
-        throw std::runtime_error("`" + command + "` failed; are mosquitto and openssl installed?");
+void run(const std::string& program, const std::vector<std::string>& arguments,
+         const fs::path& folder) {
+    if (!run_program(program, arguments, folder).ok()) {
+        throw std::runtime_error("`" + program + " " + arguments.front() +
+                                 "` failed; are mosquitto and openssl installed?");
     }
 }
 
@@ -50,23 +53,29 @@ MosquittoServer::MosquittoServer(const fs::path& folder, std::vector<std::string
 }
 
 void MosquittoServer::make_certificates() const {
-    const std::string in = "cd '" + folder_.string() + "' && openssl ";
-    const std::string key = " -newkey ec -pkeyopt ec_paramgen_curve:prime256v1 -nodes ";
     std::string names;
     for (const std::string& address : addresses_) {
         names += (names.empty() ? "IP:" : ",IP:") + address;
     }
-    run(in + "req -x509 -days 30 -subj '/CN=ROMANO experiment' -keyout ca.key -out ca.crt" + key);
-    run(in + "req -new -subj '/CN=mosquitto' -addext 'subjectAltName=" + names +
-        "' -keyout server.key -out server.csr" + key);
-    run(in +
-        "x509 -req -days 30 -in server.csr -CA ca.crt -CAkey ca.key -CAcreateserial "
-        "-copy_extensions copy -out server.crt");
+    const auto request = [this](const std::string& name, std::vector<std::string> arguments) {
+        const std::vector<std::string> key = {
+            "-keyout", name + ".key", "-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:prime256v1",
+            "-nodes"};
+        arguments.insert(arguments.begin(), "req");
+        arguments.insert(arguments.end(), key.begin(), key.end());
+        run("openssl", arguments, folder_);
+    };
+    request("ca", {"-x509", "-days", "30", "-subj", "/CN=ROMANO experiment", "-out", "ca.crt"});
+    request("server", {"-new", "-subj", "/CN=mosquitto", "-addext", "subjectAltName=" + names,
+                       "-out", "server.csr"});
+    run("openssl",
+        {"x509", "-req", "-days", "30", "-in", "server.csr", "-CA", "ca.crt", "-CAkey", "ca.key",
+         "-CAcreateserial", "-copy_extensions", "copy", "-out", "server.crt"},
+        folder_);
 }
 
 void MosquittoServer::write_files() const {
-    run("mosquitto_passwd -b -c '" + (folder_ / "users").string() + "' " + username + " " +
-        password);
+    run("mosquitto_passwd", {"-b", "-c", "users", username, password}, folder_);
     std::ofstream(password_file()) << password << '\n';
     std::ofstream config(folder_ / "mosquitto.conf");
     config << "user root\nallow_anonymous false\npersistence false\nset_tcp_nodelay true\n"

@@ -1,19 +1,29 @@
 #include "experiments/process/broker_process.h"
 
-#include <fcntl.h>
 #include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <boost/process/args.hpp>
+#include <boost/process/child.hpp>
+#include <boost/process/exe.hpp>
+#include <boost/process/extend.hpp>
+#include <boost/process/io.hpp>
 #include <cerrno>
 #include <csignal>
+#include <cstdio>
 #include <cstring>
 #include <fstream>
+#include <memory>
 #include <stdexcept>
+#include <system_error>
 #include <thread>
+#include <utility>
 
 namespace romano::experiments {
 namespace {
+
+namespace process = boost::process;
 
 std::string last_line_of(const std::filesystem::path& file) {
     std::ifstream stream(file);
@@ -25,43 +35,36 @@ std::string last_line_of(const std::filesystem::path& file) {
     return last;
 }
 
-/// Between fork and exec: only calls that are safe there. Ends the child when exec fails.
-[[noreturn]] void become(const char* program, char* const* arguments, int output, pid_t parent) {
-    ::prctl(PR_SET_PDEATHSIG, SIGKILL);
-    if (::getppid() != parent) ::_exit(127);  // the parent died before prctl took hold
-    // Ctrl-C at the terminal goes to the sweep alone, which stops its brokers itself.
-    ::setpgid(0, 0);
-    sigset_t none;
-    ::sigemptyset(&none);
-    ::sigprocmask(SIG_SETMASK, &none, nullptr);
-    ::dup2(output, STDOUT_FILENO);
-    ::dup2(output, STDERR_FILENO);
-    ::execv(program, arguments);
-    const char* reason = std::strerror(errno);
-    const auto written = ::write(STDERR_FILENO, reason, std::strlen(reason));
-    ::_exit(written < 0 ? 126 : 127);
-}
-
 }  // namespace
 
 BrokerProcess::BrokerProcess(std::string name, const std::filesystem::path& program,
                              const std::vector<std::string>& arguments, std::filesystem::path trace)
     : name_(std::move(name)), trace_(std::move(trace)) {
-    const int output = ::open(trace_.c_str(), O_CREAT | O_TRUNC | O_WRONLY | O_CLOEXEC, 0644);
-    if (output < 0) throw std::runtime_error("cannot write `" + trace_.string() + "`");
-    std::string own_name = program.string();
-    std::vector<std::string> texts = arguments;
-    std::vector<char*> pointers{own_name.data()};
-    for (std::string& text : texts) pointers.push_back(text.data());
-    pointers.push_back(nullptr);
-
+    const std::unique_ptr<std::FILE, int (*)(std::FILE*)> output(std::fopen(trace_.c_str(), "we"),
+                                                                 std::fclose);
+    if (!output) throw std::runtime_error("cannot write `" + trace_.string() + "`");
     const pid_t parent = ::getpid();
-    pid_ = ::fork();
-    if (pid_ == 0) become(own_name.c_str(), pointers.data(), output, parent);
-    ::close(output);
-    if (pid_ < 0) {
-        throw std::runtime_error(std::string{"cannot start a process: "} + std::strerror(errno));
+    // In the child, before exec: only calls that are safe there.
+    const auto prepare = [parent](auto&) {
+        ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+        if (::getppid() != parent) ::_exit(127);  // the parent died before prctl took hold
+        // Ctrl-C at the terminal goes to the sweep alone, which stops its brokers itself.
+        ::setpgid(0, 0);
+        sigset_t none;
+        ::sigemptyset(&none);
+        ::sigprocmask(SIG_SETMASK, &none, nullptr);
+        // A broker with thousands of robots' sockets has none left below FD_SETSIZE for DDS.
+        (void)::close_range(STDERR_FILENO + 1, ~0U, CLOSE_RANGE_CLOEXEC);
+    };
+    std::error_code failed;
+    process::child child(process::exe = program.string(), process::args = arguments,
+                         (process::std_out & process::std_err) > output.get(),
+                         process::extend::on_exec_setup = prepare, failed);
+    if (failed) {
+        throw std::runtime_error("cannot start `" + program.string() + "`: " + failed.message());
     }
+    pid_ = child.id();
+    child.detach();  // we wait for it ourselves: SIGSTOP and how it ended are beyond Boost.Process
 }
 
 BrokerProcess::~BrokerProcess() {

@@ -50,7 +50,8 @@ public:
 
 private:
     [[nodiscard]] std::string name(int host) const;
-    bool run(const std::string& command);
+    /// `ip` with these words; else why_not() says so.
+    bool run(const std::string& words);
 
     std::string prefix_;
     int hosts_;

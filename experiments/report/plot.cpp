@@ -3,14 +3,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <fstream>
 #include <map>
-#include <memory>
 #include <set>
 #include <sstream>
 
 #include "experiments/measure/percentile.h"
+#include "experiments/process/program.h"
 
 namespace romano::experiments {
 namespace {
@@ -164,17 +163,7 @@ std::optional<std::string> draw(const Plot& plot, const std::filesystem::path& s
     const auto script = script_folder / (plot.name + ".gp");
     std::ofstream(script) << gnuplot_script(plot);
 
-    std::string quoted_path;
-    for (const char c : script.string()) quoted_path += c == '\'' ? "'\\''" : std::string(1, c);
-    const std::string command = "gnuplot '" + quoted_path + "' 2>/dev/null";
-    const std::unique_ptr<std::FILE, int (*)(std::FILE*)> output(::popen(command.c_str(), "r"),
-                                                                 ::pclose);
-    if (!output) return std::nullopt;
-    std::string svg;
-    std::array<char, 65536> part{};
-    while (const std::size_t size = std::fread(part.data(), 1, part.size(), output.get())) {
-        svg.append(part.data(), size);
-    }
+    const std::string svg = run_program("gnuplot", {script.string()}).output;
     const std::size_t begin = svg.find("<svg");  // behind the XML declaration
     if (begin == std::string::npos || svg.find("</svg>") == std::string::npos) return std::nullopt;
     return svg.substr(begin);

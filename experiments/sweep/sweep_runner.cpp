@@ -9,6 +9,7 @@
 #include <ctime>
 #include <fstream>
 
+#include "experiments/process/program.h"
 #include "experiments/report/configuration.h"
 #include "experiments/report/report.h"
 #include "experiments/report/summary_table.h"
@@ -41,20 +42,8 @@ std::string utc_now() {
 
 /// What `romano-broker --version` says, in one line.
 std::string version_of(const std::filesystem::path& program) {
-    std::string quoted;
-    for (const char c : program.string()) quoted += c == '\'' ? "'\\''" : std::string(1, c);
-    const std::string command = "'" + quoted + "' --version 2>/dev/null";
-    std::array<char, 256> line{};
-    if (std::FILE* output = ::popen(command.c_str(), "r")) {
-        const char* read = std::fgets(line.data(), static_cast<int>(line.size()), output);
-        ::pclose(output);
-        if (read != nullptr) {
-            std::string text = line.data();
-            while (!text.empty() && text.back() == '\n') text.pop_back();
-            return text;
-        }
-    }
-    return "unknown";
+    const ProgramEnd end = run_program(program.string(), {"--version"});
+    return end.ok() ? end.output.substr(0, end.output.find('\n')) : "unknown";
 }
 
 std::string line_of(const RunRow& row) {
