@@ -16,13 +16,16 @@
 #include "broker/net/clock.h"
 #include "experiments/applications/applications.h"
 #include "experiments/applications/field.h"
-#include "experiments/radio/propagation.h"
+#include "overlay/radio/propagation.h"
 #include "romano/base/bytes.h"
 
 namespace romano::experiments {
 namespace {
 
 using namespace std::chrono_literals;
+using radio::Place;
+using radio::RadioLink;
+using radio::RadioModel;
 
 constexpr double wanted_dbm = -60;
 constexpr std::uint32_t step_mm = 100;

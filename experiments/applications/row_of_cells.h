@@ -6,12 +6,16 @@
 #include <string>
 #include <vector>
 
-#include "experiments/radio/propagation.h"
 #include "experiments/robots/socket_client.h"
 #include "firmware/posix/radio_board.h"
+#include "overlay/radio/propagation.h"
 #include "romano/base/time.h"
 
 namespace romano::experiments {
+
+using radio::Place;
+using radio::RadioLink;
+using radio::RadioModel;
 
 struct RowShape {
     double metres_between = 12;

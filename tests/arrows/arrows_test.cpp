@@ -51,6 +51,7 @@ const std::map<std::string, Folders>& allowed() {
         {"overlay/sim",
          {"romano/base", "romano/mqttsn", "romano/client", "election", "broker/core", "overlay",
           "overlay/cluster", "overlay/member"}},
+        {"overlay/radio", {"romano/base", "firmware/hdlc", "overlay/sim"}},
         // programs
         {"broker/daemon",
          {"romano/base", "romano/mqttsn", "election", "broker/core", "broker/server",

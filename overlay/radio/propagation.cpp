@@ -1,10 +1,10 @@
-#include "experiments/radio/propagation.h"
+#include "overlay/radio/propagation.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
-namespace romano::experiments {
+namespace romano::radio {
 namespace {
 
 constexpr double nearest_m = 0.1;  // the law says nothing of the near field
@@ -55,4 +55,4 @@ bool RadioLink::is_received(double dbm) {
     return uniform() < reception_chance(model_, dbm);
 }
 
-}  // namespace romano::experiments
+}  // namespace romano::radio

@@ -10,7 +10,7 @@
 
 #include "romano/base/random.h"
 
-namespace romano::experiments {
+namespace romano::radio {
 
 struct Place {
     double x_m = 0;
@@ -55,4 +55,4 @@ private:
     Place b_;
 };
 
-}  // namespace romano::experiments
+}  // namespace romano::radio
