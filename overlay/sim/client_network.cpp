@@ -65,6 +65,7 @@ void ClientNetwork::send(Node sender, const Endpoint& from, const Endpoint& to, 
         (filter_ && filter_(from, to, datagram)) || random_.happens(quality_.loss_ppm);
     trace_.note(events_.now(), from, dropped ? "-x" : "->", to, datagram);
     if (dropped) return;
+    if (carrier_ && carrier_(sender, from, to, datagram)) return;
     const int copies = random_.happens(quality_.duplication_ppm) ? 2 : 1;
     Instant arrival = events_.now() + quality_.delay(random_);
     if (!quality_.overtaking) {
@@ -73,15 +74,15 @@ void ClientNetwork::send(Node sender, const Endpoint& from, const Endpoint& to, 
     }
     const std::vector<std::uint8_t> octets(datagram.begin(), datagram.end());
     events_.at(arrival, [this, sender, from, to, copies, octets] {
-        for (int i = 0; i < copies; ++i) arrive(sender, from, to, octets);
+        for (int i = 0; i < copies; ++i) deliver(sender, from, to, octets);
     });
     if (may_come_late(datagram) && random_.happens(quality_.late_copy_ppm)) {
         events_.at(arrival + random_.between(Duration{0}, late_copy_after_max),
-                   [this, sender, from, to, octets] { arrive(sender, from, to, octets); });
+                   [this, sender, from, to, octets] { deliver(sender, from, to, octets); });
     }
 }
 
-void ClientNetwork::arrive(Node sender, const Endpoint& from, const Endpoint& to, Bytes datagram) {
+void ClientNetwork::deliver(Node sender, const Endpoint& from, const Endpoint& to, Bytes datagram) {
     const auto found = bound_.find(to);
     if (found == bound_.end()) return;
     const auto newest =

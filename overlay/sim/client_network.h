@@ -32,6 +32,9 @@ public:
     using Receiver = std::function<void(const Endpoint& at, const Endpoint& from, Bytes datagram)>;
     /// True: this datagram does not arrive.
     using Filter = std::function<bool(const Endpoint& from, const Endpoint& to, Bytes datagram)>;
+    /// True: it takes this datagram to its receiver, by deliver(), or loses it; links do not.
+    using Carrier =
+        std::function<bool(Node sender, const Endpoint& from, const Endpoint& to, Bytes datagram)>;
     enum class Binding : std::uint64_t {};
 
     ClientNetwork(EventQueue& events, Trace& trace, std::uint64_t seed)
@@ -48,6 +51,10 @@ public:
     [[nodiscard]] Cuts& cuts() { return cuts_; }
     /// For scripted losses.
     void set_filter(Filter filter) { filter_ = std::move(filter); }
+    /// For radios.
+    void set_carrier(Carrier carrier) { carrier_ = std::move(carrier); }
+    /// The datagram is at its receiver's door now.
+    void deliver(Node sender, const Endpoint& from, const Endpoint& to, Bytes datagram);
 
 private:
     struct Bound {
@@ -55,7 +62,6 @@ private:
         Node node;
         Receiver receiver;
     };
-    void arrive(Node sender, const Endpoint& from, const Endpoint& to, Bytes datagram);
 
     EventQueue& events_;
     Trace& trace_;
@@ -63,6 +69,7 @@ private:
     LinkQuality quality_;
     Cuts cuts_;
     Filter filter_;
+    Carrier carrier_;
     std::uint64_t last_binding_ = 0;
     std::map<Endpoint, std::vector<Bound>> bound_;  // oldest first
     std::map<std::pair<Endpoint, Endpoint>, Instant> last_arrival_;

@@ -1,0 +1,204 @@
+#include "overlay/radio/radio_network.h"
+
+#include <algorithm>
+#include <chrono>
+#include <deque>
+#include <limits>
+
+#include "overlay/sim/seed.h"
+
+namespace romano::radio {
+namespace {
+
+using lowpan::Device;
+
+/// ns-3's O-QPSK receiver loses half of the frames of 60 octets at this ratio of signal to noise.
+constexpr double half_lost_snr_db = -1.13;
+
+Device router_of(const Device& device) {
+    return {device.cell, 0};
+}
+
+std::int64_t to_ns(Instant at) {
+    return std::chrono::nanoseconds{at.time_since_epoch()}.count();
+}
+
+}  // namespace
+
+std::optional<std::string> problem_with(const RadioOptions& options) {
+    for (const RadioCell& cell : options.cells) {
+        if (cell.channel < lowpan::first_channel || cell.channel > lowpan::last_channel) {
+            return "channel " + std::to_string(cell.channel) +
+                   " does not exist: IEEE 802.15.4 at 2.4 GHz has channels 11 to 26";
+        }
+        if (cell.robots.size() > lowpan::most_robots) {
+            return std::to_string(cell.robots.size()) +
+                   " robots are too many for one cell: at most " +
+                   std::to_string(lowpan::most_robots);
+        }
+    }
+    if (options.router_baud == 0U || options.robot_baud == 0U) {
+        return "a UART of 0 baud carries nothing: give 1200 baud or more, or none";
+    }
+    return std::nullopt;
+}
+
+/// A border router's host is the broker's machine.
+struct RadioNetwork::Station {
+    Device device;
+    Place place;
+    std::deque<Carried> queue;  // the first one is with the radio, unless that is ready
+    bool ready = true;
+    std::unique_ptr<SerialLine> to_radio;
+    std::unique_ptr<SerialLine> to_host;
+};
+
+RadioNetwork::RadioNetwork(sim::World& world, const RadioOptions& options)
+    : world_(world), options_(options) {
+    std::vector<lowpan::CellPlan> plan;
+    for (const RadioCell& cell : options_.cells) {
+        Device device{plan.size(), 0};
+        add_station(device, cell.router);
+        for (const RadioRobot& robot : cell.robots) {
+            ++device.number;
+            add_station(device, robot.place);
+            robots_.emplace(world_.robot(robot.robot).options().address, device);
+            device_of_robot_.emplace(robot.robot, device);
+        }
+        plan.push_back({cell.channel, cell.robots.size()});
+    }
+    const RadioModel& model = options_.model;
+    channel_ = std::make_unique<lowpan::Channel>(
+        plan, model.transmit_dbm, model.half_lost_dbm - half_lost_snr_db,
+        sim::seed_of(world.seed(), "channel"),
+        lowpan::Channel::Owner{
+            [this](Device from, Device to) { return dbm(from, to); },
+            [this](Device at, Device from, const std::vector<std::uint8_t>& octets) {
+                on_received(at, from, octets);
+            },
+            [this](Device device) { on_ready(device); }});
+    world_.clients().set_carrier(
+        [this](sim::Node sender, const Endpoint& from, const Endpoint& to, Bytes datagram) {
+            return carry({sender, from, to, {datagram.begin(), datagram.end()}});
+        });
+}
+
+RadioNetwork::~RadioNetwork() {
+    world_.clients().set_carrier(nullptr);
+}
+
+void RadioNetwork::add_station(const Device& device, const Place& place) {
+    auto& owned = stations_[device];
+    owned = std::make_unique<Station>();
+    Station& station = *owned;
+    station.device = device;
+    station.place = place;
+    const bool is_router = device.number == 0;
+    const auto baud = is_router ? options_.router_baud : options_.robot_baud;
+    const Framing& framing = is_router ? ethernet_over_serial : robots_hdlc;
+    station.to_radio = std::make_unique<SerialLine>(
+        world_.events(), baud, framing, is_router ? options_.host_queue : options_.radio_queue,
+        [this, &station](const Carried& datagram) { return queue_for_radio(station, datagram); });
+    station.to_host = std::make_unique<SerialLine>(
+        world_.events(), baud, framing, options_.radio_queue,
+        [this](const Carried& datagram) { return hand_over(datagram); });
+}
+
+bool RadioNetwork::carry(const Carried& datagram) {
+    const auto sender = robots_.find(datagram.from);
+    const auto receiver = robots_.find(datagram.to);
+    if (sender == robots_.end() && receiver == robots_.end()) return false;
+    const Device enters = sender != robots_.end() ? sender->second : router_of(receiver->second);
+    Station& station = *stations_.at(enters);
+    if (!station.to_radio->send(datagram) && enters.number == 0 && !first_overflow_) {
+        first_overflow_ = world_.now();
+    }
+    return true;
+}
+
+/// Robots talk to their cell's router, and that to them.
+bool RadioNetwork::queue_for_radio(Station& station, const Carried& datagram) {
+    if (station.queue.size() >= options_.radio_queue) return false;
+    station.queue.push_back(datagram);
+    transmit(station);
+    return true;
+}
+
+void RadioNetwork::transmit(Station& station) {
+    if (!station.ready || station.queue.empty()) return;
+    const Carried& datagram = station.queue.front();
+    const Device to =
+        station.device.number == 0 ? robots_.at(datagram.to) : router_of(station.device);
+    station.ready = false;
+    channel_->send(to_ns(world_.now()), station.device, to, datagram.octets);
+    rearm();
+}
+
+/// Not at once: the channel is in the midst of its own event.
+void RadioNetwork::on_ready(const Device& device) {
+    world_.events().after(Duration{0}, [this, device] {
+        Station& station = *stations_.at(device);
+        station.ready = true;
+        station.queue.pop_front();
+        transmit(station);
+        station.to_radio->go_on();
+    });
+}
+
+/// The sender does not begin its next datagram before this one is here or given up.
+void RadioNetwork::on_received(const Device& at, const Device& from,
+                               const std::vector<std::uint8_t>& octets) {
+    const Station& sender = *stations_.at(from);
+    if (sender.queue.empty() || sender.queue.front().octets != octets) return;
+    (void)stations_.at(at)->to_host->send(sender.queue.front());
+}
+
+/// At the end of the line: a robot, or the machine of a broker, which knows the way to any other.
+bool RadioNetwork::hand_over(const Carried& datagram) {
+    const auto& [sender, from, to, octets] = datagram;
+    world_.clients().deliver(sender, from, to, octets);
+    return true;
+}
+
+void RadioNetwork::rearm() {
+    const std::int64_t next = channel_->next_wakeup_ns();
+    if (next == std::numeric_limits<std::int64_t>::max()) return;
+    const Instant at{std::chrono::nanoseconds{next}};
+    if (at >= timer_) return;
+    timer_ = at;
+    world_.events().at(at, [this, at] {
+        if (timer_ != at) return;
+        timer_ = never;
+        channel_->run_until(to_ns(at));
+        rearm();
+    });
+}
+
+double RadioNetwork::dbm(const Device& from, const Device& to) {
+    const auto [a, b] = std::minmax(from, to);
+    auto link = links_.find({a, b});
+    if (link == links_.end()) {
+        const std::uint64_t number =
+            (a.cell << 48U) | (a.number << 32U) | (b.cell << 16U) | b.number;
+        link = links_
+                   .emplace(
+                       std::pair{a, b},
+                       RadioLink{options_.model, sim::seed_of(world_.seed(), "radio link", number)})
+                   .first;
+    }
+    return link->second.packet_dbm(stations_.at(a)->place, stations_.at(b)->place);
+}
+
+void RadioNetwork::move(std::size_t robot, const Place& place) {
+    stations_.at(device_of_robot_.at(robot))->place = place;
+}
+
+std::uint64_t RadioNetwork::lost() const {
+    std::uint64_t sum = 0;
+    for (const auto& [device, station] : stations_) {
+        sum += station->to_radio->lost() + station->to_host->lost();
+    }
+    return sum;
+}
+
+}  // namespace romano::radio

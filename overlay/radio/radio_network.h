@@ -1,0 +1,94 @@
+// Cells of robots as the client network of a simulated world: what goes between a robot and anybody
+// else goes by the border router of the robot's cell.
+//
+//     broker ── host's queue ── UART ── border router's queue ~~ 802.15.4 ~~ robot's queue ── UART
+//     ── robot
+//
+// The world's virtual time drives the channel: its next event is one of the world's events, and it
+// runs no further. One seed is one run.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "overlay/radio/channel.h"
+#include "overlay/radio/propagation.h"
+#include "overlay/radio/serial_line.h"
+#include "overlay/sim/client_network.h"
+#include "overlay/sim/event_queue.h"
+#include "overlay/sim/world.h"
+
+namespace romano::radio {
+
+struct RadioRobot {
+    std::size_t robot = 0;  // its index in the world
+    Place place;
+};
+
+struct RadioCell {
+    unsigned channel = lowpan::last_channel;
+    Place router;
+    std::vector<RadioRobot> robots;
+};
+
+struct RadioOptions {
+    std::vector<RadioCell> cells;
+    RadioModel model;
+    std::optional<std::uint32_t> router_baud = 115'200;  // empty: no line
+    std::optional<std::uint32_t> robot_baud = 115'200;
+    std::size_t host_queue =
+        500;  // datagrams before the router's UART: Linux's tun device keeps 500
+    std::size_t radio_queue = 8;  // of a router and of a robot: RIOT's GNRC_NETIF keeps 8
+};
+
+/// One sentence on what cannot be; empty when all can.
+[[nodiscard]] std::optional<std::string> problem_with(const RadioOptions& options);
+
+class RadioNetwork {
+public:
+    /// The robots have been added to the world, which lives longer. Options are without problem.
+    RadioNetwork(sim::World& world, const RadioOptions& options);
+    ~RadioNetwork();
+    RadioNetwork(const RadioNetwork&) = delete;
+    RadioNetwork& operator=(const RadioNetwork&) = delete;
+
+    void move(std::size_t robot, const Place& place);
+
+    [[nodiscard]] const lowpan::Counters& counters() const { return channel_->counters(); }
+    /// When a host's queue first was full: the paper's "buffer overflow".
+    [[nodiscard]] std::optional<Instant> first_overflow() const { return first_overflow_; }
+    /// For want of room, anywhere.
+    [[nodiscard]] std::uint64_t lost() const;
+
+private:
+    struct Station;  // a radio with its queue and its line to the host
+
+    bool carry(const Carried& datagram);
+    void add_station(const lowpan::Device& device, const Place& place);
+    bool queue_for_radio(Station& station, const Carried& datagram);
+    bool hand_over(const Carried& datagram);
+    void transmit(Station& station);
+    void on_ready(const lowpan::Device& device);
+    void on_received(const lowpan::Device& at, const lowpan::Device& from,
+                     const std::vector<std::uint8_t>& octets);
+    void rearm();
+    [[nodiscard]] double dbm(const lowpan::Device& from, const lowpan::Device& to);
+
+    sim::World& world_;
+    RadioOptions options_;
+    std::map<lowpan::Device, std::unique_ptr<Station>> stations_;
+    std::map<Endpoint, lowpan::Device> robots_;
+    std::map<std::size_t, lowpan::Device> device_of_robot_;
+    std::map<std::pair<lowpan::Device, lowpan::Device>, RadioLink> links_;
+    std::optional<Instant> first_overflow_;
+    Instant timer_ = never;
+    std::unique_ptr<lowpan::Channel> channel_;  // goes first: it calls the others
+};
+
+}  // namespace romano::radio
