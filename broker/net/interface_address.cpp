@@ -3,6 +3,7 @@
 #include <ifaddrs.h>
 #include <net/if.h>
 
+#include <algorithm>
 #include <cstring>
 #include <memory>
 #include <utility>
@@ -30,15 +31,21 @@ Endpoint address_of(const ifaddrs& entry) {
     return endpoint;
 }
 
+using AddressList = std::unique_ptr<ifaddrs, void (*)(ifaddrs*)>;
+
+AddressList all_addresses() {
+    ifaddrs* all = nullptr;
+    if (getifaddrs(&all) != 0) all = nullptr;
+    return {all, freeifaddrs};
+}
+
 }  // namespace
 
 Endpoint interface_address(const std::string& interface) {
-    ifaddrs* all = nullptr;
-    if (getifaddrs(&all) != 0) return {};
-    const std::unique_ptr<ifaddrs, void (*)(ifaddrs*)> list(all, freeifaddrs);
+    const auto list = all_addresses();
     Endpoint best;
     int best_quality = -1;
-    for (const ifaddrs* entry = all; entry != nullptr; entry = entry->ifa_next) {
+    for (const ifaddrs* entry = list.get(); entry != nullptr; entry = entry->ifa_next) {
         if (entry->ifa_addr == nullptr || (entry->ifa_flags & IFF_UP) == 0) continue;
         const auto family = entry->ifa_addr->sa_family;
         if (family != AF_INET && family != AF_INET6) continue;
@@ -49,6 +56,29 @@ Endpoint interface_address(const std::string& interface) {
         best_quality = quality;
     }
     return best;
+}
+
+std::vector<std::uint32_t> links_of(const Endpoint& served) {
+    const auto list = all_addresses();
+    std::vector<std::uint32_t> links;
+    std::vector<std::uint32_t> loopbacks;
+    const int family = served.family == Endpoint::Family::ipv6 ? AF_INET6 : AF_INET;
+    for (const ifaddrs* entry = list.get(); entry != nullptr; entry = entry->ifa_next) {
+        if (entry->ifa_addr == nullptr || entry->ifa_addr->sa_family != family) continue;
+        if ((entry->ifa_flags & IFF_UP) == 0) continue;
+        const std::uint32_t link = if_nametoindex(entry->ifa_name);
+        if (!is_wildcard(served)) {
+            Endpoint own = address_of(*entry);
+            own.port = served.port;
+            if (own == served) return {link};
+            continue;
+        }
+        const bool is_loopback = (entry->ifa_flags & IFF_LOOPBACK) != 0;
+        if (!is_loopback && (entry->ifa_flags & IFF_MULTICAST) == 0) continue;
+        auto& to = is_loopback ? loopbacks : links;
+        if (std::ranges::count(to, link) == 0) to.push_back(link);
+    }
+    return links.empty() ? loopbacks : links;
 }
 
 }  // namespace romano::net

@@ -3,6 +3,8 @@
 #include <cerrno>
 #include <cstring>
 
+#include "broker/net/interface_address.h"
+
 namespace romano::net {
 namespace {
 
@@ -42,10 +44,18 @@ boost::system::error_code ServiceSocket::join(const Endpoint& group, const Endpo
         request.ipv6mr_interface = group.scope != 0 ? group.scope : local.scope;
         return set_option(fd, IPPROTO_IPV6, IPV6_ADD_MEMBERSHIP, request);
     }
-    ip_mreq request{};
+    ip_mreqn request{};
     request.imr_multiaddr = to.v4.sin_addr;
-    request.imr_interface = to_socket_address(local).v4.sin_addr;
-    return set_option(fd, IPPROTO_IP, IP_ADD_MEMBERSHIP, request);
+    request.imr_address = to_socket_address(local).v4.sin_addr;
+    if (!is_wildcard(local)) return set_option(fd, IPPROTO_IP, IP_ADD_MEMBERSHIP, request);
+    auto error = make_error_code(boost::system::errc::no_such_device);
+    bool heard_somewhere = false;
+    for (const std::uint32_t link : links_of(local)) {
+        request.imr_ifindex = static_cast<int>(link);
+        error = set_option(fd, IPPROTO_IP, IP_ADD_MEMBERSHIP, request);
+        heard_somewhere = heard_somewhere || !error;
+    }
+    return heard_somewhere ? boost::system::error_code{} : error;
 }
 
 boost::system::error_code ServiceSocket::create(const Endpoint& address) {

@@ -49,8 +49,7 @@ Endpoint to_endpoint(const in6_addr& address, std::uint16_t port, std::uint32_t 
     out.port = port;
     std::memcpy(out.address.data(), &address, 16);
     const bool link_local = out.address[0] == 0xFE && (out.address[1] & 0xC0U) == 0x80;
-    const bool link_group = out.address[0] == 0xFF && (out.address[1] & 0x0FU) == 0x02;
-    if (link_local || link_group) out.scope = interface;
+    if (link_local || is_link_group(out)) out.scope = interface;
     return out;
 }
 
@@ -61,6 +60,11 @@ bool is_wildcard(const Endpoint& endpoint) {
 bool is_multicast(const Endpoint& endpoint) {
     return endpoint.family == Endpoint::Family::ipv6 ? endpoint.address[0] == 0xFF
                                                      : (endpoint.address[0] & 0xF0U) == 0xE0;
+}
+
+bool is_link_group(const Endpoint& endpoint) {
+    return endpoint.family == Endpoint::Family::ipv6 && endpoint.address[0] == 0xFF &&
+           (endpoint.address[1] & 0x0FU) == 0x02;
 }
 
 }  // namespace romano::net

@@ -6,6 +6,7 @@
 #include <variant>
 
 #include "broker/net/clock.h"
+#include "broker/net/interface_address.h"
 
 namespace romano::net {
 
@@ -73,9 +74,22 @@ boost::system::error_code UdpService::join(const Endpoint& group) {
     if (self == nullptr) {
         return make_error_code(boost::system::errc::address_family_not_supported);
     }
+    if (!is_link_group(group) || group.scope != 0) return join_as(*self, group);
+    auto error = make_error_code(boost::system::errc::no_such_device);
+    bool heard_somewhere = false;
+    for (const std::uint32_t link : links_of(*self)) {
+        Endpoint here = group;
+        here.scope = link;
+        error = join_as(*self, here);
+        heard_somewhere = heard_somewhere || !error;
+    }
+    return heard_somewhere ? boost::system::error_code{} : error;
+}
+
+boost::system::error_code UdpService::join_as(const Endpoint& self, const Endpoint& group) {
     auto channel = std::make_shared<Channel>(io_);
-    channel->speaks_as = *self;
-    if (auto error = channel->socket.join(group, *self)) return error;
+    channel->speaks_as = self;
+    if (auto error = channel->socket.join(group, self)) return error;
     groups_.push_back(channel);
     wait(channel);
     return {};

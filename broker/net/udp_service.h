@@ -46,7 +46,8 @@ public:
     void close(const Endpoint& address);
 
     /// Listens to a discovery group and sends Multicasts there, in the name of the first service
-    /// address of its family. That address must be served already.
+    /// address of its family. That address must be served already. A group of IPv6's links
+    /// (ff02::...) without an interface is that of each link on which the address is served.
     [[nodiscard]] boost::system::error_code join(const Endpoint& group);
 
     /// Carries out Send and Multicast, in order for each receiver. Appends and Forwards are the
@@ -62,6 +63,7 @@ private:
 
     /// Reads what came there before its successor was bound.
     void retire(const std::shared_ptr<Channel>& channel);
+    [[nodiscard]] boost::system::error_code join_as(const Endpoint& self, const Endpoint& group);
     void wait(const std::shared_ptr<Channel>& channel);
     void read(const std::shared_ptr<Channel>& channel);
     [[nodiscard]] ServiceSocket* socket_of(const Endpoint& via);

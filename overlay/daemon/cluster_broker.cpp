@@ -97,8 +97,10 @@ void ClusterBroker::open_transport() {
     const ClusterSettings& cluster = *settings_.cluster;
     expect_low_descriptors();
     try {
-        domain_ =
-            std::make_unique<dds::Domain>(dds::DomainOptions{cluster.domain, cluster.interface});
+        const bool over_ipv6 =
+            net::interface_address(cluster.interface).family == Endpoint::Family::ipv6;
+        domain_ = std::make_unique<dds::Domain>(
+            dds::DomainOptions{cluster.domain, cluster.interface, over_ipv6});
         const broker::LogId log{broker::broker_id_of(options_.name), options_.incarnation};
         const overlay::Pulses pulses(options_.cluster.beacon_every,
                                      options_.cluster.detection_timeout);

@@ -31,7 +31,8 @@ std::string configuration_of(const DomainOptions& options) {
     // once, though a dead reader has not acknowledged all: the broker would stand still meanwhile.
     return "<CycloneDDS><Domain id=\"any\">"
            "<General>" +
-           interfaces +
+           interfaces + "<Transport>" + (options.over_ipv6 ? "udp6" : "udp") +
+           "</Transport>"
            "<AllowMulticast>true</AllowMulticast></General>"
            "<Discovery><SPDPInterval>100ms</SPDPInterval><LeaseDuration>1s</LeaseDuration></"
            "Discovery>"

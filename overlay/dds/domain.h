@@ -10,8 +10,9 @@
 namespace romano::dds {
 
 struct DomainOptions {
-    std::uint32_t id = 0;   // 0 to 230
-    std::string interface;  // empty: Cyclone DDS chooses
+    std::uint32_t id = 0;    // 0 to 230
+    std::string interface;   // empty: Cyclone DDS chooses
+    bool over_ipv6 = false;  // the interface has no IPv4 address: Cyclone uses one of the two only
 };
 
 class Domain {

@@ -327,6 +327,23 @@ TEST_F(UdpServiceTest, HearsTheDiscoveryGroupAndSpeaksToItAsItsServiceAddress) {
     broker.run_until([&] { return broker.last_via == service; });
 }
 
+// Such a group is a different one on each link: without a link there is none to join.
+TEST_F(UdpServiceTest, JoinsAGroupOfIpv6LinksOnTheLinkOfItsServiceAddress) {
+    broker.serve("[::1]:0");
+    EXPECT_FALSE(broker.udp.join(at("[ff02::7777]:18831")));
+}
+
+// Without a route for multicasts too, as on a machine whose network comes later.
+TEST_F(UdpServiceTest, ServesADiscoveryGroupOfIpv4OnAllAddresses) {
+    broker.serve("0.0.0.0:0");
+    EXPECT_FALSE(broker.udp.join(at("225.77.1.2:18833")));
+}
+
+TEST_F(UdpServiceTest, ServesADiscoveryGroupOfIpv6OnAllAddresses) {
+    broker.serve("[::]:0");
+    EXPECT_FALSE(broker.udp.join(at("[ff02::7777]:18832")));
+}
+
 TEST_F(UdpServiceTest, RefusesAGroupWithoutAServiceAddressOfItsFamily) {
     broker.serve("127.77.1.1:0");
     EXPECT_TRUE(broker.udp.join(at("[ff02::1]:18830")));
