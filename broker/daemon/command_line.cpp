@@ -43,7 +43,8 @@ void add_options(CLI::App& app, SettingTexts& texts) {
                    "Serve clients at this address (repeatable; default 0.0.0.0:1883)")
         ->type_name("ADDR:PORT");
     app.add_option("--name", texts.name,
-                   "The broker's name, unique in its cluster (default: HOST-ADDR:PORT)")
+                   "The broker's name, unique in its cluster (default: HOST-ADDR:PORT; on all "
+                   "addresses HOST-MAC:PORT, with a hardware address of the machine)")
         ->type_name("NAME");
     app.add_option("--predefined", texts.predefined,
                    "A predefined topic id and its topic (repeatable)")

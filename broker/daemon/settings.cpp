@@ -1,7 +1,6 @@
 #include "broker/daemon/settings.h"
 
 #include <net/if.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <array>
@@ -10,6 +9,7 @@
 #include <span>
 #include <string_view>
 
+#include "broker/daemon/default_name.h"
 #include "broker/daemon/profile.h"
 #include "broker/daemon/refusal.h"
 #include "broker/daemon/uplink_settings.h"
@@ -26,7 +26,6 @@ namespace {
 using std::chrono::milliseconds;
 
 constexpr std::uint32_t highest_domain = 230;  // DDSI's port numbers end there
-constexpr std::size_t longest_name = 64;
 
 [[noreturn]] void refuse(std::string_view option, std::string_view value, std::string_view why) {
     throw Refusal("--" + std::string(option) + " '" + std::string(value) +
@@ -123,14 +122,6 @@ std::vector<Endpoint> check_groups(const std::vector<std::string>& texts,
     return out;
 }
 
-std::string default_name(const Endpoint& first) {
-    std::array<char, 256> host{};
-    if (gethostname(host.data(), host.size() - 1) != 0) host = {"broker"};
-    const std::string address = net::to_text(first);
-    std::string name = host.data();
-    return name.substr(0, longest_name - address.size() - 1) + "-" + address;
-}
-
 void check_broker_name(std::string_view option, const std::string& text) {
     const bool printable =
         std::ranges::all_of(text, [](char c) { return static_cast<unsigned char>(c) > ' '; });
@@ -141,7 +132,7 @@ void check_broker_name(std::string_view option, const std::string& text) {
 }
 
 std::string check_name(const std::optional<std::string>& text, const Endpoint& first) {
-    if (!text) return default_name(first);
+    if (!text) return default_name(host_name(), first, hardware_address());
     check_broker_name("name", *text);
     return *text;
 }
@@ -269,6 +260,20 @@ std::vector<std::string> check_voters(const SettingTexts& texts) {
     return texts.voters;
 }
 
+/// What a broker alone would silently not do. A default that is written out, as in an uncommented
+/// --default-config, asks for nothing; the times are a profile's, which sets Tretry too.
+void check_alone(const SettingTexts& texts) {
+    const SettingTexts defaults;
+    const auto is_for_a_cluster = [](std::string_view option, const std::string& value) {
+        refuse(option, value, "is for the brokers of a cluster; give --domain too");
+    };
+    if (texts.interface) is_for_a_cluster("interface", *texts.interface);
+    if (texts.rank != defaults.rank) is_for_a_cluster("rank", texts.rank);
+    if (texts.acks != defaults.acks) is_for_a_cluster("acks", texts.acks);
+    if (texts.elector != defaults.elector) is_for_a_cluster("elector", texts.elector);
+    if (texts.detector != defaults.detector) is_for_a_cluster("detector", texts.detector);
+}
+
 std::optional<ClusterSettings> check_cluster(const SettingTexts& texts, const Profile& profile) {
     ClusterSettings out;
     // Also without --domain: a setting that is wrong is wrong.
@@ -281,11 +286,11 @@ std::optional<ClusterSettings> check_cluster(const SettingTexts& texts, const Pr
     out.beacon_every = profile.beacon_every;
     out.detection_timeout = profile.detection_timeout;
     out.phi_threshold = profile.phi_threshold;
-    if (texts.interface && !texts.domain) {
-        refuse("interface", *texts.interface, "is for the brokers of a cluster; give --domain too");
+    if (!texts.domain) {
+        check_alone(texts);
+        return std::nullopt;
     }
     out.interface = check_interface(texts.interface);
-    if (!texts.domain) return std::nullopt;
     out.domain = number_in<std::uint32_t>("domain", *texts.domain, 0, highest_domain);
     return out;
 }

@@ -77,6 +77,9 @@ std::string why_not_ours(const std::string& path) {
     std::error_code error;
     const auto status = std::filesystem::status(path, error);
     if (status.type() == std::filesystem::file_type::not_found) return {};
+    if (error) {  // a folder on the way that this user may not enter
+        return "cannot be reached (" + error.message() + "); check the path and its permissions";
+    }
     if (status.type() != std::filesystem::file_type::regular) {
         return "is no regular file; give the path of a file";
     }

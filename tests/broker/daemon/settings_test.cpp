@@ -175,9 +175,21 @@ TEST(Settings, RefusesAnUnknownInterfaceAndListsThoseThatAreThere) {
                 AllOf(names("interface", "no-such"), HasSubstr("lo")));
 }
 
-TEST(Settings, RefusesAnInterfaceWithoutACluster) {
-    EXPECT_THAT(refusal({.interface = "lo"}),
-                AllOf(names("interface", "lo"), HasSubstr("--domain")));
+TEST(Settings, RefusesWhatABrokerAloneCannotDo) {
+    const auto wants_a_domain = [](const char* option, const char* value) {
+        return AllOf(names(option, value), HasSubstr("--domain"));
+    };
+    EXPECT_THAT(refusal({.interface = "lo"}), wants_a_domain("interface", "lo"));
+    EXPECT_THAT(refusal({.rank = "3"}), wants_a_domain("rank", "3"));
+    EXPECT_THAT(refusal({.acks = "2"}), wants_a_domain("acks", "2"));
+    EXPECT_THAT(refusal({.acks = "all"}), wants_a_domain("acks", "all"));
+    EXPECT_THAT(refusal({.elector = "bully"}), wants_a_domain("elector", "bully"));
+    EXPECT_THAT(refusal({.detector = "fixed"}), wants_a_domain("detector", "fixed"));
+}
+
+TEST(Settings, ADefaultThatIsWrittenOutIsNoReasonToRefuse) {
+    EXPECT_EQ(refusal({.rank = "0", .acks = "1", .elector = "component", .detector = "link"}),
+              "accepted");
 }
 
 TEST(Settings, RefusesUnknownAlgorithmsAndListsThoseThatAreThere) {

@@ -283,6 +283,19 @@ TEST_F(SessionStoreTest, RefusesAFileThatIsReadOnlyToThisUser) {
     EXPECT_EQ(content(path), before);
 }
 
+TEST_F(SessionStoreTest, SaysSoWhenThisUserMayNotEnterTheFolder) {
+    const std::string closed = folder / "closed";
+    fs::create_directory(closed);
+    chmod(closed.c_str(), 0);
+    chmod(folder.path().c_str(), 0755);
+    const bool is_root = geteuid() == 0;
+    ASSERT_EQ(seteuid(is_root ? 65534 : geteuid()), 0);
+    const std::string why = refusal({.path = closed + "/store.db"});
+    ASSERT_EQ(seteuid(is_root ? 0 : geteuid()), 0);
+    chmod(closed.c_str(), 0700);
+    EXPECT_THAT(why, HasSubstr("cannot be reached (Permission denied)"));
+}
+
 TEST_F(SessionStoreTest, RefusesAFileThatAnotherBrokerHas) {
     const SessionStore first({.path = path});
     EXPECT_THAT(refusal({.path = path}), HasSubstr("in use by another process"));
