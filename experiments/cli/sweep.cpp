@@ -15,7 +15,10 @@ constexpr const char* examples = R"(Examples:
   romano sweep experiments/demo.toml               (goes on where it was interrupted)
   romano sweep experiments/demo.toml --fresh       (forgets earlier results)
   romano sweep experiments/demo.toml --list        (what it would run)
+  romano sweep experiments/demo.toml --retry-failed  (runs that failed once more)
   romano sweep experiments/demo.toml --cell 7      (one cell again, in a folder of its own)
+  romano sweep experiments/demo.toml --cell 7 --replace  (in the place of its earlier run)
+Sweeps may run side by side: each takes a loopback network and DDS domains that are free.
 What a sweep file may say: experiments/README.md.
 Exit code: 0; 1 when a run failed; 2 when nothing was run; 130 when interrupted.
 )";
@@ -34,8 +37,19 @@ void add_sweep(CLI::App& program, int& exit_code) {
         "sweep", "Run an experiment: real brokers, real robots, faults; with a report");
     command.set_help_flag("--help", "Show this and examples, and exit");
     command.add_option("FILE", options->request.file, "The sweep file (TOML)")->required();
-    command.add_flag("--fresh", options->request.fresh, "Forget the results of before");
-    CLI::Option* cell = command.add_option("--cell", options->cell, "Run this cell only");
+    CLI::Option* fresh =
+        command.add_flag("--fresh", options->request.fresh, "Forget the results of before");
+    CLI::Option* cell =
+        command.add_option("--cell", options->cell, "Run this cell only")->excludes(fresh);
+    command
+        .add_flag("--replace", options->request.replace,
+                  "Put the cell's new run into the results, in the place of the earlier one")
+        ->needs(cell);
+    command
+        .add_flag("--retry-failed", options->request.retry_failed,
+                  "Run the cells again whose runs failed, too")
+        ->excludes(cell)
+        ->excludes(fresh);
     command.add_flag("--list", options->list, "List the cells and run nothing");
     command.add_option("--broker", options->request.broker_program,
                        "The broker's program (default: romano-broker beside this program)");

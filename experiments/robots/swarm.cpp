@@ -104,8 +104,13 @@ void Swarm::start_load() {
 }
 
 void Swarm::stop_load() {
+    // What is due and was not handed over by now counts as late, too.
+    for (const auto& robot : robots_) {
+        robot->timer.cancel();
+        if (!loading_ || !traffic_.publishes(robot->number)) continue;
+        worst_lag_ = std::max(worst_lag_, net::now() - robot->next_publish);
+    }
     loading_ = false;
-    for (const auto& robot : robots_) robot->timer.cancel();
 }
 
 void Swarm::leave() {

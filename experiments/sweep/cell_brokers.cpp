@@ -35,8 +35,17 @@ bool CellBrokers::Broker::is_at_home_in_view_of(std::size_t members) const {
 }
 
 CellBrokers::CellBrokers(const SweepSettings& settings, const Cell& cell,
-                         const std::filesystem::path& program, const ResultsFolder& results)
-    : settings_(settings), cell_(cell), program_(program), results_(results) {
+                         const std::string& network, const std::filesystem::path& program,
+                         const ResultsFolder& results)
+    : settings_(settings), cell_(cell), network_(network), program_(program), results_(results) {
+    if (cell.brokers > 1) {
+        domain_ = claim_domain(settings.domain_base, domains_in_turn, cell.number - 1);
+        if (!domain_) {
+            throw RunFailed("none of the DDS domains " + std::to_string(settings.domain_base) +
+                            " to " + std::to_string(settings.domain_base + domains_in_turn - 1) +
+                            " is free");
+        }
+    }
     if (cell.fault == Fault::cut) {
         lan_.emplace(static_cast<int>(cell.brokers) + 1);
         if (!lan_->why_not().empty()) throw RunFailed("fault `cut`: " + lan_->why_not());
@@ -53,7 +62,7 @@ std::string CellBrokers::address_text(std::size_t number) const {
     // A machine's address for its clients is not the one that it has itself: it can move.
     if (lan_) return "10.60.0." + std::to_string(100 + host_of(number));
     // Another network for each cell: nothing of an earlier one can answer.
-    return settings_.network + "." + std::to_string(cell_.number % 250 + 1) + "." +
+    return network_ + "." + std::to_string(cell_.number % 250 + 1) + "." +
            std::to_string(number + 1);
 }
 
@@ -64,8 +73,7 @@ std::vector<std::string> CellBrokers::arguments_of(std::size_t number) const {
     arguments.insert(arguments.end(), settings_.broker_options.begin(),
                      settings_.broker_options.end());
     if (cell_.brokers == 1) return arguments;
-    const std::uint32_t domain = settings_.domain_base + (cell_.number - 1) % domains_in_turn;
-    const std::vector<std::string> cluster = {"--domain",    std::to_string(domain),
+    const std::vector<std::string> cluster = {"--domain",    std::to_string(domain_->domain),
                                               "--interface", lan_ ? "eth0" : "lo",
                                               "--elector",   cell_.elector,
                                               "--detector",  cell_.detector,

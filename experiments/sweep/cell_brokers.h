@@ -18,6 +18,7 @@
 #include "experiments/process/broker_process.h"
 #include "experiments/process/lan.h"
 #include "experiments/process/process_usage.h"
+#include "experiments/sweep/place.h"
 #include "experiments/sweep/results_folder.h"
 #include "experiments/sweep/sweep_file.h"
 #include "experiments/watch/broker_watch.h"
@@ -62,7 +63,7 @@ public:
     };
 
     /// Throws RunFailed.
-    CellBrokers(const SweepSettings& settings, const Cell& cell,
+    CellBrokers(const SweepSettings& settings, const Cell& cell, const std::string& network,
                 const std::filesystem::path& program, const ResultsFolder& results);
 
     [[nodiscard]] std::size_t size() const { return brokers_.size(); }
@@ -106,8 +107,10 @@ private:
 
     const SweepSettings& settings_;
     const Cell& cell_;
+    const std::string& network_;
     const std::filesystem::path& program_;
     const ResultsFolder& results_;
+    std::optional<DomainPlace> domain_;  // one broker needs none
     std::optional<Lan> lan_;
     std::vector<Broker> brokers_;
 };

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <boost/asio/executor_work_guard.hpp>
+#include <cmath>
 #include <ctime>
 #include <fstream>
 
@@ -59,6 +60,7 @@ RunRow CellRun::run() {
         join_robots();
         load();
         drain();
+        check_schedule();
     } catch (const RunFailed& failed) {
         row.status = failed.what();
     } catch (const Interrupted&) {
@@ -80,8 +82,8 @@ RunRow CellRun::run() {
 
 void CellRun::start_brokers() {
     doing_ = "starting brokers";
-    brokers_ = std::make_unique<CellBrokers>(settings_, cell_, surroundings_.broker_program,
-                                             surroundings_.results);
+    brokers_ = std::make_unique<CellBrokers>(settings_, cell_, surroundings_.network,
+                                             surroundings_.broker_program, surroundings_.results);
 }
 
 void CellRun::await_one_view() {
@@ -152,6 +154,15 @@ void CellRun::drain() {
     run_for(250ms);
     run_until(net::now() + to_duration(settings_.drain),
               [this] { return swarm_->account().is_settled(); });
+}
+
+// What a machine could not send in time says nothing about brokers.
+void CellRun::check_schedule() const {
+    if (swarm_->worst_lag() <= to_duration(settings_.publish_within)) return;
+    throw RunFailed("the publishers fell " +
+                    std::to_string(std::lround(in_ms(swarm_->worst_lag()))) +
+                    " ms behind their schedule, more than publish_within: this machine was too "
+                    "busy");
 }
 
 void CellRun::stop() {

@@ -31,6 +31,7 @@ struct CellSurroundings {
     boost::asio::io_context& io;
     std::filesystem::path broker_program;
     const ResultsFolder& results;
+    std::string network;  // the sweep's own, such as "127.50"
     /// Told what is going on, with the share of the cell that is over.
     std::function<void(double share, std::string_view doing)> on_progress;
     std::function<bool()> is_interrupted;
@@ -50,6 +51,7 @@ private:
     void join_robots();
     void load();
     void drain();
+    void check_schedule() const;
     void stop();
 
     void measure_deliveries(RunRow& row) const;

@@ -23,6 +23,14 @@ void write_file(const fs::path& file, const std::string& text) {
     }
 }
 
+bool means(const std::string& text, const Sweep& sweep) {
+    try {
+        return is_same_experiment(parse_sweep(text, sweep_copy), sweep);
+    } catch (const SweepError&) {  // of a version that had other settings
+        return false;
+    }
+}
+
 const CsvRow& sample_columns() {
     static const CsvRow columns = {"publisher", "sequence", "stream",
                                    "qos",       "receiver", "sent_s",
@@ -45,26 +53,31 @@ std::string file_stem(const Cell& cell) {
 ResultsFolder::ResultsFolder(fs::path folder, const Sweep& sweep, bool fresh)
     : folder_(std::move(folder)) {
     std::error_code failed;
+    fs::create_directories(folder_, failed);
+    if (!failed) claim_ = Claim::on_folder(folder_);
+    if (!failed && !claim_) {
+        throw SweepError("another sweep is writing into `" + folder_.string() +
+                         "`; wait for its end, or set another `output`");
+    }
     if (fresh) {
         for (const char* ours :
              {sweep_copy, "runs.csv", "samples", "traces", "manifest.json", "report.html"}) {
             fs::remove_all(folder_ / ours, failed);
         }
     }
-    fs::create_directories(folder_ / "samples", failed);
+    if (!failed) fs::create_directories(folder_ / "samples", failed);
     if (!failed) fs::create_directories(folder_ / "traces", failed);
     if (failed) {
         throw SweepError("cannot make the results folder `" + folder_.string() +
                          "`: " + failed.message());
     }
     if (fs::exists(folder_ / sweep_copy)) {
-        if (read_file(folder_ / sweep_copy) != sweep.text) {
-            throw SweepError("the sweep file has changed since `" + folder_.string() +
+        if (!means(read_file(folder_ / sweep_copy), sweep)) {
+            throw SweepError("the sweep file means another experiment since `" + folder_.string() +
                              "` was begun; use --fresh to start anew, or set another `output`");
         }
-    } else {
-        write_file(folder_ / sweep_copy, sweep.text);
     }
+    write_file(folder_ / sweep_copy, sweep.text);
     const auto rows = parse_csv(read_file(folder_ / "runs.csv"));
     if (rows.empty()) {
         write_file(folder_ / "runs.csv", csv_line(run_columns()));
@@ -84,16 +97,20 @@ ResultsFolder::ResultsFolder(fs::path folder, const Sweep& sweep, bool fresh)
     write_file(folder_ / "runs.csv", whole);  // without a last row that was cut off
 }
 
-bool ResultsFolder::has(const Cell& cell) const {
-    return std::ranges::any_of(rows_, [&](const RunRow& row) { return row.cell == cell; });
+const RunRow* ResultsFolder::row_of(const Cell& cell) const {
+    const auto found = std::ranges::find(rows_, cell, &RunRow::cell);
+    return found == rows_.end() ? nullptr : &*found;
 }
 
-void ResultsFolder::append(const RunRow& row) {
-    std::ofstream stream(folder_ / "runs.csv", std::ios::binary | std::ios::app);
-    if (!(stream << csv_line(to_csv(row))).flush()) {
-        throw SweepError("cannot write `" + (folder_ / "runs.csv").string() + "`");
-    }
+void ResultsFolder::put(const RunRow& row) {
+    std::erase_if(rows_, [&](const RunRow& other) { return other.cell == row.cell; });
     rows_.push_back(row);
+    std::string whole = csv_line(run_columns());
+    for (const RunRow& each : rows_) whole += csv_line(to_csv(each));
+    // Under another name first: whoever reads, and whoever goes on after a power cut, finds a
+    // whole.
+    write_file(folder_ / "runs.csv.new", whole);
+    fs::rename(folder_ / "runs.csv.new", folder_ / "runs.csv");
 }
 
 void ResultsFolder::write_samples(const Cell& cell, const DeliveryAccount& account) const {

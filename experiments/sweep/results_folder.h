@@ -1,13 +1,16 @@
 // The folder a sweep writes: runs.csv, samples/, traces/, manifest.json, report.html. It is also
-// the sweep's memory: rows that stand in runs.csv are done, and a sweep goes on behind them.
+// the sweep's memory: rows that stand in runs.csv are done, and a sweep goes on behind them. Who
+// has opened it has it alone.
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "experiments/measure/delivery_account.h"
+#include "experiments/sweep/claim.h"
 #include "experiments/sweep/run_row.h"
 #include "experiments/sweep/sweep_file.h"
 
@@ -22,15 +25,17 @@ struct MemorySample {
 class ResultsFolder {
 public:
     /// Opens the folder, or makes it. With `fresh`, results of before are deleted. Throws
-    /// SweepError when they belong to another text of the sweep file, or the folder cannot be
-    /// written.
+    /// SweepError when they are of another experiment, when another sweep has the folder open, or
+    /// when it cannot be written.
     ResultsFolder(std::filesystem::path folder, const Sweep& sweep, bool fresh);
 
     [[nodiscard]] const std::filesystem::path& path() const { return folder_; }
     [[nodiscard]] const std::vector<RunRow>& rows() const { return rows_; }
-    [[nodiscard]] bool has(const Cell& cell) const;
+    /// Null when it was not run yet.
+    [[nodiscard]] const RunRow* row_of(const Cell& cell) const;
 
-    void append(const RunRow& row);
+    /// In the place of an earlier row of that cell, if there is one.
+    void put(const RunRow& row);
     /// Raw samples: one line a (message, receiver) pair.
     void write_samples(const Cell& cell, const DeliveryAccount& account) const;
     /// What the brokers' memory was at times within the load.
@@ -40,6 +45,7 @@ public:
 
 private:
     std::filesystem::path folder_;
+    std::optional<Claim> claim_;
     std::vector<RunRow> rows_;
 };
 

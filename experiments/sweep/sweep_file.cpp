@@ -269,9 +269,27 @@ Pattern read_pattern(const Table& table) {
     table.refuse(*table.find("pattern"), "pattern", "allowed are swarm, common, commands");
 }
 
+/// What the sweep itself tells each broker.
+constexpr std::array<std::string_view, 8> own_options = {"--name",      "--listen",  "--domain",
+                                                         "--interface", "--elector", "--detector",
+                                                         "--acks",      "--voters"};
+
+std::vector<std::string> read_broker_options(const Table& table) {
+    std::vector<std::string> options = table.words("broker_options");
+    for (const std::string& option : options) {
+        const std::string name = option.substr(0, option.find('='));
+        if (std::ranges::find(own_options, name) == own_options.end()) continue;
+        table.refuse(*table.find("broker_options"), "broker_options",
+                     "the sweep itself sets " + name + " of each broker, as it does all of " +
+                         listed(own_options));
+    }
+    return options;
+}
+
 /// Two octets of a loopback network: "127.50".
 std::string read_network(const Table& table) {
-    std::string network = table.word("network", "127.50");
+    if (table.find("network") == nullptr) return {};
+    std::string network = table.word("network", "");
     int second = -1;
     int used = 0;
     const bool fine = std::sscanf(network.c_str(), "127.%3d%n", &second, &used) == 1 &&
@@ -286,8 +304,8 @@ std::string read_network(const Table& table) {
 
 SweepSettings read_settings(const Table& table, const std::string& file_name) {
     table.allow_only({"name", "pattern", "repetitions", "duration", "fault_after", "pause", "drain",
-                      "start_within", "retry", "broker_options", "group", "domain_base", "network",
-                      "port", "output", "axes"});
+                      "start_within", "retry", "publish_within", "broker_options", "group",
+                      "domain_base", "network", "port", "output", "axes"});
     SweepSettings settings;
     settings.name = table.word("name", std::filesystem::path{file_name}.stem().string());
     if (settings.name.find('/') != std::string::npos) {
@@ -304,7 +322,8 @@ SweepSettings read_settings(const Table& table, const std::string& file_name) {
     if (settings.retry < Seconds{0.05}) {
         table.refuse(*table.find("retry"), "retry", "at least 0.05 seconds are allowed");
     }
-    settings.broker_options = table.words("broker_options");
+    settings.publish_within = table.seconds("publish_within", settings.publish_within);
+    settings.broker_options = read_broker_options(table);
     settings.group = static_cast<std::uint32_t>(table.integer("group", settings.group, 1, 5000));
     // Cyclone DDS's ports are 7400 + 250 * domain: up to 65535.
     settings.domain_base = static_cast<std::uint32_t>(
@@ -322,6 +341,16 @@ std::string_view name_of(Pattern pattern) {
         if (value == pattern) return name;
     }
     return "?";
+}
+
+bool is_same_experiment(const Sweep& a, const Sweep& b) {
+    SweepSettings elsewhere = b.settings;
+    elsewhere.name = a.settings.name;
+    elsewhere.output = a.settings.output;
+    elsewhere.network = a.settings.network;
+    elsewhere.domain_base = a.settings.domain_base;
+    elsewhere.port = a.settings.port;
+    return a.cells == b.cells && a.settings == elsewhere;
 }
 
 Sweep parse_sweep(std::string_view text, const std::string& file_name) {

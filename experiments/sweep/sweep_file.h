@@ -33,18 +33,21 @@ struct SweepSettings {
     std::string name;
     Pattern pattern = Pattern::swarm;
     std::uint32_t repetitions = 1;
-    std::chrono::duration<double> duration{10};      // of the load
-    std::chrono::duration<double> fault_after{4};    // from the start of the load
-    std::chrono::duration<double> pause{2};          // from one step of a fault to the next
-    std::chrono::duration<double> drain{15};         // at most, for the last deliveries
-    std::chrono::duration<double> start_within{15};  // for all brokers to be in one view
-    std::chrono::duration<double> retry{1};          // the robots' Tretry
-    std::vector<std::string> broker_options;         // what the brokers are told besides
-    std::uint32_t group = 5;                         // robots that share a group topic
-    std::uint32_t domain_base = 40;                  // first DDS domain id
-    std::string network = "127.50";                  // brokers listen on <network>.<cell>.<broker>
+    std::chrono::duration<double> duration{10};         // of the load
+    std::chrono::duration<double> fault_after{4};       // from the start of the load
+    std::chrono::duration<double> pause{2};             // from one step of a fault to the next
+    std::chrono::duration<double> drain{15};            // at most, for the last deliveries
+    std::chrono::duration<double> start_within{15};     // for all brokers to be in one view
+    std::chrono::duration<double> retry{1};             // the robots' Tretry
+    std::chrono::duration<double> publish_within{0.5};  // of its time: else the run failed
+    std::vector<std::string> broker_options;  // what the brokers are told besides
+    std::uint32_t group = 5;                  // robots that share a group topic
+    std::uint32_t domain_base = 40;           // first DDS domain id
+    std::string network;                      // empty: one that is free
     std::uint16_t port = 11883;
     std::filesystem::path output;
+
+    friend bool operator==(const SweepSettings&, const SweepSettings&) = default;
 };
 
 /// Cells take their DDS domain ids from this many, in turn.
@@ -55,6 +58,10 @@ struct Sweep {
     std::vector<Cell> cells;  // in order of their numbers: repetitions outermost
     std::string text;         // the file, as read
 };
+
+/// The rows of one are rows of the other: both mean the same cells and settings, whatever words,
+/// comments and order say so. What they are called and where they run does not matter.
+[[nodiscard]] bool is_same_experiment(const Sweep& a, const Sweep& b);
 
 [[nodiscard]] Sweep parse_sweep(std::string_view text, const std::string& file_name);
 [[nodiscard]] Sweep read_sweep(const std::filesystem::path& file);

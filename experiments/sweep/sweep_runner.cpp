@@ -8,6 +8,8 @@
 #include <cstdio>
 #include <ctime>
 #include <fstream>
+#include <utility>
+#include <vector>
 
 #include "experiments/process/program.h"
 #include "experiments/report/configuration.h"
@@ -15,6 +17,7 @@
 #include "experiments/report/summary_table.h"
 #include "experiments/sweep/cell_run.h"
 #include "experiments/sweep/manifest.h"
+#include "experiments/sweep/place.h"
 #include "experiments/sweep/progress_bar.h"
 #include "experiments/sweep/results_folder.h"
 
@@ -65,26 +68,49 @@ void write_text(const std::filesystem::path& file, const std::string& text) {
     if (!(stream << text).flush()) throw SweepError("cannot write `" + file.string() + "`");
 }
 
-void keep_one_cell(Sweep& sweep, std::uint32_t number) {
+const Cell& cell_numbered(const Sweep& sweep, std::uint32_t number) {
     if (number == 0 || number > sweep.cells.size()) {
         throw SweepError("--cell " + std::to_string(number) + ": the sweep has cells 1 to " +
                          std::to_string(sweep.cells.size()));
     }
-    sweep.cells = {sweep.cells[number - 1]};
-    sweep.settings.output /= "cell-" + std::to_string(number) + "-again";
+    return sweep.cells[number - 1];
+}
+
+/// In order.
+std::vector<Cell> cells_to_run(const Sweep& sweep, const SweepRequest& request,
+                               const ResultsFolder& results) {
+    if (request.replace) return {cell_numbered(sweep, request.only_cell.value())};
+    std::vector<Cell> cells;
+    for (const Cell& cell : sweep.cells) {
+        const RunRow* row = results.row_of(cell);
+        if (row == nullptr || (request.retry_failed && !row->ok())) cells.push_back(cell);
+    }
+    return cells;
+}
+
+NetworkPlace claim_network_of(const SweepSettings& settings) {
+    if (auto place = claim_network(settings.network)) return std::move(*place);
+    if (settings.network.empty()) throw SweepError("no loopback network is free; set `network`");
+    throw SweepError("`network = \"" + settings.network +
+                     "\"`: another sweep is using it; leave it out, and a free one is taken");
 }
 
 }  // namespace
 
 int run_sweep(const SweepRequest& request) {
     Sweep sweep = read_sweep(request.file);
-    const bool one_cell = request.only_cell.has_value();
-    if (one_cell) keep_one_cell(sweep, *request.only_cell);
+    if (request.only_cell && !request.replace) {
+        const Cell only = cell_numbered(sweep, *request.only_cell);
+        sweep.cells = {only};
+        sweep.settings.output /= "cell-" + std::to_string(only.number) + "-again";
+    }
     if (::access(request.broker_program.c_str(), X_OK) != 0) {
         throw SweepError("no broker to run: `" + request.broker_program.string() +
                          "` is no program; build romano-broker, or name it with --broker");
     }
-    ResultsFolder results{sweep.settings.output, sweep, request.fresh || one_cell};
+    const NetworkPlace place = claim_network_of(sweep.settings);
+    ResultsFolder results{sweep.settings.output, sweep,
+                          request.fresh || (request.only_cell && !request.replace)};
     const Manifest manifest{.build = build_info(),
                             .machine = this_machine(),
                             .started_utc = utc_now(),
@@ -94,20 +120,21 @@ int run_sweep(const SweepRequest& request) {
 
     listen_for_interrupts();
     boost::asio::io_context io{1};
-    const auto done_before = results.rows().size();
-    if (done_before > 0) {
+    const std::vector<Cell> cells = cells_to_run(sweep, request, results);
+    const auto done_before = sweep.cells.size() - cells.size();
+    if (done_before > 0 && !request.only_cell) {
         std::printf("%s: %zu of %zu cells were done before; going on\n", results.path().c_str(),
                     done_before, sweep.cells.size());
     }
     bool stopped = false;
     {
         ProgressBar bar{stdout, sweep.cells.size(), done_before};
-        for (const Cell& cell : sweep.cells) {
-            if (results.has(cell)) continue;
+        for (const Cell& cell : cells) {
             const CellSurroundings surroundings{
                 .io = io,
                 .broker_program = request.broker_program,
                 .results = results,
+                .network = place.network,
                 .on_progress =
                     [&bar, &cell](double share, std::string_view doing) {
                         bar.show(share, describe(cell) + ": " + std::string{doing});
@@ -115,7 +142,7 @@ int run_sweep(const SweepRequest& request) {
                 .is_interrupted = [] { return interrupted != 0; }};
             try {
                 const RunRow row = CellRun{sweep.settings, cell, surroundings}.run();
-                results.append(row);
+                results.put(row);
                 bar.finish_cell(line_of(row));
             } catch (const Interrupted&) {
                 stopped = true;

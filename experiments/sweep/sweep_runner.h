@@ -12,7 +12,9 @@ namespace romano::experiments {
 struct SweepRequest {
     std::filesystem::path file;
     bool fresh = false;                      // forget earlier results
+    bool retry_failed = false;               // run cells again whose runs failed
     std::optional<std::uint32_t> only_cell;  // run this one again, into a folder of its own
+    bool replace = false;                    // but its row takes the place of the earlier one
     std::filesystem::path broker_program;    // romano-broker
 };
 

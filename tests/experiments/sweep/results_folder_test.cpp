@@ -17,7 +17,7 @@ using ::testing::HasSubstr;
 
 class ResultsFolders : public ::testing::Test {
 protected:
-    RunRow row_of(const Cell& cell) const {
+    RunRow made_up(const Cell& cell) const {
         RunRow row;
         row.cell = cell;
         row.delivery_ratio = 1;
@@ -32,44 +32,81 @@ protected:
 TEST_F(ResultsFolders, RememberTheCellsThatWereRun) {
     {
         ResultsFolder results{folder_, sweep_, false};
-        EXPECT_FALSE(results.has(sweep_.cells[0]));
-        results.append(row_of(sweep_.cells[0]));
+        EXPECT_FALSE(results.row_of(sweep_.cells[0]));
+        results.put(made_up(sweep_.cells[0]));
     }
     const ResultsFolder again{folder_, sweep_, false};
-    EXPECT_TRUE(again.has(sweep_.cells[0]));
-    EXPECT_FALSE(again.has(sweep_.cells[1]));
+    EXPECT_TRUE(again.row_of(sweep_.cells[0]));
+    EXPECT_FALSE(again.row_of(sweep_.cells[1]));
     EXPECT_EQ(again.rows().at(0).delivery_ratio, 1);
 }
 
 TEST_F(ResultsFolders, ForgetARowThatWasCutOff) {
     {
         ResultsFolder results{folder_, sweep_, false};
-        results.append(row_of(sweep_.cells[0]));
+        results.put(made_up(sweep_.cells[0]));
     }
-    const std::string line = csv_line(to_csv(row_of(sweep_.cells[1])));
+    const std::string line = csv_line(to_csv(made_up(sweep_.cells[1])));
     std::ofstream(folder_ / "runs.csv", std::ios::app) << line.substr(0, line.size() / 2);
     {
         ResultsFolder results{folder_, sweep_, false};
-        EXPECT_FALSE(results.has(sweep_.cells[1]));
-        results.append(row_of(sweep_.cells[1]));
+        EXPECT_FALSE(results.row_of(sweep_.cells[1]));
+        results.put(made_up(sweep_.cells[1]));
     }
     EXPECT_EQ((ResultsFolder{folder_, sweep_, false}.rows().size()), 2u);
 }
 
-TEST_F(ResultsFolders, RefuseAChangedSweepFileUntilFresh) {
+TEST_F(ResultsFolders, RefuseAnotherExperimentUntilFresh) {
     {
         ResultsFolder results{folder_, sweep_, false};
-        results.append(row_of(sweep_.cells[0]));
+        results.put(made_up(sweep_.cells[0]));
     }
     const Sweep changed = parse_sweep("[axes]\nbrokers = [1, 2]\n", "try.toml");
     try {
         const ResultsFolder results{folder_, changed, false};
         FAIL() << "accepted";
     } catch (const SweepError& error) {
-        EXPECT_THAT(error.what(), HasSubstr("the sweep file has changed since"));
+        EXPECT_THAT(error.what(), HasSubstr("the sweep file means another experiment since"));
         EXPECT_THAT(error.what(), HasSubstr("--fresh"));
     }
     EXPECT_TRUE((ResultsFolder{folder_, changed, true}.rows().empty()));
+}
+
+TEST_F(ResultsFolders, GoOnWhenTheSweepFileSaysTheSameInOtherWords) {
+    {
+        ResultsFolder results{folder_, sweep_, false};
+        results.put(made_up(sweep_.cells[0]));
+    }
+    const Sweep same = parse_sweep(
+        "# a thought\nduration = 10.0\nnetwork = '127.9'\n[axes]\nbrokers = [1,2,3]", "try.toml");
+    EXPECT_EQ((ResultsFolder{folder_, same, false}.rows().size()), 1u);
+}
+
+TEST_F(ResultsFolders, BelongToOneSweepAtATime) {
+    {
+        const ResultsFolder results{folder_, sweep_, false};
+        try {
+            const ResultsFolder second{folder_, sweep_, true};
+            FAIL() << "accepted";
+        } catch (const SweepError& error) {
+            EXPECT_THAT(error.what(), HasSubstr("another sweep is writing into"));
+        }
+    }
+    EXPECT_NO_THROW((ResultsFolder{folder_, sweep_, true}));
+}
+
+TEST_F(ResultsFolders, TakeANewRunOfACellInThePlaceOfTheEarlierOne) {
+    {
+        ResultsFolder results{folder_, sweep_, false};
+        RunRow failed = made_up(sweep_.cells[0]);
+        failed.status = "no luck";
+        results.put(failed);
+        results.put(made_up(sweep_.cells[1]));
+        results.put(made_up(sweep_.cells[0]));
+    }
+    const ResultsFolder again{folder_, sweep_, false};
+    EXPECT_EQ(again.rows().size(), 2u);
+    EXPECT_TRUE(again.row_of(sweep_.cells[0])->ok());
 }
 
 TEST_F(ResultsFolders, AFreshStartLeavesOtherFilesAlone) {

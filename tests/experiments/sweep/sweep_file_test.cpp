@@ -41,6 +41,7 @@ TEST(SweepFile, ReadsEverySetting) {
         drain = 3
         start_within = 9
         retry = 0.5
+        publish_within = 0.1
         group = 4
         domain_base = 100
         network = "127.50"
@@ -131,7 +132,7 @@ INSTANTIATE_TEST_SUITE_P(
         Refusal{"durations = 3\n[axes]",
                 "try.toml, line 1: unknown setting `durations`; known are name, pattern, "
                 "repetitions, duration, fault_after, pause, drain, start_within, retry, "
-                "broker_options, group, "
+                "publish_within, broker_options, group, "
                 "domain_base, network, port, output, axes"},
         Refusal{"[axes]\nbroker = 3",
                 "try.toml, line 2: unknown setting `axes.broker`; known are brokers, robots, "
@@ -168,6 +169,10 @@ INSTANTIATE_TEST_SUITE_P(
                 "network, 127.0 to 127.255, are allowed"},
         Refusal{"broker_options = \"--realtime\"\n[axes]",
                 "try.toml, line 1: `broker_options = \"--realtime\"`: a list of texts is allowed"},
+        Refusal{"broker_options = [\"--realtime\", \"--acks=2\"]\n[axes]",
+                "try.toml, line 1: `broker_options = [ '--realtime', '--acks=2' ]`: the sweep "
+                "itself sets --acks of each broker, as it does all of --name, --listen, --domain, "
+                "--interface, --elector, --detector, --acks, --voters"},
         Refusal{"duration = 9\n[axes]\nbrokers = 5\nfault = \"all-but-one\"",
                 "try.toml: all but one of 5 brokers are killed after fault_after and so many times "
                 "pause (10 s): duration (9 s) must be longer"},

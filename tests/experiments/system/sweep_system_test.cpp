@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <fstream>
+#include <future>
 #include <iterator>
 
 #include "experiments/sweep/csv.h"
@@ -21,12 +22,12 @@ using ::testing::SizeIs;
 
 class SmallSweep : public ::testing::Test {
 protected:
+    // What is judged here is not speed: a busy machine may be late.
     void write_sweep(const std::string& axes) const {
         std::ofstream(folder_ / "small.toml")
-            << "duration = 2\nfault_after = 0.5\nretry = 0.3\nport = " << own_port()
-            << "\nstart_within = 60\ndrain = 20\ndomain_base = " << 40 + ::getpid() % 40
-            << "\noutput = \"" << (folder_ / "out").string() << "\"\n"
-            << axes;
+            << "duration = 2\nfault_after = 0.5\nretry = 0.3\nstart_within = 60\ndrain = 20\n"
+            << "output = \"" << (folder_ / "out").string() << "\"\n"
+            << (axes.starts_with("publish_within") ? "" : "publish_within = 30\n") << axes;
     }
     Ran sweep(const std::string& more = "") const {
         return run_romano("sweep " + (folder_ / "small.toml").string() + " " + more);
@@ -162,6 +163,45 @@ TEST_F(SmallSweep, RecordsARunThatFails) {
     ASSERT_THAT(rows(), SizeIs(1));
     EXPECT_EQ(rows()[0].status, "broker b1 ended unexpectedly, exit code 1");
     EXPECT_THAT(read("report.html"), HasSubstr("Runs that failed"));
+
+    EXPECT_EQ(sweep().exit_code, 1) << "a failed run is a run";
+    EXPECT_EQ(sweep("--retry-failed").exit_code, 0);
+    ASSERT_THAT(rows(), SizeIs(1));
+    EXPECT_EQ(rows()[0].status, "ok");
+}
+
+TEST_F(SmallSweep, PutsACellsNewRunInThePlaceOfTheEarlierOne) {
+    write_sweep("[axes]\nbrokers = 1\nrobots = [2, 3]\nrate = 10\n");
+    EXPECT_EQ(sweep("--broker /bin/false").exit_code, 1);
+    EXPECT_EQ(sweep("--cell 2 --replace").exit_code, 1) << "the other has still failed";
+    ASSERT_THAT(rows(), SizeIs(2));
+    for (const RunRow& row : rows()) EXPECT_EQ(row.ok(), row.cell.number == 2);
+    EXPECT_FALSE(fs::exists(folder_ / "out" / "cell-2-again"));
+}
+
+TEST_F(SmallSweep, FailsWhenItsPublishersFellBehind) {
+    write_sweep("publish_within = 0\n[axes]\nbrokers = 1\nrobots = 2\nrate = 10\n");
+    EXPECT_EQ(sweep().exit_code, 1);
+    ASSERT_THAT(rows(), SizeIs(1));
+    EXPECT_THAT(rows()[0].status, HasSubstr("behind their schedule, more than publish_within"));
+}
+
+// With one network, the brokers of both would have the same addresses; with one domain, they would
+// be one cluster.
+TEST_F(SmallSweep, RunsBesideAnother) {
+    write_sweep("[axes]\nbrokers = 2\nrobots = 4\nrate = 10\nqos = \"1+2\"\n");
+    const tests::TemporaryFolder elsewhere;
+    const fs::path file = elsewhere / "small.toml";
+    std::ofstream(file) << "duration = 2\npublish_within = 30\nstart_within = 60\noutput = \""
+                        << (elsewhere / "out").string()
+                        << "\"\n[axes]\nbrokers = 2\nrobots = 4\nrate = 10\n";
+    auto other =
+        std::async(std::launch::async, [&file] { return run_romano("sweep " + file.string()); });
+    const Ran own = sweep();
+    EXPECT_EQ(own.exit_code, 0) << own.output;
+    const Ran others = other.get();
+    EXPECT_EQ(others.exit_code, 0) << others.output;
+    for (const RunRow& row : rows()) EXPECT_EQ(row.delivery_ratio, 1);
 }
 
 }  // namespace
