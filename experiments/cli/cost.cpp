@@ -187,7 +187,8 @@ int run(const Options& options) {
         rows.push_back(to_json(brokers, options, point.cost));
         table.rows.push_back(to_row(point));
         if (!options.output.empty()) write(options.output, points);
-        bar.finish_quietly();
+        bar.finish_cell(std::to_string(brokers) + " brokers: " +
+                        rounded(100 * point.cost.core_share) + " % of a core for each");
     }
     bar.erase();
     std::puts(options.as_json ? rows.dump(2).c_str() : to_text(table).c_str());

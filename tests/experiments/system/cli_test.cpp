@@ -112,6 +112,13 @@ TEST(Cost, LeavesNumbersAndPictureOfEachCountOfBrokers) {
     EXPECT_GT(std::filesystem::file_size(to + "/cost.svg"), 1000U);
 }
 
+TEST(Cost, SaysHowFarItIsWhenNobodyWatchesATerminal) {
+    const Ran ran = run_romano("cost --brokers 2,3 --robots 0 --seconds 0.1");
+    EXPECT_EQ(ran.exit_code, 0) << ran.output;
+    EXPECT_THAT(ran.output, HasSubstr("[1/2] 2 brokers: "));
+    EXPECT_THAT(ran.output, HasSubstr("[2/2] 3 brokers: "));
+}
+
 struct Refused {
     const char* arguments;
     const char* sentence;
