@@ -290,13 +290,15 @@ void write_results(const std::vector<Outcome>& outcomes, const std::filesystem::
             << ',' << outcome.lost << ',' << outcome.worst_move << ',' << outcome.doubled << ','
             << outcome.moves.size() << ',' << outcome.moves.size() - samples.size() << ','
             << at(0.5) << ',' << at(0.99) << ',' << at(1) << ',' << outcome.lost_by_radio << '\n';
-        PlotSeries series{.label = to_text(outcome.way), .points = {}, .line = false};
+        auto series = std::ranges::find(times.series, to_text(outcome.way), &PlotSeries::label);
+        if (series == times.series.end()) {
+            series = times.series.insert(
+                series, {.label = to_text(outcome.way), .points = {}, .line = false});
+        }
         for (const double time : samples) {
-            series.points.push_back(
+            series->points.push_back(
                 {.x = qos + (outcome.way == Way::to_robots ? -0.1 : 0.1), .y = time});
         }
-        if (qos != 0) series.label.clear();
-        times.series.push_back(std::move(series));
     }
     if (!csv) throw std::runtime_error("cannot write into `" + folder.string() + "`");
 

@@ -66,6 +66,10 @@ std::vector<PlotSeries> series_over(const Number& x, Configurations all, Value y
         std::erase_if(series, [&](const PlotSeries& one) { return !reaches(one); });
     }
     std::erase_if(series, [](const PlotSeries& one) { return one.points.empty(); });
+    // One broker has no elector, detector, acks: nothing else can be said of it.
+    for (PlotSeries& one : series) {
+        if (series.size() > 1 && one.label.empty()) one.label = "1 broker";
+    }
     return series;
 }
 
@@ -142,7 +146,7 @@ std::optional<Figure> around_a_fault_figure(Configurations all, double fault_aft
         }
     }
     if (shown == nullptr) return std::nullopt;
-    PlotPanel panel{.title = describe(shown->cell),
+    PlotPanel panel{.title = std::to_string(shown->cell.brokers) + " brokers",
                     .x_label = "time of publishing (s)",
                     .y_label = "delay until delivery (ms)",
                     .series = {},
@@ -174,7 +178,8 @@ std::optional<Figure> around_a_fault_figure(Configurations all, double fault_aft
                       "missing wait until another has taken its address over: the slope is "
                       "the time that they waited.",
                   .measured = "Cell " + std::to_string(shown->cell.number) +
-                              " of this sweep, from its raw samples."};
+                              " of this sweep (" + describe(shown->cell) +
+                              "), from its raw samples."};
 }
 
 std::optional<Figure> delay_figure(Configurations all) {
@@ -217,7 +222,7 @@ std::optional<Figure> delivery_figure(Configurations all) {
     for (const Fault fault : faults) {
         const auto some = those(all, [fault](const Cell& cell) { return cell.fault == fault; });
         if (some.empty()) continue;
-        PlotPanel panel{.title = fault == Fault::none ? "no fault" : std::string{name_of(fault)},
+        PlotPanel panel{.title = fault == Fault::none ? "No fault" : std::string{name_of(fault)},
                         .x_label = "brokers",
                         .y_label = "delivered of expected (%)",
                         .series = {}};
@@ -312,7 +317,7 @@ std::optional<Figure> memory_figure(Configurations all, const std::filesystem::p
         for (const RunRow& run : each.runs) {
             const auto samples = read_memory(results, run.cell);
             if (samples.empty() || samples.back().at_s < long_enough_s) continue;
-            PlotPanel panel{.title = describe(run.cell),
+            PlotPanel panel{.title = std::string{name_of(run.cell.fault)},
                             .x_label = "time (minutes)",
                             .y_label = "resident memory of a broker (MiB)",
                             .series = {},
@@ -333,7 +338,8 @@ std::optional<Figure> memory_figure(Configurations all, const std::filesystem::p
                               "Each broker, once a second. A broker that is started again "
                               "begins anew.",
                           .measured = "Cell " + std::to_string(run.cell.number) +
-                                      " of this sweep; VmRSS from <code>/proc</code>."};
+                                      " of this sweep (" + describe(run.cell) +
+                                      "); VmRSS from <code>/proc</code>."};
         }
     }
     return std::nullopt;
@@ -345,7 +351,8 @@ std::vector<Figure> figures_of(Configurations configurations, double fault_after
                                const std::filesystem::path& results) {
     std::vector<Figure> figures;
     const auto add = [&figures](std::optional<Figure> figure) {
-        if (figure) figures.push_back(std::move(*figure));
+        if (!figure || one_by_one(figure->plot).empty()) return;
+        figures.push_back(std::move(*figure));
     };
     add(failover_figure(configurations));
     add(around_a_fault_figure(configurations, fault_after_s, results));

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <fstream>
+#include <iterator>
 #include <map>
 #include <set>
 #include <sstream>
@@ -37,6 +38,47 @@ std::vector<PlotPoint> medians_of(const PlotSeries& series) {
         medians.push_back({.x = x, .y = *Percentiles{std::move(ys)}.at(0.5)});
     }
     return medians;
+}
+
+bool has_points(const PlotPanel& panel) {
+    return std::ranges::any_of(panel.series,
+                               [](const PlotSeries& one) { return !one.points.empty(); });
+}
+
+std::vector<PlotPanel> with_points(const std::vector<PlotPanel>& panels) {
+    std::vector<PlotPanel> some;
+    std::ranges::copy_if(panels, std::back_inserter(some), has_points);
+    return some;
+}
+
+// In gnuplot's units of the SVG terminal.
+constexpr std::size_t panel_width = 480;
+constexpr std::size_t panel_height = 370;  // without its key
+constexpr std::size_t line_height = 21;
+constexpr std::size_t character_width = 8;
+
+/// The key stands below its panel, and gets the room that it needs there: of a panel with many
+/// series, gnuplot would draw it over the axis. One layout for all, so that the axes are level.
+struct KeyLayout {
+    std::size_t columns = 1;
+    std::size_t rows = 0;
+};
+
+KeyLayout key_of(const std::vector<PlotPanel>& panels) {
+    std::size_t entries = 0;
+    std::size_t longest = 1;
+    for (const PlotPanel& panel : panels) {
+        std::size_t labelled = 0;
+        for (const PlotSeries& one : panel.series) {
+            if (one.label.empty() || one.points.empty()) continue;
+            ++labelled;
+            longest = std::max(longest, one.label.size());
+        }
+        entries = std::max(entries, labelled);
+    }
+    const std::size_t entry_width = (longest + 5) * character_width;
+    const std::size_t columns = std::max<std::size_t>((panel_width - 80) / entry_width, 1);
+    return {.columns = columns, .rows = (entries + columns - 1) / columns};
 }
 
 std::string block_name(std::size_t panel, std::size_t series, const char* what) {
@@ -103,7 +145,6 @@ void write_panel(const PlotPanel& panel, std::size_t number, std::ostream& out) 
             << " at " << *panel.marked_x << ", graph 0.95 offset 0.6,0 tc rgb '#555555'\n";
     }
     std::string separator = "plot ";
-    bool any = false;
     for (std::size_t i = 0; i < panel.series.size(); ++i) {
         const PlotSeries& series = panel.series[i];
         if (series.points.empty()) continue;
@@ -114,7 +155,6 @@ void write_panel(const PlotPanel& panel, std::size_t number, std::ostream& out) 
         const auto part = [&](const std::string& text) {
             out << separator << text;
             separator = ", \\\n     ";
-            any = true;
         };
         std::ostringstream style;
         style << "lc rgb '" << colour << "' ";
@@ -129,35 +169,50 @@ void write_panel(const PlotPanel& panel, std::size_t number, std::ostream& out) 
              (bars ? " using 1:2:3:4 with yerrorbars lw 1.6 " : " using 1:2 with points ") +
              style.str() + title);
     }
-    // gnuplot draws nothing at all, not even axes, when there is nothing to plot.
-    if (!any) out << "set xrange [0:1]\nset yrange [0:1]\nplot NaN notitle";
     out << '\n';
 }
 
 }  // namespace
 
+std::vector<Plot> one_by_one(const Plot& plot) {
+    std::vector<Plot> plots;
+    for (const PlotPanel& panel : with_points(plot.panels)) {
+        plots.push_back(
+            {.name = plot.name + "_" + std::to_string(plots.size() + 1), .panels = {panel}});
+    }
+    if (plots.size() == 1) plots.front().name = plot.name;
+    return plots;
+}
+
 std::string gnuplot_script(const Plot& plot) {
-    const std::size_t width = plot.panels.size() == 1 ? 760 : 380 * plot.panels.size();
+    const std::vector<PlotPanel> panels = with_points(plot.panels);
+    const std::size_t columns = std::clamp<std::size_t>(panels.size(), 1, 3);
+    const std::size_t rows = (panels.size() + columns - 1) / columns;
+    const KeyLayout key = key_of(panels);
     std::ostringstream out;
     out.precision(9);
     out << "# Draw with: gnuplot " << plot.name << ".gp > " << plot.name << ".svg\n"
-        << "set terminal svg size " << width << ",380 dynamic font 'sans-serif,13' name '"
-        << plot.name << "'\n"
+        << "set terminal svg size " << panel_width * columns << ','
+        << (panel_height + line_height * key.rows) * rows
+        << " dynamic noenhanced font 'sans-serif,13' name '" << plot.name << "'\n"
         << "set encoding utf8\nset border 3 lc rgb '#666666'\nset tics nomirror out\n"
         << "set grid ytics lc rgb '#dddddd' lt 1 lw 0.6\nset style data points\n"
-        << "set key outside bottom center horizontal reverse Left samplen 1 spacing 1.15\n"
-        << "set bmargin 5.5\nset offsets graph 0, graph 0, graph 0.06, graph 0.02\nset errorbars "
-           "0.6\n";
-    for (std::size_t i = 0; i < plot.panels.size(); ++i) write_blocks(plot.panels[i], i, out);
-    if (plot.panels.size() > 1) {
-        out << "set multiplot layout 1," << plot.panels.size() << "\n";
+        << "set key below center horizontal maxcols " << key.columns
+        << " reverse Left samplen 1 spacing 1.15 font ',12'\n"
+        << "set lmargin 12\nset rmargin 3\nset tmargin 2.5\nset bmargin "
+        << 3.9 + 1.08 * static_cast<double>(key.rows)
+        << "\nset offsets graph 0, graph 0, graph 0.06, graph 0.02\nset errorbars 0.6\n";
+    for (std::size_t i = 0; i < panels.size(); ++i) write_blocks(panels[i], i, out);
+    if (panels.size() > 1) {
+        out << "set multiplot layout " << rows << ',' << columns << "\n";
     }
-    for (std::size_t i = 0; i < plot.panels.size(); ++i) write_panel(plot.panels[i], i, out);
-    if (plot.panels.size() > 1) out << "unset multiplot\n";
+    for (std::size_t i = 0; i < panels.size(); ++i) write_panel(panels[i], i, out);
+    if (panels.size() > 1) out << "unset multiplot\n";
     return out.str();
 }
 
 std::optional<std::string> draw(const Plot& plot, const std::filesystem::path& script_folder) {
+    if (with_points(plot.panels).empty()) return std::nullopt;
     std::error_code failed;
     std::filesystem::create_directories(script_folder, failed);
     const auto script = script_folder / (plot.name + ".gp");

@@ -39,12 +39,15 @@ struct PlotPanel {
 
 struct Plot {
     std::string name;               // of its script and of the SVG's parts: letters, digits, _
-    std::vector<PlotPanel> panels;  // side by side
+    std::vector<PlotPanel> panels;  // three in a row; those without a point are left out
 };
+
+/// Each panel with a point as a plot of its own, for pages whose width is not known: "delay_1"...
+[[nodiscard]] std::vector<Plot> one_by_one(const Plot& plot);
 
 [[nodiscard]] std::string gnuplot_script(const Plot& plot);
 
-/// The <svg> element. Empty when gnuplot is not there or fails.
+/// The <svg> element. Empty when gnuplot is not there or fails, or there is no point at all.
 [[nodiscard]] std::optional<std::string> draw(const Plot& plot,
                                               const std::filesystem::path& script_folder);
 

@@ -23,7 +23,8 @@ h1 { font-size: 1.9rem; margin: 0 0 .2rem; } h2 { font-size: 1.3rem; margin: 2.6
 .tile b { display: block; font-size: 1.55rem; line-height: 1.25; }
 .tile span { color: var(--soft); font-size: .88rem; line-height: 1.35; display: block; }
 .good b { color: var(--good); } .bad b { color: var(--bad); }
-figure { margin: .6rem 0 0; } figure svg { width: 100%; height: auto; max-height: 480px; }
+figure { margin: .6rem 0 0; } .panels { display: flex; flex-wrap: wrap; gap: .6rem; }
+.panels svg { flex: 1 1 340px; max-width: 600px; min-width: 0; height: auto; }
 figcaption { border-left: 3px solid var(--line); padding: .1rem 0 .1rem .9rem; max-width: 56rem; }
 figcaption p { margin: .3rem 0; } .how { color: var(--soft); font-size: .92rem; }
 .wide { overflow-x: auto; }
@@ -142,10 +143,13 @@ std::string report_of(const Sweep& sweep, const Manifest& manifest, std::span<co
     int number = 0;
     for (const Figure& figure :
          figures_of(configurations, sweep.settings.fault_after.count(), results)) {
-        html << "<h2>" << ++number << ". " << html_text(figure.title) << "</h2>\n<figure>\n"
-             << draw(figure.plot, results / "plots")
-                    .value_or("<p><em>Not drawn: gnuplot is missing.</em></p>")
-             << "<figcaption><p>" << figure.shows
+        html << "<h2>" << ++number << ". " << html_text(figure.title)
+             << "</h2>\n<figure>\n<div class=\"panels\">\n";
+        for (const Plot& panel : one_by_one(figure.plot)) {
+            html << draw(panel, results / "plots")
+                        .value_or("<p><em>Not drawn: gnuplot is missing.</em></p>");
+        }
+        html << "</div>\n<figcaption><p>" << figure.shows
              << "</p><p class=\"how\">How it was measured: " << figure.measured
              << "</p></figcaption>\n</figure>\n";
     }

@@ -119,10 +119,62 @@ TEST_F(Reports, StandAloneWithTheirFigures) {
 TEST_F(Reports, DrawEveryFigureAsSvgAndKeepItsScript) {
     const auto configurations = configurations_of(rows_);
     for (const Figure& figure : figures_of(configurations, 4, folder_)) {
-        const auto svg = draw(figure.plot, folder_ / "plots");
-        ASSERT_TRUE(svg) << figure.title;
-        EXPECT_TRUE(svg->starts_with("<svg")) << figure.title;
-        EXPECT_TRUE(fs::exists(folder_ / "plots" / (figure.plot.name + ".gp"))) << figure.title;
+        for (const Plot& plot : one_by_one(figure.plot)) {
+            const auto svg = draw(plot, folder_ / "plots");
+            ASSERT_TRUE(svg) << figure.title;
+            EXPECT_TRUE(svg->starts_with("<svg")) << figure.title;
+            EXPECT_TRUE(fs::exists(folder_ / "plots" / (plot.name + ".gp"))) << figure.title;
+        }
+    }
+}
+
+/// Where a drawing has a text: its baseline, from above.
+double y_of(const std::string& svg, const std::string& text) {
+    const std::size_t at = svg.find(text);
+    EXPECT_NE(at, std::string::npos) << text;
+    const std::size_t place = svg.rfind("translate(", at);
+    return std::stod(svg.substr(svg.find(',', place) + 1));
+}
+
+TEST_F(Reports, DrawTheKeyBelowTheAxisHoweverManySeriesThereAre) {
+    for (const std::size_t count : {1U, 2U, 5U, 12U}) {
+        PlotPanel panel{.title = "t", .x_label = "x axis", .y_label = "y", .series = {}};
+        std::vector<std::string> labels;
+        for (std::size_t i = 0; i < count; ++i) {
+            labels.push_back("median, 3 brokers, QoS 0+1+2, acks " + std::to_string(10 + i));
+            const auto y = static_cast<double>(i);
+            panel.series.push_back({.label = labels.back(), .points = {{1, y}, {2, y + 1}}});
+        }
+        for (const std::vector<PlotPanel>& panels :
+             {std::vector{panel}, std::vector{panel, panel}}) {
+            const auto svg = draw({.name = "keys", .panels = panels}, folder_ / "plots");
+            ASSERT_TRUE(svg);
+            double above = y_of(*svg, "x axis");
+            for (const std::string& label : labels) {
+                EXPECT_GT(y_of(*svg, label), above + 8) << label << " of " << count;
+                above = y_of(*svg, label);
+            }
+        }
+    }
+}
+
+TEST_F(Reports, LeaveOutPanelsWithoutAPoint) {
+    const PlotPanel empty{
+        .title = "e", .x_label = "x", .y_label = "y", .series = {{.label = "a", .points = {}}}};
+    PlotPanel panel = empty;
+    panel.series[0].points = {{1, 1}};
+    EXPECT_EQ(one_by_one({.name = "p", .panels = {empty, panel, empty}}).size(), 1U);
+    EXPECT_FALSE(draw({.name = "p", .panels = {empty}}, folder_ / "plots"));
+}
+
+TEST_F(Reports, NameEachOfSeveralSeriesOfAPanel) {
+    const auto configurations = configurations_of(rows_);
+    for (const Figure& figure : figures_of(configurations, 4, folder_)) {
+        for (const PlotPanel& panel : figure.plot.panels) {
+            for (const PlotSeries& series : panel.series) {
+                EXPECT_TRUE(panel.series.size() == 1 || !series.label.empty()) << figure.title;
+            }
+        }
     }
 }
 
