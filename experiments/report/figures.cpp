@@ -82,31 +82,54 @@ void append(std::vector<PlotSeries>& series, std::vector<PlotSeries> more) {
                   std::make_move_iterator(more.end()));
 }
 
-std::optional<Figure> failover_figure(Configurations all) {
+/// A mark a run, with a bar from `low` to `high` where the run has them. Kinds of fault stand
+/// beside each other, not on top of each other.
+std::vector<PlotSeries> marks_over_brokers(Configurations struck, Value y, Value low, Value high) {
+    constexpr std::array given = {Axis::brokers};
+    std::vector<PlotSeries> series;
+    for (const Configuration& each : struck) {
+        const std::string label = label_of(each.cell(), struck, given);
+        auto found = std::ranges::find(series, label, &PlotSeries::label);
+        if (found == series.end()) {
+            found = series.insert(found, {.label = label, .points = {}, .line = false});
+        }
+        const double shift = 0.1 * static_cast<double>(found - series.begin());
+        for (const RunRow& run : each.runs) {
+            if (!(run.*y)) continue;
+            found->points.push_back({.x = run.cell.brokers + shift,
+                                     .y = *(run.*y),
+                                     .low = low == nullptr ? std::nullopt : run.*low,
+                                     .high = high == nullptr ? std::nullopt : run.*high});
+        }
+    }
+    return series;
+}
+
+std::vector<RunRow> runs_of(Configurations all) {
+    std::vector<RunRow> runs;
+    for (const Configuration& each : all) {
+        runs.insert(runs.end(), each.runs.begin(), each.runs.end());
+    }
+    return runs;
+}
+
+std::optional<Figure> failover_figure(Configurations all, double probe_per_s) {
     constexpr std::array given = {Axis::brokers};
     const auto struck = those(all, [](const Cell& cell) { return cell.fault != Fault::none; });
     if (struck.empty()) return std::nullopt;
-    PlotPanel clients{.title = "Until clients hear again",
-                      .x_label = "brokers",
-                      .y_label = "ms after the fault (first, median, last client)",
-                      .series = {},
-                      .y_from = 0};
-    for (const Configuration& each : struck) {
-        const std::string label = label_of(each.cell(), struck, given);
-        auto found = std::ranges::find(clients.series, label, &PlotSeries::label);
-        if (found == clients.series.end()) {
-            found = clients.series.insert(found, {.label = label, .points = {}, .line = false});
-        }
-        // Kinds of fault stand beside each other, not on top of each other.
-        const double shift = 0.1 * static_cast<double>(found - clients.series.begin());
-        for (const RunRow& run : each.runs) {
-            if (!run.failover_p50_ms) continue;
-            found->points.push_back({.x = run.cell.brokers + shift,
-                                     .y = *run.failover_p50_ms,
-                                     .low = run.failover_first_ms,
-                                     .high = run.failover_last_ms});
-        }
-    }
+    PlotPanel probe{
+        .title = "Until the address serves again",
+        .x_label = "brokers",
+        .y_label = "ms after the fault, by the probe",
+        .series = marks_over_brokers(struck, &RunRow::failover_probe_ms, nullptr, nullptr),
+        .y_from = 0};
+    PlotPanel clients{
+        .title = "Until robots hear again",
+        .x_label = "brokers",
+        .y_label = "ms after the fault",
+        .series = marks_over_brokers(struck, &RunRow::failover_p50_ms, &RunRow::failover_first_ms,
+                                     &RunRow::failover_last_ms),
+        .y_from = 0};
     PlotPanel leader{.title = "Without a leader",
                      .x_label = "brokers",
                      .y_label = "ms after the leader's death",
@@ -114,21 +137,35 @@ std::optional<Figure> failover_figure(Configurations all) {
                      .y_from = 0};
     Figure figure{
         .title = "Failover time against the number of brokers",
-        .plot = {.name = "failover", .panels = {std::move(clients)}},
+        .plot = {.name = "failover", .panels = {}},
         .shows =
-            "Each bar is one run: from the first to the last client of the broker that was "
-            "struck, the mark is the median client.",
+            "Robots: each bar is one run, from the first to the last client of the broker that was "
+            "struck; the mark is the median client.",
         .measured =
             "From <code>kill -9</code> (or SIGSTOP) of a broker to the first message, published "
             "after that moment, that reaches a client of that broker. The client keeps its socket "
             "and its broker's address. A broker is declared dead only after its detection time, "
-            "which is part of these numbers."};
+            "which is part of these numbers. <b>Resolution:</b> robots hear at the pace of their "
+            "schedule, a message of each publisher every " +
+            publishing_interval_of(runs_of(struck)) +
+            "; within that, their times tell the schedule, not the brokers."};
+    const auto probed = [](const PlotSeries& one) { return !one.points.empty(); };
+    if (std::ranges::any_of(probe.series, probed)) {
+        figure.shows =
+            "The probe: each mark is one run, the time until the struck broker's address served "
+            "again. " +
+            figure.shows;
+        figure.measured +=
+            " The probe, a publisher and a subscriber at each broker, has a message "
+            "every " +
+            csv_number(1e3 / probe_per_s) + " ms, and is as fine as that.";
+    }
     if (!leader.series.empty()) {
-        figure.plot.panels.push_back(std::move(leader));
         figure.measured +=
             " Without a leader: from the leader's death until the last surviving broker tells its "
             "clients, on <code>$SYS/brokers</code>, of a new living one.";
     }
+    figure.plot.panels = {std::move(probe), std::move(clients), std::move(leader)};
     return figure;
 }
 
@@ -177,9 +214,8 @@ std::optional<Figure> around_a_fault_figure(Configurations all, double fault_aft
                       "several, until 10 s after it. Those published while the broker is "
                       "missing wait until another has taken its address over: the slope is "
                       "the time that they waited.",
-                  .measured = "Cell " + std::to_string(shown->cell.number) +
-                              " of this sweep (" + describe(shown->cell) +
-                              "), from its raw samples."};
+                  .measured = "Cell " + std::to_string(shown->cell.number) + " of this sweep (" +
+                              describe(shown->cell) + "), from its raw samples."};
 }
 
 std::optional<Figure> delay_figure(Configurations all) {
@@ -347,15 +383,24 @@ std::optional<Figure> memory_figure(Configurations all, const std::filesystem::p
 
 }  // namespace
 
-std::vector<Figure> figures_of(Configurations configurations, double fault_after_s,
+std::string publishing_interval_of(std::span<const RunRow> runs) {
+    if (runs.empty()) return "";
+    const auto [slowest, fastest] =
+        std::ranges::minmax(runs, {}, [](const RunRow& run) { return run.cell.rate_per_s; });
+    const std::string shortest = csv_number(1e3 / fastest.cell.rate_per_s);
+    if (slowest.cell.rate_per_s == fastest.cell.rate_per_s) return shortest + " ms";
+    return shortest + " to " + csv_number(1e3 / slowest.cell.rate_per_s) + " ms";
+}
+
+std::vector<Figure> figures_of(Configurations configurations, const SweepSettings& settings,
                                const std::filesystem::path& results) {
     std::vector<Figure> figures;
     const auto add = [&figures](std::optional<Figure> figure) {
         if (!figure || one_by_one(figure->plot).empty()) return;
         figures.push_back(std::move(*figure));
     };
-    add(failover_figure(configurations));
-    add(around_a_fault_figure(configurations, fault_after_s, results));
+    add(failover_figure(configurations, settings.probe_per_s));
+    add(around_a_fault_figure(configurations, settings.fault_after.count(), results));
     add(delivery_figure(configurations));
     add(delay_figure(configurations));
     add(rate_figure(configurations));

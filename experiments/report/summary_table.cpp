@@ -56,7 +56,11 @@ SummaryTable summary_of(std::span<const Configuration> configurations) {
     column("order", "broken");
     column("delay", "p50 ms");
     column("delay", "p99 ms");
-    column("failover", "ms");
+    const bool probed = std::ranges::any_of(configurations, [](const Configuration& each) {
+        return each.of(&RunRow::failover_probe_ms).count() > 0;
+    });
+    if (probed) column("failover", "probe ms");
+    column(probed ? "robots" : "failover", probed ? "hear, ms" : "ms");
     column("leaderless", "ms");
     column("again", "C+R+S");
     column("overhead", "kB/s");
@@ -86,6 +90,10 @@ SummaryTable summary_of(std::span<const Configuration> configurations) {
             sum(each.sum(&RunRow::out_of_order_qos1), each.sum(&RunRow::out_of_order_qos2)), 0));
         row.push_back(number_text(each.median(&RunRow::delay_p50_ms), 2));
         row.push_back(number_text(each.median(&RunRow::delay_p99_ms), 1));
+        if (probed) {
+            const Percentiles probe = each.of(&RunRow::failover_probe_ms);
+            row.push_back(range(probe.min(), probe.max()));
+        }
         row.push_back(range(each.of(&RunRow::failover_first_ms).min(),
                             each.of(&RunRow::failover_last_ms).max()));
         row.push_back(number_text(each.of(&RunRow::without_leader_ms).max(), 0));

@@ -106,10 +106,19 @@ void CellRun::join_robots() {
                      .retry = to_duration(settings_.retry),
                      .seed = cell_.seed * 1'000'003 + cell_.repetition});
     swarm_->join();
+    if (settings_.probe_per_s > 0 && cell_.fault != Fault::none) {
+        probe_ = std::make_unique<FailoverProbe>(surroundings_.io, brokers_->addresses(),
+                                                 settings_.probe_per_s,
+                                                 to_duration(settings_.retry), cell_.seed);
+        probe_->join();
+    }
     const Instant deadline = net::now() + to_duration(settings_.start_within);
-    const bool done = run_until(
-        deadline, [this] { return swarm_->has_joined() || swarm_->trouble().has_value(); });
+    const bool done = run_until(deadline, [this] {
+        return (swarm_->has_joined() && (!probe_ || probe_->has_joined())) ||
+               swarm_->trouble().has_value() || (probe_ && probe_->trouble());
+    });
     if (swarm_->trouble()) throw RunFailed("robots could not join: " + *swarm_->trouble());
+    if (probe_ && probe_->trouble()) throw RunFailed(*probe_->trouble());
     if (!done) throw RunFailed("not all robots had joined within start_within");
     // Subscriptions reach the other brokers a moment after SUBACK.
     run_for(300ms);
@@ -119,6 +128,7 @@ void CellRun::load() {
     doing_ = "load";
     brokers_->begin_usage();
     swarm_->start_load();
+    if (probe_) probe_->start();
     is_loading_ = true;
     const Instant started = net::now();
     const Instant end = started + to_duration(settings_.duration);
@@ -134,6 +144,7 @@ void CellRun::load() {
     }
     run_until(end, [] { return false; });
     swarm_->stop_load();
+    if (probe_) probe_->stop();
     is_loading_ = false;
     load_time_ = net::now() - started;
     for (std::size_t i = 0; i < brokers_->size(); ++i) brokers_->end_usage(i);
@@ -168,10 +179,12 @@ void CellRun::check_schedule() const {
 void CellRun::stop() {
     doing_ = "stopping";
     if (swarm_) swarm_->leave();
+    if (probe_) probe_->leave();
     // Handlers that are ready refer to robots and watches: they run before those are gone.
     surroundings_.io.restart();
     surroundings_.io.poll();
     swarm_.reset();
+    probe_.reset();
     if (brokers_) brokers_->stop_all();
 }
 
@@ -216,7 +229,10 @@ void CellRun::measure_failover(RunRow& row) const {
     const auto& strikes = fault_->strikes();
     std::size_t struck = 0;
     std::vector<double> times;
+    std::vector<double> probed;
     for (const Strike& strike : strikes) {
+        const auto served = probe_ ? probe_->failover(strike.broker, strike.at) : std::nullopt;
+        if (served) probed.push_back(in_ms(*served));
         const auto victims = swarm_->clients_of(strike.broker);
         struck += victims.size();
         for (const ClientFailover& failover :
@@ -231,6 +247,7 @@ void CellRun::measure_failover(RunRow& row) const {
     row.failover_first_ms = failovers.min();
     row.failover_p50_ms = failovers.at(0.5);
     row.failover_last_ms = failovers.max();
+    row.failover_probe_ms = Percentiles{std::move(probed)}.max();
     row.connects_after_fault = as_number(swarm_->sent(again_types[0]) - sent_before_fault_[0]);
     row.registers_after_fault = as_number(swarm_->sent(again_types[1]) - sent_before_fault_[1]);
     row.subscribes_after_fault = as_number(swarm_->sent(again_types[2]) - sent_before_fault_[2]);

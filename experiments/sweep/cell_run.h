@@ -13,6 +13,7 @@
 #include <string_view>
 #include <vector>
 
+#include "experiments/robots/failover_probe.h"
 #include "experiments/robots/swarm.h"
 #include "experiments/sweep/cell_brokers.h"
 #include "experiments/sweep/fault_injection.h"
@@ -70,6 +71,7 @@ private:
     const CellSurroundings& surroundings_;
     std::unique_ptr<CellBrokers> brokers_;
     std::unique_ptr<Swarm> swarm_;
+    std::unique_ptr<FailoverProbe> probe_;          // only where something fails, and if wanted
     std::unique_ptr<FaultInjection> fault_;         // while there was none: null
     std::vector<std::uint64_t> sent_before_fault_;  // by the types of again_types
     Duration load_time_{};

@@ -47,6 +47,7 @@ constexpr MeasuredColumn measured_columns[] = {
     {"failover_first_ms", &RunRow::failover_first_ms},
     {"failover_p50_ms", &RunRow::failover_p50_ms},
     {"failover_last_ms", &RunRow::failover_last_ms},
+    {"failover_probe_ms", &RunRow::failover_probe_ms},
     {"without_leader_ms", &RunRow::without_leader_ms},
     {"connects_after_fault", &RunRow::connects_after_fault},
     {"registers_after_fault", &RunRow::registers_after_fault},

@@ -28,7 +28,8 @@ struct RunRow {
     Measured fan_out_p50_ms, fan_out_p99_ms, fan_out_max_ms;
     Measured publish_refused, publish_lag_max_ms;
     Measured strikes, failover_clients, failover_recovered_clients;
-    Measured failover_first_ms, failover_p50_ms, failover_last_ms, without_leader_ms;
+    Measured failover_first_ms, failover_p50_ms, failover_last_ms, failover_probe_ms;
+    Measured without_leader_ms;
     Measured connects_after_fault, registers_after_fault, subscribes_after_fault;
     Measured interbroker_octets_per_s;
     Measured broker_cpu_percent_mean, broker_cpu_percent_max;

@@ -304,7 +304,7 @@ std::string read_network(const Table& table) {
 
 SweepSettings read_settings(const Table& table, const std::string& file_name) {
     table.allow_only({"name", "pattern", "repetitions", "duration", "fault_after", "pause", "drain",
-                      "start_within", "retry", "publish_within", "broker_options", "group",
+                      "start_within", "retry", "publish_within", "probe", "broker_options", "group",
                       "domain_base", "network", "port", "output", "axes"});
     SweepSettings settings;
     settings.name = table.word("name", std::filesystem::path{file_name}.stem().string());
@@ -323,6 +323,10 @@ SweepSettings read_settings(const Table& table, const std::string& file_name) {
         table.refuse(*table.find("retry"), "retry", "at least 0.05 seconds are allowed");
     }
     settings.publish_within = table.seconds("publish_within", settings.publish_within);
+    if (const toml::node* probe = table.find("probe")) {
+        settings.probe_per_s = table.number_in(
+            *probe, "probe", 0, 1000, "messages per second from 0 (no probe) to 1000 are allowed");
+    }
     settings.broker_options = read_broker_options(table);
     settings.group = static_cast<std::uint32_t>(table.integer("group", settings.group, 1, 5000));
     // Cyclone DDS's ports are 7400 + 250 * domain: up to 65535.

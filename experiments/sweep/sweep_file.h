@@ -40,6 +40,7 @@ struct SweepSettings {
     std::chrono::duration<double> start_within{15};     // for all brokers to be in one view
     std::chrono::duration<double> retry{1};             // the robots' Tretry
     std::chrono::duration<double> publish_within{0.5};  // of its time: else the run failed
+    double probe_per_s = 0;  // messages of the failover probe at each broker; 0: there is none
     std::vector<std::string> broker_options;  // what the brokers are told besides
     std::uint32_t group = 5;                  // robots that share a group topic
     std::uint32_t domain_base = 40;           // first DDS domain id

@@ -55,8 +55,10 @@ std::string line_of(const RunRow& row) {
     line += ": delivered " +
             number_text(row.delivery_ratio ? Measured{*row.delivery_ratio * 100} : Measured{}, 2) +
             " %, p99 " + number_text(row.delay_p99_ms, 1) + " ms";
-    if (row.failover_clients) {
-        line += ", failover " + number_text(row.failover_first_ms, 0) + ".." +
+    if (row.failover_probe_ms) {
+        line += ", failover " + number_text(row.failover_probe_ms, 0) + " ms (probe)";
+    } else if (row.failover_clients) {
+        line += ", robots hear again after " + number_text(row.failover_first_ms, 0) + ".." +
                 number_text(row.failover_last_ms, 0) + " ms";
     }
     const std::string broken = row.broken_promises();

@@ -118,7 +118,7 @@ TEST_F(Reports, StandAloneWithTheirFigures) {
 
 TEST_F(Reports, DrawEveryFigureAsSvgAndKeepItsScript) {
     const auto configurations = configurations_of(rows_);
-    for (const Figure& figure : figures_of(configurations, 4, folder_)) {
+    for (const Figure& figure : figures_of(configurations, sweep_.settings, folder_)) {
         for (const Plot& plot : one_by_one(figure.plot)) {
             const auto svg = draw(plot, folder_ / "plots");
             ASSERT_TRUE(svg) << figure.title;
@@ -169,7 +169,7 @@ TEST_F(Reports, LeaveOutPanelsWithoutAPoint) {
 
 TEST_F(Reports, NameEachOfSeveralSeriesOfAPanel) {
     const auto configurations = configurations_of(rows_);
-    for (const Figure& figure : figures_of(configurations, 4, folder_)) {
+    for (const Figure& figure : figures_of(configurations, sweep_.settings, folder_)) {
         for (const PlotPanel& panel : figure.plot.panels) {
             for (const PlotSeries& series : panel.series) {
                 EXPECT_TRUE(panel.series.size() == 1 || !series.label.empty()) << figure.title;
@@ -178,10 +178,24 @@ TEST_F(Reports, NameEachOfSeveralSeriesOfAPanel) {
     }
 }
 
+TEST_F(Reports, SayHowFineTheTimesOfAFailoverAre) {
+    const std::string html = report();
+    EXPECT_THAT(html, HasSubstr("a message of each publisher every 1000 ms"));
+    EXPECT_THAT(html, HasSubstr("of which up to 1000 ms is the wait for a message"));
+    EXPECT_THAT(html, Not(HasSubstr("probe of")));
+    for (RunRow& row : rows_) row.failover_probe_ms = 120;
+    sweep_.settings.probe_per_s = 200;
+    EXPECT_THAT(report(),
+                HasSubstr("120 ms</b><span>failover in the median run, by a probe of 200"));
+    EXPECT_THAT(report(), HasSubstr("has a message every 5 ms"));
+}
+
 TEST_F(Reports, ShowTheSecondsAroundTheFirstFault) {  // a soak's page would be 140 MB of marks
     std::size_t shown = 0;
     const auto configurations = configurations_of(rows_);
-    for (const Figure& figure : figures_of(configurations, 12, folder_)) {  // published for 8 s
+    SweepSettings late = sweep_.settings;
+    late.fault_after = std::chrono::seconds{12};  // published for 8 s
+    for (const Figure& figure : figures_of(configurations, late, folder_)) {
         if (figure.plot.name != "around_a_fault") continue;
         for (const PlotSeries& series : figure.plot.panels.at(0).series) {
             for (const auto& point : series.points) EXPECT_GE(point.x, 7);

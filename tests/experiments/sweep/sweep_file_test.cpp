@@ -42,6 +42,7 @@ TEST(SweepFile, ReadsEverySetting) {
         start_within = 9
         retry = 0.5
         publish_within = 0.1
+        probe = 200
         group = 4
         domain_base = 100
         network = "127.50"
@@ -132,7 +133,7 @@ INSTANTIATE_TEST_SUITE_P(
         Refusal{"durations = 3\n[axes]",
                 "try.toml, line 1: unknown setting `durations`; known are name, pattern, "
                 "repetitions, duration, fault_after, pause, drain, start_within, retry, "
-                "publish_within, broker_options, group, "
+                "publish_within, probe, broker_options, group, "
                 "domain_base, network, port, output, axes"},
         Refusal{"[axes]\nbroker = 3",
                 "try.toml, line 2: unknown setting `axes.broker`; known are brokers, robots, "

@@ -68,7 +68,7 @@ TEST_F(SmallSweep, OfOneBrokerDeliversEverything) {
 
 TEST_F(SmallSweep, OfTwoBrokersOutlivesTheDeathOfEither) {
     write_sweep(
-        "[axes]\nbrokers = 2\nrobots = 4\nrate = 10\nqos = \"0+1+2\"\n"
+        "probe = 100\n[axes]\nbrokers = 2\nrobots = 4\nrate = 10\nqos = \"0+1+2\"\n"
         "fault = [\"kill-leader\", \"kill-home\"]\n");
     const Ran ran = sweep();
     EXPECT_EQ(ran.exit_code, 0) << ran.output;
@@ -80,6 +80,7 @@ TEST_F(SmallSweep, OfTwoBrokersOutlivesTheDeathOfEither) {
         EXPECT_EQ(row.duplicates_qos2, 0);
         EXPECT_EQ(row.failover_clients, 2);
         EXPECT_EQ(row.failover_recovered_clients, 2);
+        EXPECT_GT(row.failover_probe_ms, 0);
         EXPECT_EQ(row.connects_after_fault, 0);
         EXPECT_EQ(row.registers_after_fault, 0);
         EXPECT_EQ(row.subscribes_after_fault, 0);
