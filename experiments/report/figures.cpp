@@ -93,7 +93,7 @@ std::vector<PlotSeries> marks_over_brokers(Configurations struck, Value y, Value
         if (found == series.end()) {
             found = series.insert(found, {.label = label, .points = {}, .line = false});
         }
-        const double shift = 0.1 * static_cast<double>(found - series.begin());
+        const double shift = 0.06 * static_cast<double>(found - series.begin());
         for (const RunRow& run : each.runs) {
             if (!(run.*y)) continue;
             found->points.push_back({.x = run.cell.brokers + shift,
@@ -221,6 +221,8 @@ std::optional<Figure> around_a_fault_figure(Configurations all, double fault_aft
 std::optional<Figure> delay_figure(Configurations all) {
     const auto calm = undisturbed(all);
     if (calm.empty()) return std::nullopt;
+    // Where only the rate varies, the figure of the rate shows the delay.
+    if (distinct(calm, robots_of) < 2 && distinct(calm, rate_of) > 1) return std::nullopt;
     constexpr std::array given = {Axis::robots, Axis::fault};
     const auto panel = [&](const char* title, Value middle, Value tail) {
         PlotPanel made{.title = title,

@@ -149,7 +149,8 @@ void write_panel(const PlotPanel& panel, std::size_t number, std::ostream& out) 
         const PlotSeries& series = panel.series[i];
         if (series.points.empty()) continue;
         const char* colour = colours[i % colours.size()];
-        const int mark = marks[i % marks.size()];
+        const int mark =
+            marks[(i + i / colours.size()) % marks.size()];  // no pair comes twice soon
         const bool bars = std::ranges::any_of(series.points,
                                               [](const PlotPoint& p) { return p.low.has_value(); });
         const auto part = [&](const std::string& text) {

@@ -23,7 +23,7 @@ h1 { font-size: 1.9rem; margin: 0 0 .2rem; } h2 { font-size: 1.3rem; margin: 2.6
 .tile b { display: block; font-size: 1.55rem; line-height: 1.25; }
 .tile span { color: var(--soft); font-size: .88rem; line-height: 1.35; display: block; }
 .good b { color: var(--good); } .bad b { color: var(--bad); }
-figure { margin: .6rem 0 0; } .panels { display: flex; flex-wrap: wrap; gap: .6rem; }
+figure { margin: .6rem 0 0; } .panels { display: flex; flex-wrap: wrap; align-items: flex-start; gap: .6rem; }
 .panels svg { flex: 1 1 340px; max-width: 600px; min-width: 0; height: auto; }
 figcaption { border-left: 3px solid var(--line); padding: .1rem 0 .1rem .9rem; max-width: 56rem; }
 figcaption p { margin: .3rem 0; } .how { color: var(--soft); font-size: .92rem; }

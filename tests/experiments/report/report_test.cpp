@@ -178,6 +178,16 @@ TEST_F(Reports, NameEachOfSeveralSeriesOfAPanel) {
     }
 }
 
+TEST_F(Reports, ShowTheDelayAgainstWhatVaries) {
+    const Sweep rates = parse_sweep("[axes]\nrate = [1, 10]\n", "try.toml");
+    std::vector<RunRow> rows;
+    for (const Cell& cell : rates.cells) rows.push_back(made_up(cell));
+    const auto configurations = configurations_of(rows);
+    for (const Figure& figure : figures_of(configurations, rates.settings, folder_)) {
+        EXPECT_NE(figure.plot.name, "delay") << "forty series above one number of robots";
+    }
+}
+
 TEST_F(Reports, SayHowFineTheTimesOfAFailoverAre) {
     const std::string html = report();
     EXPECT_THAT(html, HasSubstr("a message of each publisher every 1000 ms"));
@@ -185,9 +195,9 @@ TEST_F(Reports, SayHowFineTheTimesOfAFailoverAre) {
     EXPECT_THAT(html, Not(HasSubstr("probe of")));
     for (RunRow& row : rows_) row.failover_probe_ms = 120;
     sweep_.settings.probe_per_s = 200;
-    EXPECT_THAT(report(),
-                HasSubstr("120 ms</b><span>failover in the median run, by a probe of 200"));
-    EXPECT_THAT(report(), HasSubstr("has a message every 5 ms"));
+    const std::string probed = report();
+    EXPECT_THAT(probed, HasSubstr("120 ms</b><span>failover in the median run, by a probe of 200"));
+    EXPECT_THAT(probed, HasSubstr("has a message every 5 ms"));
 }
 
 TEST_F(Reports, ShowTheSecondsAroundTheFirstFault) {  // a soak's page would be 140 MB of marks
