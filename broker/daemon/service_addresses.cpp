@@ -27,7 +27,12 @@ boost::system::error_code serve_moved(net::UdpService& udp, net::MovedAddresses&
         error = moved.add(address);
         if (!error) error = udp.open(address, net::Bind::beside);
     }
-    if (!error) moved.announce(address);
+    if (!error) error = moved.lease_on(address);
+    if (error) {
+        udp.close(address);
+    } else {
+        moved.announce(address);
+    }
     return error;
 }
 

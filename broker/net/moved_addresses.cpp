@@ -1,6 +1,12 @@
 #include "broker/net/moved_addresses.h"
 
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <cerrno>
 #include <chrono>
+
+#include "broker/net/socket_address.h"
 
 namespace romano::net {
 namespace {
@@ -13,12 +19,24 @@ constexpr auto lease = 5s;
 constexpr auto neighbours_are_asked_again_after = 100ms;
 constexpr int announcements = 3;  // a frame may be lost
 
+/// A socket of this machine is bound there.
+bool is_served(const Endpoint& address) {
+    const SocketAddress wanted = to_socket_address(address);
+    const int fd = ::socket(wanted.any.sa_family, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+    if (fd < 0) return false;
+    const bool is_refused = ::bind(fd, &wanted.any, wanted.size) != 0 && errno == EADDRINUSE;
+    ::close(fd);
+    return is_refused;
+}
+
 }  // namespace
 
 MovedAddresses::~MovedAddresses() {
-    for (const auto& [address, moved] : moved_) {
-        if (moved.added) (void)remove_address(address, moved.interface);
-    }
+    for (const auto& [address, moved] : moved_) let_go(address, moved);
+}
+
+void MovedAddresses::let_go(const Endpoint& address, const Moved& moved) {
+    if (moved.added && !is_served(address)) (void)remove_address(address, moved.interface);
 }
 
 bool MovedAddresses::can_add(const Endpoint& address) {
@@ -27,7 +45,8 @@ bool MovedAddresses::can_add(const Endpoint& address) {
 
 void MovedAddresses::forget_earlier_life(const Endpoint& address) {
     const auto interface = interface_towards(address);
-    if (interface && is_leased(address)) (void)remove_address(address, *interface);
+    if (interface && is_leased(address) && !is_served(address))
+        (void)remove_address(address, *interface);
 }
 
 error_code MovedAddresses::add(const Endpoint& address) {
@@ -41,6 +60,12 @@ error_code MovedAddresses::add(const Endpoint& address) {
     moved_.insert_or_assign(address, Moved{.interface = *interface, .added = true});
     wait();
     return {};
+}
+
+error_code MovedAddresses::lease_on(const Endpoint& address) {
+    const auto moved = moved_.find(address);
+    const bool is_ours = moved != moved_.end() && moved->second.added;
+    return is_ours || !is_leased(address) ? error_code{} : add(address);
 }
 
 void MovedAddresses::announce(const Endpoint& address) {
@@ -59,7 +84,7 @@ void MovedAddresses::announce(const Endpoint& address) {
 void MovedAddresses::remove(const Endpoint& address) {
     const auto moved = moved_.find(address);
     if (moved == moved_.end()) return;
-    if (moved->second.added) (void)remove_address(address, moved->second.interface);
+    let_go(address, moved->second);
     moved_.erase(moved);
 }
 

@@ -4,6 +4,10 @@
 // What was put there is leased, and leased again each second: it goes when this process ends,
 // however that happens. As long as it is here the neighbours are told each second, because the
 // machine that had it before may be alive without its broker, and answer for it.
+//
+// Several brokers of one machine may serve an address one after the other: whoever takes it leases
+// it on, and whoever lets it go leaves it to the one that is bound there by then. So a broker's
+// sockets are closed before its MovedAddresses end.
 #pragma once
 
 #include <boost/asio/io_context.hpp>
@@ -33,14 +37,19 @@ public:
 
     /// Could add(), as far as one can know before.
     [[nodiscard]] static bool can_add(const Endpoint& address);
-    /// Removes what an earlier life of this broker had added before it was killed.
+    /// Removes what an earlier life of this broker had added before it was killed, unless another
+    /// broker of this machine serves it.
     static void forget_earlier_life(const Endpoint& address);
     /// Gives the machine the address.
     [[nodiscard]] boost::system::error_code add(const Endpoint& address);
+    /// The address is served here from now on: when another broker of this machine had added it,
+    /// its lease would end.
+    [[nodiscard]] boost::system::error_code lease_on(const Endpoint& address);
     /// Tells the neighbours that the address is here: now, and some times more. Not needed, and not
     /// done, for addresses of the loopback.
     void announce(const Endpoint& address);
-    /// Takes it from the machine, if it was added here, and says nothing more about it.
+    /// Takes it from the machine, if it was added here and nobody else serves it, and says nothing
+    /// more about it.
     void remove(const Endpoint& address);
 
 private:
@@ -50,6 +59,7 @@ private:
         int announcements_left = 0;  // of one that the machine has anyway
     };
 
+    static void let_go(const Endpoint& address, const Moved& moved);
     void wait();
     void renew();
 

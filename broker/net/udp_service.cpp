@@ -64,9 +64,11 @@ void UdpService::close(const Endpoint& address) {
     if (at == services_.end()) return;
     (*at)->closed = true;
     services_.erase(at);
-    for (const auto& former : retired_) {
-        if (former->socket.bound() == address) former->closed = true;
-    }
+    std::erase_if(retired_, [&](const auto& former) {
+        if (former->socket.bound() != address) return false;
+        former->closed = true;
+        return true;
+    });
 }
 
 boost::system::error_code UdpService::join(const Endpoint& group) {

@@ -42,8 +42,8 @@ ClusterBroker::ClusterBroker(boost::asio::io_context& io, const Settings& settin
       settings_(settings),
       on_serving_(std::move(on_serving)),
       options_(member_options(settings)),
-      udp_(io, *this),
       moved_(io, [this](const Endpoint& a) { return !member_ || member_->may_announce(a); }),
+      udp_(io, *this),
       timer_(io, [this] { on_core_wakeup(); }),
       heap_limit_(settings.limits.memory_mib),
       standstill_(settings.cluster->detection_timeout) {

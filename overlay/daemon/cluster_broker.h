@@ -66,8 +66,8 @@ private:
     Settings settings_;
     OnServing on_serving_;
     overlay::MemberOptions options_;
-    net::UdpService udp_;
     net::MovedAddresses moved_;
+    net::UdpService udp_;  // its sockets are closed before their addresses go
     std::unique_ptr<dds::Domain> domain_;
     std::unique_ptr<dds::DdsTransport> transport_;
     std::unique_ptr<link::LinkService> links_;  // null when the detector does not look at links

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <csignal>
 #include <fstream>
 #include <memory>
 #include <thread>
@@ -41,11 +42,15 @@ protected:
         return (v6 ? "[" + address(host) + "]" : address(host)) + ":1883";
     }
     [[nodiscard]] std::unique_ptr<BrokerProcess> start(int host) const {
+        return start(host, service(host));
+    }
+    /// Its name ends as its address does.
+    [[nodiscard]] std::unique_ptr<BrokerProcess> start(int host, const std::string& where) const {
         const Lan::On on(lan, host);
+        const std::string number{where[where.find_last_of(':') - 1 - (uses_arp() ? 0 : 1)]};
         return std::make_unique<BrokerProcess>(std::vector<std::string>{
-            "--listen", service(host), "--name", "r" + std::to_string(host), "--domain", "7",
-            "--interface", "eth0", "--rank", std::to_string(host), "--detection-timeout-ms",
-            "500"});
+            "--listen", where, "--name", "r" + number, "--domain", "7", "--interface", "eth0",
+            "--rank", number, "--detection-timeout-ms", "500"});
     }
     [[nodiscard]] std::unique_ptr<TestClient> client_of(int host, const std::string& id) const {
         const Lan::On on(lan, client_host);
@@ -146,6 +151,41 @@ TEST_P(AddressMove, WhatAKilledHeirTookOverDoesNotStayOnItsMachine) {
     (heir == 2 ? r2 : r3)->kill_9();
     EXPECT_TRUE(eventually([&] { return !lan.has_address(heir, address(1)); }));
     EXPECT_TRUE(observer->ping()) << "the last broker has it";
+}
+
+// The first of them added the address, and its lease would end five seconds after it was killed.
+TEST_P(AddressMove, ABrokerOfTheSameMachineKeepsTheAddressThere) {
+    auto r1 = start(1, service(1));
+    const auto r2 = start(1, service(2));
+    const auto r3 = start(3);
+    for (const auto& broker : {r1.get(), r2.get(), r3.get()}) {
+        broker->wait_until_serving();
+        ASSERT_TRUE(is_in_view_of_all(*broker));
+    }
+    const auto client = client_of(1, "client");
+    ASSERT_TRUE(client->connect());
+    r3->kill_9();  // so that r2 inherits
+    const auto is_there_for = [&](std::chrono::milliseconds time) {
+        const auto end = std::chrono::steady_clock::now() + time;
+        while (std::chrono::steady_clock::now() < end) {
+            if (!lan.has_address(1, address(1))) return false;
+            std::this_thread::sleep_for(20ms);
+        }
+        return true;
+    };
+    r1->kill_9();
+    EXPECT_TRUE(is_there_for(6500ms)) << "r2 says that it serves";
+    EXPECT_TRUE(client->ping());
+
+    r1 = start(1, service(1));
+    EXPECT_TRUE(is_there_for(3s)) << "r2 gives it back, and takes it from the machine";
+    r1->wait_until_serving();
+    EXPECT_TRUE(client->ping());
+    EXPECT_EQ(client->sessions_begun, 1) << "the client noticed";
+
+    r2->signal(SIGTERM);
+    EXPECT_EQ(r2->wait_for_exit(), 0);
+    EXPECT_TRUE(is_there_for(1s)) << "r2 ends, and takes with it what r1 serves";
 }
 
 INSTANTIATE_TEST_SUITE_P(Of, AddressMove,
