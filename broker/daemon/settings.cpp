@@ -283,6 +283,7 @@ std::optional<ClusterSettings> check_cluster(const SettingTexts& texts, const Pr
     out.elector = one_of("elector", texts.elector, election::elector_names());
     out.detector = one_of("detector", texts.detector, election::detector_names());
     out.voters = check_voters(texts);
+    out.profile = profile.name;
     out.beacon_every = profile.beacon_every;
     out.detection_timeout = profile.detection_timeout;
     out.phi_threshold = profile.phi_threshold;

@@ -25,6 +25,7 @@ struct ClusterSettings {
     std::string detector;
     std::uint32_t rank = 0;
     std::optional<std::uint32_t> acks;  // empty: all peers
+    std::string profile;                // whose times these are, but for those that were given
     std::chrono::milliseconds beacon_every{};
     std::chrono::milliseconds detection_timeout{};
     double phi_threshold = 0;

@@ -41,6 +41,19 @@ std::string joined(const std::vector<std::string>& words) {
     return text;
 }
 
+/// What must be the same at all brokers, and is not.
+void print_disagreements(const BrokerWatch& watch) {
+    for (const auto& [name, seen] : watch.brokers()) {
+        for (const auto& [setting, values] : seen.status.disagrees) {
+            std::string text;
+            for (const auto& [broker, value] : values) {
+                text += (text.empty() ? "" : ", ") + broker + " has '" + value + "'";
+            }
+            std::printf("\nthe brokers disagree about %s: %s\n", setting.c_str(), text.c_str());
+        }
+    }
+}
+
 void print_table(const BrokerWatch& watch) {
     SummaryTable table{
         .head = {"broker", "state", "role", "rank", "sessions", "connected", "addresses"},
@@ -58,11 +71,13 @@ void print_table(const BrokerWatch& watch) {
         }
     }
     std::fputs(to_text(table).c_str(), stdout);
-    if (newest == nullptr || newest->view_members.empty()) return;
-    std::printf("\nview of term %llu, led by %s: %s\n",
-                static_cast<unsigned long long>(newest->view_term),
-                newest->view_leader.empty() ? "nobody" : newest->view_leader.c_str(),
-                joined(newest->view_members).c_str());
+    if (newest != nullptr && !newest->view_members.empty()) {
+        std::printf("\nview of term %llu, led by %s: %s\n",
+                    static_cast<unsigned long long>(newest->view_term),
+                    newest->view_leader.empty() ? "nobody" : newest->view_leader.c_str(),
+                    joined(newest->view_members).c_str());
+    }
+    print_disagreements(watch);
 }
 
 void print_json(const BrokerWatch& watch) {

@@ -29,6 +29,7 @@ std::optional<BrokerStatus> parse_broker_status(std::string_view text) {
         read(object, "addresses", status.addresses);
         read(object, "incarnation", status.incarnation);
         read(object, "transport_octets_sent", status.transport_octets_sent);
+        read(object, "disagrees", status.disagrees);
         if (const auto view = object.find("view"); view != object.end() && view->is_object()) {
             read(*view, "term", status.view_term);
             read(*view, "leader", status.view_leader);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -25,6 +26,8 @@ struct BrokerStatus {
     std::string view_leader;
     std::vector<std::string> view_members;
     std::uint64_t transport_octets_sent = 0;  // to its peers, since it started
+    /// Settings that must agree and do not: the values by broker's name, by setting.
+    std::map<std::string, std::map<std::string, std::string>> disagrees;
 };
 
 /// Empty when the text is no such JSON object with a name; other keys that lack keep their

@@ -33,7 +33,9 @@ ClusterCore::ClusterCore(const ClusterOptions& options, const Identity& identity
       hand_back_(identity.log.broker, membership_.detection_time(), options.sessions_per_turn),
       handoffs_(options.sessions_per_turn, 4 * membership_.detection_time()),
       settlement_(identity.log.broker, membership_.detection_time()),
-      roaming_(membership_.detection_time()) {}
+      roaming_(membership_.detection_time(), digest_of(identity.predefined)),
+      predefined_(digest_of(identity.predefined)),
+      agreement_(identity.name, agreed_settings(options, identity.predefined)) {}
 
 // --- inputs
 
@@ -178,12 +180,19 @@ void ClusterCore::break_silence(Effects& effects) {
 void ClusterCore::on(Effects& effects, BrokerId, const Beacon& beacon) {
     if (!membership_.on_beacon(effects.now, beacon)) return;
     listening_.on_beacon(effects.now, own_.id(), beacon);
-    if (membership_.is_alive(beacon.log)) heed(beacon);
+    if (membership_.is_alive(beacon.log)) {
+        heed(beacon);
+        agreement_.on_beacon(effects, beacon);
+    }
     heed_news_of_peers(effects);
 }
 
 void ClusterCore::on(Effects& effects, BrokerId, const Pulse& pulse) {
     membership_.on_pulse(effects.now, pulse);
+}
+
+void ClusterCore::on(Effects& effects, BrokerId from, const SettingsTold& told) {
+    agreement_.on_told(effects, from, membership_.name_of(from), told);
 }
 
 void ClusterCore::listen_only(Duration away) {
@@ -201,6 +210,7 @@ void ClusterCore::heed(const Beacon& beacon) {
     acquaintance_.meet(beacon.log, beacon.last_seq);
     log.heard_end(beacon.last_seq, beacon.view.number);
     log.heard_serving(beacon.serving);
+    log.set_foreign(beacon.predefined != predefined_);
     if (beacon.knows(own_.id())) log.heard_by_writer();
     watermark_.on_beacon(beacon.log, beacon.applied_through(own_.id()));
     ended_.learn(view(), beacon.ended);
@@ -277,11 +287,29 @@ void ClusterCore::on_view(Effects& effects, const ViewAnnouncement& announcement
     for (auto& [address, heirs] : givers) {
         hand_back_.expect(effects.now, address, std::move(heirs));
     }
+    warn_of_foreign_sessions(effects, announcement);
     take_over_.on_view(effects.now, announcement);
     hand_back_.on_view(announcement);
     last_words_.on_view(announcement);
     ask_for_gaps(effects);
     settlement_.compare(effects, logs_, view());
+}
+
+/// Nobody goes on for those whom only brokers with other predefined topics survive.
+void ClusterCore::warn_of_foreign_sessions(Effects& effects,
+                                           const ViewAnnouncement& announcement) const {
+    for (const LogPosition& end : announcement.ends) {
+        const auto log = logs_.find(end.log);
+        if (log == logs_.end() || !log->second.is_foreign()) continue;
+        const bool has_heir = std::ranges::any_of(
+            announcement.assignments,
+            [&](const Assignment& assignment) { return assignment.end.log == end.log; });
+        if (has_heir || log->second.addresses_left().empty()) continue;
+        effects.local.push_back(Notice{.text = "nobody goes on for the clients of " +
+                                               membership_.name_of(end.log.broker) +
+                                               ": no broker with its predefined topics is left",
+                                       .is_warning = true});
+    }
 }
 
 bool ClusterCore::leaves_out(const Beacon& beacon) const {
@@ -351,7 +379,9 @@ Beacon ClusterCore::beacon(const broker::BrokerCore& broker) const {
                   .connected = static_cast<std::uint32_t>(broker.connected_count()),
                   .transport_octets_sent = octets_sent_,
                   .transport_octets_received = octets_received_,
-                  .link = link_};
+                  .link = link_,
+                  .settings = agreement_.digest(),
+                  .predefined = predefined_};
     membership_.describe(beacon);
     for (const auto& [id, log] : logs_) beacon.applied.push_back({id, held_of(id, log)});
     return beacon;
@@ -408,7 +438,8 @@ void ClusterCore::on(Effects& effects, BrokerId from, const AddressBound& bound)
 
 void ClusterCore::on(Effects& effects, BrokerId from, const SessionHandoff& part) {
     if (part.to != own_.id()) return;
-    handoffs_.on_handoff(effects.now, from, part);
+    const Peer* giver = membership_.find(from);
+    handoffs_.on_handoff(effects.now, from, part, giver != nullptr && is_foreign(*giver));
     heed_handoffs(effects);
     if (!listening_.is_on()) handoffs_.on_turn(effects, logs());
 }
@@ -429,7 +460,8 @@ void ClusterCore::on(Effects& effects, BrokerId from, const HandoffAck& ack) {
 
 void ClusterCore::on(Effects& effects, BrokerId from, const SessionClaim& claim) {
     const Peer* peer = membership_.find(from);
-    if (peer != nullptr) settlement_.on_claim(effects, peer->beacon.log, claim, hand_back_);
+    if (peer == nullptr) return;
+    settlement_.on_claim(effects, peer->beacon.log, claim, hand_back_, is_foreign(*peer));
 }
 
 void ClusterCore::on(Effects& effects, BrokerId from, const SessionRequest& request) {

@@ -21,6 +21,7 @@
 #include "overlay/cluster/acknowledgements.h"
 #include "overlay/cluster/acquaintance.h"
 #include "overlay/cluster/adoption.h"
+#include "overlay/cluster/agreement.h"
 #include "overlay/cluster/effects.h"
 #include "overlay/cluster/ended_logs.h"
 #include "overlay/cluster/hand_back.h"
@@ -51,6 +52,7 @@ struct Identity {
     LogId log;
     std::vector<Endpoint> home_addresses;
     LinkAddress link = {};
+    PredefinedTopics predefined = {};
 };
 
 class ClusterCore {
@@ -128,6 +130,7 @@ public:
     [[nodiscard]] const View& view() const { return view_change_.view(); }
     [[nodiscard]] election::Leadership leadership() const { return membership_.leadership(); }
     [[nodiscard]] Duration detection_time() const { return membership_.detection_time(); }
+    [[nodiscard]] const Agreement& agreement() const { return agreement_; }
     [[nodiscard]] const Membership& membership() const { return membership_; }
     [[nodiscard]] const ServiceAddresses& addresses() const { return addresses_; }
     [[nodiscard]] const PeerLogs& peer_logs() const { return logs_; }
@@ -178,6 +181,7 @@ private:
     void on(Effects& effects, BrokerId from, const SessionRequest& message);
     void on(Effects& effects, BrokerId from, const HandoffAck& message);
     void on(Effects& effects, BrokerId from, const SessionClaim& message);
+    void on(Effects& effects, BrokerId from, const SettingsTold& message);
 
     void heed(const Beacon& beacon);
     /// Who is there has changed, perhaps.
@@ -213,9 +217,14 @@ private:
     /// Tries again for addresses that should be served here and are served by nobody.
     void seek_addresses(Effects& effects);
     void warn_when_leaderless(Effects& effects);
+    void warn_of_foreign_sessions(Effects& effects, const ViewAnnouncement& announcement) const;
     void ask_for_gaps(Effects& effects);
     void trim(Effects& effects);
     void forget_old_lives(Effects& effects);
+    /// Predefined topic ids mean something else there.
+    [[nodiscard]] bool is_foreign(const Peer& peer) const {
+        return peer.beacon.predefined != predefined_;
+    }
     /// Its sender is in our view, and in a later one without us.
     [[nodiscard]] bool leaves_out(const Beacon& beacon) const;
     [[nodiscard]] Surroundings surroundings(const Effects& effects);
@@ -246,6 +255,8 @@ private:
     EndedLogs ended_;
     SnapshotSender snapshots_;
     std::set<Endpoint> silent_;  // of those that are served
+    std::uint32_t predefined_;   // digest
+    Agreement agreement_;
 
     Listening listening_;
     Acquaintance acquaintance_;

@@ -122,13 +122,14 @@ std::map<BrokerId, std::uint64_t> loads(const Answers& answers, const Membership
     return load;
 }
 
-/// The members that may inherit the log: those who hold it, or will. Somebody always holds all of
-/// it.
+/// The members that may inherit the log: those who hold it, or will, and to whom its clients'
+/// topic ids mean the same. Somebody always holds all of it.
 std::vector<BrokerId> candidates(const Answers& answers, const Witnesses& witnesses,
                                  const LogPosition& end) {
     std::vector<BrokerId> found;
     for (const auto& [member, holdings] : answers.holdings) {
         if (!witnesses.include(holdings, end.log) || !holds(holdings, end.log, end.seq)) continue;
+        if (std::ranges::count(holdings.foreign, end.log) > 0) continue;
         const Seq held = *held_of(holdings, end.log);
         if (held >= end.seq || sender_of_tail(answers, end, held)) found.push_back(member.broker);
     }

@@ -73,6 +73,8 @@ struct Beacon {
     std::uint64_t transport_octets_received = 0;
     bool leaving = false;  // the last beacon of an orderly stop
     LinkAddress link{};
+    std::uint32_t settings = 0;    // digest of what all brokers must agree on (agreement.h)
+    std::uint32_t predefined = 0;  // of the predefined topics; 0: there are none
 
     /// How far the sender holds the log: applied it, with what it tells of (acknowledgements.h).
     [[nodiscard]] Seq applied_through(const LogId& of) const;
@@ -130,6 +132,7 @@ struct ViewHoldings {
     std::vector<LeftAddress> addresses{};   // the leader itself may be too new to know
     std::vector<LogPosition> kept_after{};  // what it can send of them: the events after these, or
                                             // where none is named, all
+    std::vector<LogId> foreign{};           // of these: topic ids mean something else to the sender
 };
 /// "Send it the events of that log": the leader to the member that holds most of a removed one, and
 /// who was sent a piece, for the next.
@@ -215,11 +218,23 @@ struct SessionClaim {
     broker::SessionHeader header;
 };
 
+/// A setting that all brokers must agree on, as people wrote it.
+struct Setting {
+    std::string name{};
+    std::string value{};       // cut when it is long
+    std::uint32_t digest = 0;  // of the whole value
+};
+/// The sender's, to one whose digest is another one.
+struct SettingsTold {
+    std::vector<Setting> settings{};
+    bool asks = false;  // for the receiver's
+};
+
 using ClusterMessage =
     std::variant<Beacon, LogBatch, LogAck, ForwardBatch, ElectionMessage, ViewProposal,
                  ViewHoldings, TailRequest, LogTail, ViewAnnouncement, SnapshotRequest,
                  SnapshotPart, AddressOffer, AddressBound, SessionHandoff, SessionRequest,
-                 HandoffAck, SessionClaim, Pulse>;
+                 HandoffAck, SessionClaim, Pulse, SettingsTold>;
 
 /// How a message travels.
 enum class Delivery : std::uint8_t {

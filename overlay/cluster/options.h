@@ -23,6 +23,8 @@ struct ClusterOptions {
     bool acks_strict = false;  // alone: refuse with "congestion" instead of promising
     Duration beacon_every{std::chrono::milliseconds{10}};
     Duration detection_timeout{std::chrono::milliseconds{100}};
+    std::string profile;  // its name and the program's version are only compared (agreement.h)
+    std::string version;
     double phi_threshold = 8;  // phi-accrual: -log10 of the chance that a suspicion is wrong
     std::size_t log_events_kept = 200'000;  // for peers that lag; beyond it they need a snapshot
     std::size_t events_per_turn = 256;      // of a log that is caught up with: half a millisecond

@@ -70,6 +70,11 @@ public:
     void set_apart(bool was_apart) { was_apart_ = was_apart; }
     [[nodiscard]] bool was_apart() const { return was_apart_; }
 
+    /// Predefined topic ids mean something else to its writer's clients than to ours: its sessions
+    /// are never ours.
+    void set_foreign(bool foreign) { foreign_ = foreign; }
+    [[nodiscard]] bool is_foreign() const { return foreign_; }
+
     // --- removal
     void freeze();
     void thaw();
@@ -128,6 +133,7 @@ private:
     std::vector<MessagePtr> ahead_;         // beyond applied(), in log order
 
     bool was_apart_ = false;
+    bool foreign_ = false;
     bool frozen_ = false;
     bool outdated_ = false;
     Seq agreed_end_ = 0;

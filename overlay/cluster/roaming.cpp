@@ -50,6 +50,7 @@ bool Roaming::on_datagram(Effects& effects, const Endpoint& from, Bytes datagram
     auto client = client_of(from, named_client(datagram), homes);
     if (!client || fetching_.size() >= fetching_most) return false;
     if (!is_of_session(datagram) || effects.broker.serves(from, datagram)) return false;
+    if (is_foreign(*client, homes, membership)) return false;
     Fetching fetching{.client = *std::move(client),
                       .since = effects.now,
                       .asked = std::nullopt,
@@ -68,6 +69,13 @@ std::optional<broker::ClientId> Roaming::client_of(const Endpoint& from,
     };
     const auto found = std::ranges::find_if(let_go_, is_it);
     return found == let_go_.end() ? std::nullopt : std::optional{found->client};
+}
+
+bool Roaming::is_foreign(const broker::ClientId& client, const Homes& homes,
+                         const Membership& membership) const {
+    const auto home = homes.of(client);
+    const Peer* peer = home ? membership.find(home->broker) : nullptr;
+    return peer != nullptr && peer->beacon.predefined != predefined_;
 }
 
 void Roaming::on_let_go(Instant now, const broker::SessionHeader& session) {
@@ -99,7 +107,8 @@ void Roaming::adopt_copy(Effects& effects, const Logs& logs, const broker::Clien
     const auto home = homes.of(client);
     if (!home) return;
     for (auto& [id, log] : logs.peers) {
-        if (id.broker != home->broker || log.session(client) == nullptr) continue;
+        if (id.broker != home->broker || log.is_foreign()) continue;
+        if (log.session(client) == nullptr) continue;
         if (auto image = log.mirror().image(client)) adopt(effects, logs, *std::move(image));
         log.mark_taken(client);
     }

@@ -3,7 +3,8 @@
 // heir's word, and the session is fetched from there. Has the home just let it go to another
 // broker, because the client roams faster than a round trip, they wait for that one's word. Comes
 // none, because others hear the home and we do not, it is adopted from the copy that is held here;
-// settlement.h does the rest.
+// settlement.h does the rest. A home with other predefined topics is asked for nothing: its client
+// is a stranger here.
 //
 // Bounded: so many clients at a time, and each for so long; without an answer of the home the
 // datagram is handled as that of a stranger. Time in which this broker stands still does not count.
@@ -24,7 +25,9 @@ namespace romano::cluster {
 
 class Roaming {
 public:
-    explicit Roaming(Duration patience) : patience_(patience) {}
+    /// `predefined`: the own digest of the predefined topics.
+    Roaming(Duration patience, std::uint32_t predefined)
+        : patience_(patience), predefined_(predefined) {}
 
     /// True when the datagram shall wait: its session is asked for.
     bool on_datagram(Effects& effects, const Endpoint& from, Bytes datagram, const Homes& homes,
@@ -64,7 +67,11 @@ private:
     void ask(Effects& effects, Fetching& fetching, const Homes& homes, const Membership& membership,
              const View& view) const;
 
+    [[nodiscard]] bool is_foreign(const broker::ClientId& client, const Homes& homes,
+                                  const Membership& membership) const;
+
     Duration patience_;
+    std::uint32_t predefined_;
     std::map<Endpoint, Fetching> fetching_;
     std::deque<LetGo> let_go_;  // in order of time
 };

@@ -33,7 +33,7 @@ std::uint32_t send_handoff_piece(const LogId& to, const Endpoint& address, std::
     return part + 1;
 }
 
-void HandoffReceiver::on_handoff(Instant now, BrokerId from, SessionHandoff part) {
+void HandoffReceiver::on_handoff(Instant now, BrokerId from, SessionHandoff part, bool is_refused) {
     const std::pair key{from, part.address};
     if (part.part == 0) incoming_[key] = {};  // an earlier one was called off
     const auto found = incoming_.find(key);
@@ -49,7 +49,8 @@ void HandoffReceiver::on_handoff(Instant now, BrokerId from, SessionHandoff part
                     .ack = {.address = part.address},
                     .sessions = std::move(incoming.sessions),
                     .after = {},
-                    .until = now + patience_};
+                    .until = now + patience_,
+                    .is_refused = is_refused};
     incoming_.erase(found);
     for (const broker::SessionImage& image : arrived.sessions) {
         arrived.after = broker::later_of(arrived.after, image.worked_through);
@@ -89,12 +90,12 @@ bool HandoffReceiver::is_half_done() const {
 }
 
 bool HandoffReceiver::adopt_some(Effects& effects, const Logs& logs, Arrived& arrived) {
-    auto& [from, ack, sessions, after, until, adopted] = arrived;
+    auto& [from, ack, sessions, after, until, is_refused, adopted] = arrived;
     const std::size_t end = std::min(adopted + sessions_per_turn_, sessions.size());
     for (; adopted < end; ++adopted) {
         broker::SessionImage& image = sessions[adopted];
         if (ack.address.family == Endpoint::Family::none) ack.client_id = image.header.client_id;
-        adopt(effects, logs, std::move(image));
+        if (!is_refused) adopt(effects, logs, std::move(image));
     }
     if (adopted < sessions.size()) return false;
     adopted_.push_back({from, ack.address});

@@ -36,7 +36,8 @@ public:
         Endpoint address;
     };
 
-    void on_handoff(Instant now, BrokerId from, SessionHandoff part);
+    /// `is_refused`: they are acknowledged and not adopted; their clients must connect anew.
+    void on_handoff(Instant now, BrokerId from, SessionHandoff part, bool is_refused);
     /// They were called off, and live on where they came from.
     void forget_waiting();
     /// Looks who need not wait any more.
@@ -65,6 +66,7 @@ private:
         std::vector<broker::SessionImage> sessions;
         std::vector<LogPosition> after;  // by log
         Instant until;
+        bool is_refused = false;
         std::size_t adopted = 0;
     };
     struct WaitingAck {

@@ -50,12 +50,15 @@ void Settlement::carry_on(Effects& effects, const Logs& logs, const Membership& 
 }
 
 void Settlement::on_claim(Effects& effects, const LogId& from, const SessionClaim& claim,
-                          const HandBack& moving) {
+                          const HandBack& moving, bool is_foreign) {
     const broker::ClientId& client = claim.header.client_id;
     auto own = effects.broker.image(client);
     if (!own || moving.is_silent(own->header.via)) return;
-    const bool stays = broker::outranks(own->header, claim.header) ||
-                       (!broker::outranks(claim.header, own->header) && self_ > from.broker);
+    const auto precedes = [is_foreign](const auto& a, const auto& b) {
+        return is_foreign ? a.last_heard > b.last_heard : broker::outranks(a, b);
+    };
+    const bool stays = precedes(own->header, claim.header) ||
+                       (!precedes(claim.header, own->header) && self_ > from.broker);
     if (stays) {
         conflicts_.emplace(client, from.broker);  // and say so
         return;

@@ -32,8 +32,10 @@ public:
     /// Sessions of an address that is on its way (`moving`) are settled by the address's owner.
     void carry_on(Effects& effects, const Logs& logs, const Membership& membership,
                   const HandBack& moving);
+    /// `is_foreign`: topic ids mean something else there. Neither copy goes on from the other; the
+    /// one stays to which the client spoke last.
     void on_claim(Effects& effects, const LogId& from, const SessionClaim& claim,
-                  const HandBack& moving);
+                  const HandBack& moving, bool is_foreign);
     /// The client came to another broker: hand its session over.
     void on_request(Effects& effects, const LogId& from, const SessionRequest& request,
                     const HandBack& moving);

@@ -88,6 +88,7 @@ void TakeOver::carry_on(Effects& effects, const Logs& logs, const Membership& me
         // It was done already, and the leader had not heard of it.
         if (addresses.is_serving(address) && log->second.count_left(address) == 0) return true;
         if (is_still_serving(pending.assignment, membership)) return false;
+        if (log->second.is_foreign()) return true;  // its leader is of a version that knows no such
         if (log->second.is_outdated() && !holds_all(logs, membership, view)) return false;
         const auto owner = returned_owner(address, self_, membership, view);
         if (owner && !membership.find(owner->broker)->hears(self_)) return false;

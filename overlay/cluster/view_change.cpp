@@ -385,6 +385,7 @@ ViewHoldings ViewChange::holdings(const View& view, Surroundings around) const {
         if (view.contains(id) || !log.is_frozen()) continue;
         answer.holds.push_back({id, log.end()});
         if (log.is_outdated()) answer.outdated.push_back(id);
+        if (log.is_foreign()) answer.foreign.push_back(id);
         const Seq not_kept = log.applied() - log.history().events_kept();
         if (not_kept > 0) answer.kept_after.push_back({id, not_kept});
         for (const Endpoint& address : log.addresses_left()) {

@@ -12,6 +12,8 @@ cluster::ClusterOptions cluster_options(const ClusterSettings& settings) {
     out.detector = settings.detector;
     out.rank = settings.rank;
     out.acks = settings.acks.value_or(cluster::all_peers);
+    out.profile = settings.profile;
+    out.version = ROMANO_VERSION;
     out.beacon_every = settings.beacon_every;
     out.detection_timeout = settings.detection_timeout;
     out.phi_threshold = settings.phi_threshold;

@@ -124,6 +124,8 @@ struct Writer {
         to.set_leaving(m.leaving);
         to_proto(m.link.endpoint, *to.mutable_link());
         to.set_link_process(m.link.process);
+        to.set_settings(m.settings);
+        to.set_predefined(m.predefined);
     }
     void operator()(const cluster::LogBatch& m) const {
         events_to_proto(m, *out.mutable_log_batch());
@@ -153,6 +155,7 @@ struct Writer {
         all_to_proto(m.holds, *to.mutable_holds());
         all_to_proto(m.outdated, *to.mutable_outdated());
         all_to_proto(m.kept_after, *to.mutable_kept_after());
+        all_to_proto(m.foreign, *to.mutable_foreign());
         for (const auto& left : m.addresses) to_proto(left, *to.add_addresses());
     }
     void operator()(const cluster::TailRequest& m) const {
@@ -214,6 +217,16 @@ struct Writer {
         to_proto(m.log, *out.mutable_pulse()->mutable_log());
         out.mutable_pulse()->set_tick(m.tick);
     }
+    void operator()(const cluster::SettingsTold& m) const {
+        auto& to = *out.mutable_settings_told();
+        to.set_asks(m.asks);
+        for (const auto& setting : m.settings) {
+            auto& one = *to.add_settings();
+            one.set_name(setting.name);
+            one.set_value(setting.value);
+            one.set_digest(setting.digest);
+        }
+    }
 };
 
 Maybe read_beacon(const Beacon& in) {
@@ -234,6 +247,8 @@ Maybe read_beacon(const Beacon& in) {
     out.transport_octets_sent = in.transport_octets_sent();
     out.transport_octets_received = in.transport_octets_received();
     out.leaving = in.leaving();
+    out.settings = in.settings();
+    out.predefined = in.predefined();
     for (const auto id : in.hears()) out.hears.push_back(broker::BrokerId{id});
     if (!all_from_proto(in.applied(), out.applied)) return std::nullopt;
     if (!all_from_proto(in.ended(), out.ended)) return std::nullopt;
@@ -274,6 +289,7 @@ Maybe read_view_holdings(const ViewHoldings& in) {
     if (!all_from_proto(in.holds(), out.holds)) return std::nullopt;
     if (!all_from_proto(in.outdated(), out.outdated)) return std::nullopt;
     if (!all_from_proto(in.kept_after(), out.kept_after)) return std::nullopt;
+    if (!all_from_proto(in.foreign(), out.foreign)) return std::nullopt;
     for (const auto& item : in.addresses()) {
         const auto left = from_proto(item);
         if (!left) return std::nullopt;
@@ -312,6 +328,14 @@ Maybe read_session_handoff(const SessionHandoff& in) {
     if (!to || !address) return std::nullopt;
     cluster::SessionHandoff out{*to, *address, in.part(), in.last(), {}};
     if (!all_from_proto(in.sessions(), out.sessions)) return std::nullopt;
+    return out;
+}
+
+Maybe read_settings_told(const SettingsTold& in) {
+    cluster::SettingsTold out{.settings = {}, .asks = in.asks()};
+    for (const auto& setting : in.settings()) {
+        out.settings.push_back({setting.name(), setting.value(), setting.digest()});
+    }
     return out;
 }
 
@@ -382,6 +406,8 @@ Maybe from_proto(const ClusterMessage& in) {
                 return cluster::Pulse{*log, in.pulse().tick()};
             }
             break;
+        case ClusterMessage::kSettingsTold:
+            return read_settings_told(in.settings_told());
         case ClusterMessage::MESSAGE_NOT_SET:
             break;
     }

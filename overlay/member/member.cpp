@@ -34,7 +34,8 @@ public:
                    {.name = options.name,
                     .log = log_,
                     .home_addresses = options.home_addresses,
-                    .link = {options.link, options.incarnation}},
+                    .link = {options.link, options.incarnation},
+                    .predefined = options.broker.predefined_topics},
                    seed + 1),
           stall_(options.cluster.beacon_every) {
         broker_.set_audience(cluster_.audience());

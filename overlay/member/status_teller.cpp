@@ -58,7 +58,11 @@ void StatusTeller::tell(Instant now, const cluster::ClusterCore& cluster,
                      .leads = told_leadership_.leader == cluster::node_of(log.broker),
                      .view = cluster.view(),
                      .member_names = members,
-                     .leader_name = name_of(told_view_.leader)});
+                     .leader_name = name_of(told_view_.leader),
+                     .teller_name = beacons.front().name,
+                     .differences = cluster.membership().is_alive(log)
+                                        ? cluster.agreement().differences_with(log.broker)
+                                        : std::vector<cluster::Difference>{}});
         std::string& told = told_[topic];
         if (told == text) continue;
         told = std::move(text);

@@ -89,6 +89,18 @@ std::string ipv6_text(const Endpoint& endpoint) {
     return text;
 }
 
+/// `"predefined":{"r1":"1=pose","r2":"1=stop"}`: this broker's value, and the teller's.
+std::string differences_of(const BrokerStatus& status) {
+    std::string out = "{";
+    for (const cluster::Difference& difference : status.differences) {
+        if (out.size() > 1) out += ',';
+        out += field(difference.setting,
+                     '{' + field(status.beacon.name, quoted(difference.theirs)) + ',' +
+                         field(status.teller_name, quoted(difference.ours)) + '}');
+    }
+    return out + '}';
+}
+
 }  // namespace
 
 std::string to_text(const Endpoint& endpoint) {
@@ -122,7 +134,10 @@ std::string to_json(const BrokerStatus& status) {
            field("addresses", list_of(beacon.serving, to_text)) + ',' + field("view", view) + ',' +
            field("incarnation", number(beacon.log.incarnation)) + ',' +
            field("transport_octets_sent", number(beacon.transport_octets_sent)) + ',' +
-           field("transport_octets_received", number(beacon.transport_octets_received)) + '}';
+           field("transport_octets_received", number(beacon.transport_octets_received)) +
+           (status.differences.empty() ? std::string{}
+                                       : ',' + field("disagrees", differences_of(status))) +
+           '}';
 }
 
 }  // namespace romano::overlay

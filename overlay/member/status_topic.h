@@ -4,6 +4,7 @@
 
 #include <string>
 
+#include "overlay/cluster/agreement.h"
 #include "overlay/cluster/messages.h"
 
 namespace romano::overlay {
@@ -15,6 +16,8 @@ struct BrokerStatus {
     const cluster::View& view;                     // the teller's
     const std::vector<std::string>& member_names;  // of the view, in its order
     std::string leader_name;                       // of the view
+    std::string teller_name = {};
+    std::vector<cluster::Difference> differences = {};  // from the teller's settings
 };
 
 [[nodiscard]] std::string status_topic(const std::string& name);

@@ -106,6 +106,17 @@ TEST_F(Heirs, P3_WhatTheLeaderWasToldEndsALogThatOnlyAReplacedMemberHolds) {
     EXPECT_THAT(agreed_ends(answers()), ElementsAre(std::pair{dead, Seq{5}}));
 }
 
+TEST_F(Heirs, NobodyInheritsToWhomTheTopicIdsMeanSomethingElse) {
+    holds(b1, 5, {address(9)});
+    holds(b2, 5);
+    holds(b3, 5);
+    holdings[b1].foreign.push_back(dead);
+    holdings[b2].foreign.push_back(dead);
+    EXPECT_EQ(heir_of(address(9)), b3.broker);
+    holdings[b3].foreign.push_back(dead);
+    EXPECT_THAT(assign(answers(), agreed_ends(answers()), membership), IsEmpty());
+}
+
 TEST_F(Heirs, P3_WhoWasGivenTheAddressByTheLastViewKeepsIt) {
     holds(b1, 5, {address(9)});
     holds(b2, 5);

@@ -41,7 +41,7 @@ struct RoamingTest : testing::Test, Owner {
     Membership membership{ClusterOptions{}, self.broker, 1};
     View view{.members = {self}};
     HandoffReceiver arriving{256, patience};
-    Roaming roaming{patience};
+    Roaming roaming{patience, 0};
 };
 
 TEST_F(RoamingTest, IsAStrangerWhenItsHomeDoesNotAnswer) {
@@ -51,7 +51,7 @@ TEST_F(RoamingTest, IsAStrangerWhenItsHomeDoesNotAnswer) {
 
 TEST_F(RoamingTest, P2_IsNoStrangerWhileItsSessionWaitsToBeAdopted) {
     robot.worked_through = {{test::log_of("former"), 5}};
-    arriving.on_handoff(now, peer.broker, {.to = self, .last = true, .sessions = {robot}});
+    arriving.on_handoff(now, peer.broker, {.to = self, .last = true, .sessions = {robot}}, false);
     EXPECT_TRUE(is_waited_for_after(2 * patience + 1ms));
     arriving.heed(now, [](const LogPosition&) { return true; });
     Effects acting = effects();

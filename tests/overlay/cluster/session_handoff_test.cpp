@@ -21,7 +21,7 @@ struct NewHome : Owner {
     Seq cursor = 0;  // how far a third broker's log is worked through
 
     void take(SessionHandoff part) {
-        receiver.on_handoff(now, peer.broker, std::move(part));
+        receiver.on_handoff(now, peer.broker, std::move(part), false);
         go_on();
     }
     void go_on() {

@@ -40,13 +40,13 @@ static_assert(field_count<election::Claim>() == 3);
 static_assert(field_count<election::Ballot>() == 3);
 static_assert(field_count<cluster::ViewNumber>() == 3);
 static_assert(field_count<cluster::View>() == 2);
-static_assert(field_count<cluster::Beacon>() == 17);
+static_assert(field_count<cluster::Beacon>() == 19);
 static_assert(field_count<cluster::Pulse>() == 2);
 static_assert(field_count<cluster::LogBatch>() == 4);
 static_assert(field_count<cluster::LogAck>() == 2);
 static_assert(field_count<cluster::ViewProposal>() == 2);
 static_assert(field_count<cluster::LeftAddress>() == 2);
-static_assert(field_count<cluster::ViewHoldings>() == 5);
+static_assert(field_count<cluster::ViewHoldings>() == 6);
 static_assert(field_count<cluster::TailRequest>() == 2);
 static_assert(field_count<cluster::LogTail>() == 4);
 static_assert(field_count<cluster::Assignment>() == 3);
@@ -56,6 +56,8 @@ static_assert(field_count<cluster::SnapshotPart>() == 7);
 static_assert(field_count<cluster::AddressBound>() == 2);
 static_assert(field_count<cluster::SessionHandoff>() == 5);
 static_assert(field_count<cluster::HandoffAck>() == 2);
+static_assert(field_count<cluster::Setting>() == 3);
+static_assert(field_count<cluster::SettingsTold>() == 2);
 
 // Two messages are equal when their octets are: encoding is deterministic. That no field is
 // forgotten both ways is checked field by field below.
@@ -101,6 +103,8 @@ TEST(BodyCodec, ABeaconKeepsItsFields) {
     EXPECT_EQ(out.transport_octets_received, in.transport_octets_received);
     EXPECT_EQ(out.leaving, in.leaving);
     EXPECT_EQ(out.link, in.link);
+    EXPECT_EQ(out.settings, in.settings);
+    EXPECT_EQ(out.predefined, in.predefined);
 }
 
 TEST(BodyCodec, ASessionImageKeepsItsFields) {

@@ -180,6 +180,10 @@ cluster::Assignment assignment(Random& r) {
     return {position(r), endpoint(r), broker_id(r)};
 }
 
+cluster::Setting setting(Random& r) {
+    return {text(r), text(r), r.next()};
+}
+
 cluster::Beacon beacon(Random& r) {
     cluster::Beacon out;
     out.name = text(r);
@@ -199,6 +203,8 @@ cluster::Beacon beacon(Random& r) {
     out.transport_octets_received = wide(r);
     out.leaving = flag(r);
     out.link = {endpoint(r), wide(r)};
+    out.settings = r.next();
+    out.predefined = r.next();
     return out;
 }
 
@@ -220,8 +226,8 @@ cluster::ClusterMessage random_message(std::size_t kind, Random& r) {
         case 5:
             return cluster::ViewProposal{view(r), some(r, log_id)};
         case 6:
-            return cluster::ViewHoldings{view_number(r), some(r, position), some(r, log_id),
-                                         some(r, left_address), some(r, position)};
+            return cluster::ViewHoldings{view_number(r),        some(r, position), some(r, log_id),
+                                         some(r, left_address), some(r, position), some(r, log_id)};
         case 7:
             return cluster::TailRequest{position(r), broker_id(r)};
         case 8:
@@ -247,10 +253,12 @@ cluster::ClusterMessage random_message(std::size_t kind, Random& r) {
             return cluster::HandoffAck{endpoint(r), text(r)};
         case 17:
             return cluster::SessionClaim{header(r)};
-        default:
+        case 18:
             return cluster::Pulse{log_id(r), wide(r)};
+        default:
+            return cluster::SettingsTold{some(r, setting), flag(r)};
     }
 }
-static_assert(message_kinds == 19, "random_message() makes every kind");
+static_assert(message_kinds == 20, "random_message() makes every kind");
 
 }  // namespace romano::dds

@@ -40,6 +40,7 @@ void Brokers::start(int rank) {
     options.home_addresses = {home};
     options.broker.t_retry = 500ms;
     options.broker.advertise_every = Duration::zero();
+    options.broker.predefined_topics = predefined_[rank];
     options.uplink = uplink_;
     Running running{.member = std::make_unique<overlay::Member>(options, starts_),
                     .log = {id_of(rank), options.incarnation},
@@ -207,8 +208,9 @@ void Brokers::carry_out_locally(int rank, const overlay::MemberActions& actions)
             carry_out(rank, answer);
         } else if (const auto* given = std::get_if<overlay::GiveUpAddress>(&action)) {
             std::erase(sockets_[given->address], rank);
-        } else if (const auto* notice = std::get_if<overlay::Notice>(&action);
-                   notice != nullptr && std::getenv("ROMANO_TRACE") != nullptr) {
+        } else if (const auto* notice = std::get_if<overlay::Notice>(&action)) {
+            if (notice->is_warning) warnings_[rank].push_back(notice->text);
+            if (std::getenv("ROMANO_TRACE") == nullptr) continue;
             std::printf("%lld ms  b%d: %s\n", static_cast<long long>(now_.time_since_epoch() / 1ms),
                         rank, notice->text.c_str());
         }

@@ -53,6 +53,12 @@ public:
     /// Brokers that are started from now on serve one address, each in its own cell: a robot
     /// reaches the broker that it stands beside.
     void serve_one_address_in_every_cell() { cells_ = true; }
+    /// Broker `rank` knows these topics when it is started.
+    void predefine(int rank, std::map<mqttsn::TopicId, std::string> topics) {
+        predefined_[rank] = std::move(topics);
+    }
+    /// Warnings of broker `rank` so far.
+    [[nodiscard]] const std::vector<std::string>& warnings(int rank) { return warnings_[rank]; }
     /// The robot drives there.
     void drive(const Robot& robot, int broker);
 
@@ -103,6 +109,8 @@ private:
 
     cluster::ClusterOptions options_;
     bool cells_ = false;
+    std::map<int, std::map<mqttsn::TopicId, std::string>> predefined_;
+    std::map<int, std::vector<std::string>> warnings_;
     std::optional<uplink::UplinkOptions> uplink_;
     std::map<int, std::vector<uplink::UplinkAction>> uplink_actions_;
     Instant now_ = Instant{} + std::chrono::seconds{1};

@@ -36,6 +36,13 @@ void Robot::publish(const std::string& topic, const std::string& text, Qos qos, 
     ask({.type = MsgType::publish, .topic = topic, .text = text, .qos = qos, .flag = retain});
 }
 
+void Robot::publish_predefined(mqttsn::TopicId predefined, const std::string& text) {
+    ask({.type = MsgType::publish,
+         .text = text,
+         .qos = Qos::at_least_once,
+         .predefined = predefined});
+}
+
 void Robot::publish_without_connection(mqttsn::TopicId predefined, const std::string& text) {
     send(mqttsn::Publish{false, Qos::without_connection, false, TopicIdType::predefined, predefined,
                          mqttsn::no_msg_id, as_octets(text)});
@@ -65,9 +72,11 @@ void Robot::send_front() {
         } else if (request.released) {
             send(mqttsn::Pubrel{request.msg_id});
         } else {
-            send(mqttsn::Publish{again, request.qos, request.flag, TopicIdType::normal,
-                                 topic_ids_.at(request.topic), request.msg_id,
-                                 as_octets(request.text)});
+            const bool is_predefined = request.topic.empty();
+            send(mqttsn::Publish{again, request.qos, request.flag,
+                                 is_predefined ? TopicIdType::predefined : TopicIdType::normal,
+                                 is_predefined ? request.predefined : topic_ids_.at(request.topic),
+                                 request.msg_id, as_octets(request.text)});
             if (request.qos == Qos::at_most_once) {
                 requests_.pop_front();
                 continue;

@@ -33,6 +33,8 @@ public:
     void publish(const std::string& topic, const std::string& text, mqttsn::Qos qos,
                  bool retain = false);
     void search() { send(mqttsn::Searchgw{}); }
+    /// QoS 1, under a topic id that robot and broker know without words.
+    void publish_predefined(mqttsn::TopicId predefined, const std::string& text);
     /// QoS -1.
     void publish_without_connection(mqttsn::TopicId predefined, const std::string& text);
     /// Talks to another broker from now on.
@@ -59,6 +61,7 @@ private:
         std::string text{};
         mqttsn::Qos qos{};
         bool flag = false;  // clean session, or retain
+        mqttsn::TopicId predefined{};
         mqttsn::MsgId msg_id{};
         bool sent = false;
         bool released = false;  // PUBREC is here: PUBREL goes out

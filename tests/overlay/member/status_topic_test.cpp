@@ -46,5 +46,19 @@ TEST(StatusTopic, IsAJsonObjectWithQuotesAndControlsEscaped) {
     EXPECT_EQ(json.back(), '}');
 }
 
+TEST(StatusTopic, SaysWhichSettingsDisagreeAndWhoHasWhat) {
+    const cluster::Beacon beacon{.name = "r2"};
+    const cluster::View view;
+    const std::vector<std::string> names;
+    BrokerStatus status{.beacon = beacon, .view = view, .member_names = names, .leader_name = ""};
+    EXPECT_THAT(to_json(status), testing::Not(HasSubstr("disagrees")));
+    status.teller_name = "r1";
+    status.differences = {{"predefined", "1=robots/pose", "1=robots/stop"}, {"acks", "1", "all"}};
+    EXPECT_THAT(
+        to_json(status),
+        HasSubstr(R"("disagrees":{"predefined":{"r2":"1=robots/stop","r1":"1=robots/pose"},)"
+                  R"("acks":{"r2":"all","r1":"1"}})"));
+}
+
 }  // namespace
 }  // namespace romano::overlay
