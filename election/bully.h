@@ -23,6 +23,9 @@ public:
     void on_claim(Instant now, const Claim& claim) override;
     void on_suspect(Instant now, NodeId node) override;
     void on_ballot(Instant now, NodeId from, const Ballot& ballot) override;
+    void on_condition(Instant, std::uint32_t condition) override {
+        options_.self.condition = condition;  // whoever outranks us now will say so
+    }
     void on_tick(Instant now) override;
     [[nodiscard]] Instant next_wakeup() const override { return deadline_; }
 

@@ -19,6 +19,10 @@ public:
     void on_claim(Instant now, const Claim& claim) override;
     void on_suspect(Instant now, NodeId node) override;
     void on_ballot(Instant now, NodeId from, const Ballot& ballot) override;
+    void on_condition(Instant now, std::uint32_t condition) override {
+        self_.condition = condition;
+        settle(now);
+    }
     void on_tick(Instant now) override;
     [[nodiscard]] Instant next_wakeup() const override;
     [[nodiscard]] Leadership leadership() const override { return leadership_; }

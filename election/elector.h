@@ -69,6 +69,8 @@ public:
     /// `node` is alive no more, in the detector's judgement, or has said goodbye.
     virtual void on_suspect(Instant now, NodeId node) = 0;
     virtual void on_ballot(Instant now, NodeId from, const Ballot& ballot) = 0;
+    /// The own Rank::condition is another one now. Raft leads by votes, whatever the rank.
+    virtual void on_condition(Instant now, std::uint32_t condition) = 0;
     virtual void on_tick(Instant now) = 0;
     [[nodiscard]] virtual Instant next_wakeup() const = 0;
 

@@ -94,6 +94,12 @@ void add_options(CLI::App& app, SettingTexts& texts) {
         ->type_name("N")
         ->capture_default_str()
         ->group(cluster);
+    app.add_option("--condition-file", texts.condition_file,
+                   "Battery or load, from 0 (spent) to 100 (full, or idle), read each second: of "
+                   "brokers of one rank the highest leads; for example "
+                   "/sys/class/power_supply/BAT0/capacity (default: 100)")
+        ->type_name("FILE")
+        ->group(cluster);
     app.add_option("--acks", texts.acks,
                    "Peers that must hold an event before a client sees its effect")
         ->type_name("N|all")

@@ -18,6 +18,7 @@ struct SettingTexts {
     std::optional<std::string> domain = {};
     std::optional<std::string> interface = {};
     std::string rank = "0";
+    std::optional<std::string> condition_file = {};
     std::string acks = "1";
     std::string elector = "component";
     std::vector<std::string> voters = {};

@@ -279,6 +279,11 @@ std::optional<ClusterSettings> check_cluster(const SettingTexts& texts, const Pr
     // Also without --domain: a setting that is wrong is wrong.
     out.rank =
         number_in<std::uint32_t>("rank", texts.rank, 0, std::numeric_limits<std::uint32_t>::max());
+    if (texts.condition_file && !texts.domain) {
+        refuse("condition-file", *texts.condition_file,
+               "is for the brokers of a cluster; give --domain too");
+    }
+    out.condition_file = texts.condition_file;
     out.acks = check_acks(texts.acks);
     out.elector = one_of("elector", texts.elector, election::elector_names());
     out.detector = one_of("detector", texts.detector, election::detector_names());

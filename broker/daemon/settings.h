@@ -24,6 +24,7 @@ struct ClusterSettings {
     std::vector<std::string> voters;
     std::string detector;
     std::uint32_t rank = 0;
+    std::optional<std::string> condition_file;
     std::optional<std::uint32_t> acks;  // empty: all peers
     std::string profile;                // whose times these are, but for those that were given
     std::chrono::milliseconds beacon_every{};

@@ -19,14 +19,24 @@ constexpr auto lease = 5s;
 constexpr auto neighbours_are_asked_again_after = 100ms;
 constexpr int announcements = 3;  // a frame may be lost
 
-/// A socket of this machine is bound there.
-bool is_served(const Endpoint& address) {
+/// What a socket hears that wants the address for itself; 0: it may have it.
+int why_not_bound(const Endpoint& address) {
     const SocketAddress wanted = to_socket_address(address);
     const int fd = ::socket(wanted.any.sa_family, SOCK_DGRAM | SOCK_CLOEXEC, 0);
-    if (fd < 0) return false;
-    const bool is_refused = ::bind(fd, &wanted.any, wanted.size) != 0 && errno == EADDRINUSE;
+    if (fd < 0) return errno;
+    const int error = ::bind(fd, &wanted.any, wanted.size) == 0 ? 0 : errno;
     ::close(fd);
-    return is_refused;
+    return error;
+}
+
+/// A socket of this machine is bound there.
+bool is_served(const Endpoint& address) {
+    return why_not_bound(address) == EADDRINUSE;
+}
+
+bool is_of_this_machine(Endpoint address) {
+    address.port = 0;
+    return why_not_bound(address) == 0;
 }
 
 }  // namespace
@@ -41,6 +51,10 @@ void MovedAddresses::let_go(const Endpoint& address, const Moved& moved) {
 
 bool MovedAddresses::can_add(const Endpoint& address) {
     return may_add_addresses() && interface_towards(address).has_value();
+}
+
+bool MovedAddresses::can_serve(const Endpoint& address) {
+    return is_of_this_machine(address) || can_add(address);
 }
 
 void MovedAddresses::forget_earlier_life(const Endpoint& address) {

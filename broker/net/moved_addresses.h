@@ -37,6 +37,8 @@ public:
 
     /// Could add(), as far as one can know before.
     [[nodiscard]] static bool can_add(const Endpoint& address);
+    /// The machine has the address, or could get it.
+    [[nodiscard]] static bool can_serve(const Endpoint& address);
     /// Removes what an earlier life of this broker had added before it was killed, unless another
     /// broker of this machine serves it.
     static void forget_earlier_life(const Endpoint& address);

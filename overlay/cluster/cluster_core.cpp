@@ -137,6 +137,11 @@ void ClusterCore::on_link(Effects& effects, const LogId& process, election::Link
     after_input(effects);
 }
 
+void ClusterCore::on_condition(Effects& effects, std::uint32_t reading) {
+    membership_.on_condition(effects.now, reading);
+    after_input(effects);
+}
+
 void ClusterCore::after_input(Effects& effects) {
     for (const BrokerId lost : membership_.take_lost()) {
         effects.local.push_back(Notice{"lost " + membership_.name_of(lost)});
@@ -345,10 +350,12 @@ void ClusterCore::resume(Instant now) {
 Surroundings ClusterCore::surroundings(const Effects& effects) {
     claimed_ = addresses_.claimed();
     told_ends_ = ended_.list();
+    cannot_take_ = addresses_.cannot_take();
     return {.membership = membership_,
             .logs = logs_,
             .serving = claimed_,
             .home = addresses_.home(),
+            .cannot_take = cannot_take_,
             .ended = told_ends_,
             .sessions = static_cast<std::uint32_t>(effects.broker.session_count())};
 }

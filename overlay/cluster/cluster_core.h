@@ -65,6 +65,12 @@ public:
     void on_tick(Effects& effects, const std::set<Endpoint>& pending_output);
     void on_address(Effects& effects, const Endpoint& address, bool served);
     void on_link(Effects& effects, const LogId& process, election::Link link);
+    /// Battery or load, from 0 to 100.
+    void on_condition(Effects& effects, std::uint32_t reading);
+    /// Whether the shell could serve a peer's address here, should that peer die.
+    void on_ability(const Endpoint& address, bool can_take) {
+        addresses_.on_ability(address, can_take);
+    }
     void on_transport_octets(std::uint64_t sent, std::uint64_t received) {
         octets_sent_ = sent;
         octets_received_ = received;
@@ -237,6 +243,7 @@ private:
     Membership membership_;
     ServiceAddresses addresses_;
     std::vector<Endpoint> claimed_;       // addresses_.claimed(), for the surroundings
+    std::vector<Endpoint> cannot_take_;   // addresses_.cannot_take(), as well
     std::vector<LogPosition> told_ends_;  // ended_.list(), as well
     PeerLogs logs_;
     Acknowledgements acknowledgements_;

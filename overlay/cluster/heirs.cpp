@@ -136,6 +136,17 @@ std::vector<BrokerId> candidates(const Answers& answers, const Witnesses& witnes
     return found;
 }
 
+/// Of these, those that say nothing against serving the address; all, when nobody can: then the
+/// sessions wait for clients that find their new home by themselves.
+std::vector<BrokerId> able_to_serve(std::vector<BrokerId> members, const Answers& answers,
+                                    const Endpoint& address) {
+    std::vector<BrokerId> able = members;
+    for (const auto& [member, holdings] : answers.holdings) {
+        if (std::ranges::count(holdings.cannot_take, address) > 0) std::erase(able, member.broker);
+    }
+    return able.empty() ? std::move(members) : able;
+}
+
 }  // namespace
 
 std::map<LogId, Seq> agreed_ends(const Answers& answers) {
@@ -178,7 +189,8 @@ std::vector<Assignment> assign(const Answers& answers, const std::map<LogId, Seq
         std::vector<BrokerId> wanted = present_servers(answers, membership, address);
         if (chosen.contains(address)) wanted.push_back(chosen.at(address));
         if (const auto home = owner(answers, membership, address)) wanted.push_back(*home);
-        const auto able = candidates(answers, witnesses, {log, end->second});
+        const auto able =
+            able_to_serve(candidates(answers, witnesses, {log, end->second}), answers, address);
         if (able.empty()) continue;
         // One that serves the address but does not hold the log gets the sessions from an heir.
         const auto best = std::ranges::find_first_of(wanted, able);

@@ -3,8 +3,9 @@
 // Deterministic, from the members' answers alone. An address that a member already serves stays
 // with it, for what is left of its sessions; one whose own broker is there goes to that one; the
 // others go to the least loaded. An heir always is one that holds the dead broker's log,
-// but for its last events perhaps: when an address's own broker has just come back, that is whoever
-// serves the address beside it, or was told to.
+// but for its last events perhaps, and one whose machine can serve the address, if there is any:
+// when an address's own broker has just come back, that is whoever serves the address beside it, or
+// was told to.
 #pragma once
 
 #include <map>

@@ -41,11 +41,13 @@ Membership::Membership(const ClusterOptions& options, BrokerId self, std::uint64
 void Membership::restart() {
     std::vector<election::NodeId> voters;
     for (const auto& name : options_.voters) voters.push_back(node_of(broker::broker_id_of(name)));
-    elector_ = election::make_elector(options_.elector,
-                                      {.self = {.capability = options_.rank, .id = node_of(self_)},
-                                       .detection_time = linked_->detection_time(),
-                                       .voters = std::move(voters),
-                                       .seed = ++seed_});
+    elector_ =
+        election::make_elector(options_.elector, {.self = {.capability = options_.rank,
+                                                           .condition = condition_.told(),
+                                                           .id = node_of(self_)},
+                                                  .detection_time = linked_->detection_time(),
+                                                  .voters = std::move(voters),
+                                                  .seed = ++seed_});
     assert(elector_ != nullptr && "the shell checks the elector's name");
 }
 
@@ -139,6 +141,10 @@ bool Membership::on_link(Instant now, const LogId& process, election::Link link)
 
 void Membership::on_ballot(Instant now, BrokerId from, const election::Ballot& ballot) {
     elector_->on_ballot(now, node_of(from), ballot);
+}
+
+void Membership::on_condition(Instant now, std::uint32_t reading) {
+    if (condition_.on_reading(reading)) elector_->on_condition(now, condition_.told());
 }
 
 void Membership::on_tick(Instant now) {

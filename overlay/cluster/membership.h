@@ -13,6 +13,7 @@
 
 #include "election/elector.h"
 #include "election/failure_detector.h"
+#include "overlay/cluster/condition.h"
 #include "overlay/cluster/envelope.h"
 #include "overlay/cluster/options.h"
 #include "romano/base/time.h"
@@ -63,6 +64,8 @@ public:
     void on_tick(Instant now);
     /// After a stall, in which nobody could be heard: whoever may be deaf listens anew.
     void resume(Instant now);
+    /// Battery or load of this broker, from 0 to 100.
+    void on_condition(Instant now, std::uint32_t reading);
     /// What the elector has to say since the last call.
     void send_ballots(Outbox& out);
     /// The elector's next wish; detectors count beacon times.
@@ -106,6 +109,7 @@ private:
     ClusterOptions options_;
     BrokerId self_;
     std::uint64_t seed_;
+    Condition condition_;
     std::unique_ptr<election::FailureDetector> heard_;   // beacons come here
     std::unique_ptr<election::FailureDetector> linked_;  // and ours go there
     std::unique_ptr<election::Elector> elector_;

@@ -133,6 +133,7 @@ struct ViewHoldings {
     std::vector<LogPosition> kept_after{};  // what it can send of them: the events after these, or
                                             // where none is named, all
     std::vector<LogId> foreign{};           // of these: topic ids mean something else to the sender
+    std::vector<Endpoint> cannot_take{};  // peers' home addresses that its machine would not serve
 };
 /// "Send it the events of that log": the leader to the member that holds most of a removed one, and
 /// who was sent a piece, for the next.

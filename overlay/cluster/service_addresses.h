@@ -3,6 +3,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cstddef>
 #include <set>
 #include <vector>
 
@@ -20,6 +21,17 @@ public:
     }
     [[nodiscard]] bool is_serving(const Endpoint& address) const {
         return serving_.contains(address);
+    }
+    /// Whether the machine would serve a peer's address.
+    void on_ability(const Endpoint& address, bool can_take) {
+        if (can_take) {
+            cannot_take_.erase(address);
+        } else if (cannot_take_.size() < cannot_take_most) {
+            cannot_take_.insert(address);
+        }
+    }
+    [[nodiscard]] std::vector<Endpoint> cannot_take() const {
+        return {cannot_take_.begin(), cannot_take_.end()};
     }
     /// With those that are being taken: nobody else shall take them meanwhile.
     [[nodiscard]] std::vector<Endpoint> claimed() const {
@@ -74,10 +86,13 @@ public:
     }
 
 private:
+    static constexpr std::size_t cannot_take_most = 1'000;
+
     std::vector<Endpoint> home_;
     std::set<Endpoint> serving_;
     std::set<Endpoint> taking_;
     std::set<Endpoint> inherited_;
+    std::set<Endpoint> cannot_take_;
 };
 
 }  // namespace romano::cluster

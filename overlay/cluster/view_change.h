@@ -23,10 +23,11 @@ namespace romano::cluster {
 struct Surroundings {
     const Membership& membership;
     PeerLogs& logs;
-    const std::vector<Endpoint>& serving;   // by this broker
-    const std::vector<Endpoint>& home;      // of this broker
-    const std::vector<LogPosition>& ended;  // as it was told
-    std::uint32_t sessions = 0;             // the own ones
+    const std::vector<Endpoint>& serving;      // by this broker
+    const std::vector<Endpoint>& home;         // of this broker
+    const std::vector<Endpoint>& cannot_take;  // by this broker's machine
+    const std::vector<LogPosition>& ended;     // as it was told
+    std::uint32_t sessions = 0;                // the own ones
 };
 
 class ViewChange {

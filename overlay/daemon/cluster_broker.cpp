@@ -30,6 +30,14 @@ constexpr auto patience = 5s;
 constexpr std::size_t most_actions_held = 4096;
 constexpr std::size_t most_octets_held = std::size_t{1} << 20U;
 
+constexpr auto look_every = 1s;
+constexpr std::size_t most_homes_of_peers = 1'000;
+
+constexpr const char* missing_right =
+    "addresses of brokers on other machines cannot be taken over here, the right CAP_NET_ADMIN is "
+    "missing; as a service switch address-takeover.conf on (it says how, in "
+    "/usr/share/doc/romano-broker/examples), else start as root";
+
 bool contains(const std::vector<Endpoint>& list, const Endpoint& address) {
     return std::ranges::find(list, address) != list.end();
 }
@@ -45,8 +53,10 @@ ClusterBroker::ClusterBroker(boost::asio::io_context& io, const Settings& settin
       moved_(io, [this](const Endpoint& a) { return !member_ || member_->may_announce(a); }),
       udp_(io, *this),
       timer_(io, [this] { on_core_wakeup(); }),
+      look_timer_(io, [this] { look_around(); }),
       heap_limit_(settings.limits.memory_mib),
       standstill_(settings.cluster->detection_timeout) {
+    if (settings_.cluster->condition_file) condition_.emplace(*settings_.cluster->condition_file);
     if (make_uplink != nullptr) open_uplink(make_uplink);
     open_addresses();
     open_transport();
@@ -78,6 +88,15 @@ void ClusterBroker::open_addresses() {
     }
     if (held_.empty()) join_discovery_groups(udp_, settings_);
     warn_of_shared_addresses();
+    warn_of_missing_right();
+}
+
+// Peers with such addresses as ours have them on other machines, as a rule.
+void ClusterBroker::warn_of_missing_right() const {
+    const bool moves = std::ranges::any_of(options_.home_addresses, [](const Endpoint& address) {
+        return net::interface_towards(address).has_value();
+    });
+    if (moves && !net::may_add_addresses()) spdlog::warn("{}", missing_right);
 }
 
 // What moves to another machine is not there any more for anything else.
@@ -177,6 +196,7 @@ void ClusterBroker::start_member() {
         member_->on_address(net::now(), address, served, actions_);
         if (!served) spdlog::info("{} is not served here yet", net::to_text(address));
     }
+    look_around();
     on_core_wakeup();
     say_when_serving();
 }
@@ -201,6 +221,9 @@ void ClusterBroker::on_peer_message(const overlay::Envelope& envelope) {
         links_->on_address({beacon->log.broker, beacon->link.process}, beacon->link.endpoint);
     }
     if (member_) {
+        if (beacon != nullptr) {
+            for (const Endpoint& address : beacon->home_addresses) on_home_of_peer(address);
+        }
         member_->on_peer_message(net::now(), envelope, actions_);
     } else if (beacon != nullptr) {
         for (const Endpoint& address : beacon->serving) {
@@ -231,6 +254,26 @@ void ClusterBroker::on_core_wakeup() {
     carry_out();
 }
 
+void ClusterBroker::on_home_of_peer(const Endpoint& address) {
+    if (homes_of_peers_.size() >= most_homes_of_peers || !homes_of_peers_.insert(address).second) {
+        return;
+    }
+    member_->on_ability(address, net::MovedAddresses::can_serve(address));
+}
+
+// What changes without telling us: interfaces, and the battery.
+void ClusterBroker::look_around() {
+    for (const Endpoint& address : homes_of_peers_) {
+        member_->on_ability(address, net::MovedAddresses::can_serve(address));
+    }
+    const auto reading = condition_ ? condition_->look() : std::nullopt;
+    if (reading) {
+        member_->on_condition(net::now(), *reading, actions_);
+        carry_out();
+    }
+    look_timer_.arm(net::now() + look_every);
+}
+
 void ClusterBroker::carry_out() {
     // An address that was taken or not is news for the member, which may want more done.
     for (;;) {
@@ -256,8 +299,9 @@ void ClusterBroker::carry_out_locally() {
         if (const auto* take = std::get_if<overlay::TakeAddress>(&action)) {
             const auto error = serve_moved(udp_, moved_, take->address);
             if (error) {
-                spdlog::warn("cannot serve {}: {}", net::to_text(take->address), error.message());
+                warn_of_not_serving(take->address, error);
             } else {
+                not_served_.erase(take->address);
                 spdlog::info("serving {}", net::to_text(take->address));
             }
             answers_.push_back({take->address, !error});
@@ -274,6 +318,15 @@ void ClusterBroker::carry_out_locally() {
                         notice.text);
         }
     }
+}
+
+/// Once: it is tried twice a second.
+void ClusterBroker::warn_of_not_serving(const Endpoint& address,
+                                        const boost::system::error_code& error) {
+    if (!not_served_.insert(address).second) return;
+    const bool lacks_right = net::interface_towards(address) && !net::may_add_addresses();
+    spdlog::warn("cannot serve {}, clients must find another broker: {}", net::to_text(address),
+                 lacks_right ? missing_right : error.message());
 }
 
 void ClusterBroker::on_home_address_returned() {

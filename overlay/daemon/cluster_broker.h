@@ -6,7 +6,10 @@
 #pragma once
 
 #include <boost/asio/io_context.hpp>
+#include <boost/system/error_code.hpp>
 #include <memory>
+#include <optional>
+#include <set>
 #include <utility>
 #include <vector>
 
@@ -17,6 +20,7 @@
 #include "broker/net/core_timer.h"
 #include "broker/net/moved_addresses.h"
 #include "broker/net/udp_service.h"
+#include "overlay/daemon/condition_file.h"
 #include "overlay/dds/dds_transport.h"
 #include "overlay/dds/domain.h"
 #include "overlay/link/link_service.h"
@@ -44,6 +48,7 @@ public:
 private:
     void open_addresses();
     void warn_of_shared_addresses() const;
+    void warn_of_missing_right() const;
     void open_transport();
     void open_links();
     void open_uplink(MakeUplink make_uplink);
@@ -56,9 +61,12 @@ private:
     void on_peers_drained();
     void on_link(const broker::LogId& process, election::Link link);
     void on_core_wakeup();
+    void on_home_of_peer(const Endpoint& address);
+    void look_around();
 
     void carry_out();
     void carry_out_locally();
+    void warn_of_not_serving(const Endpoint& address, const boost::system::error_code& error);
     void on_home_address_returned();
     void say_when_serving();
 
@@ -75,6 +83,10 @@ private:
     std::unique_ptr<overlay::Member> member_;   // null until every address is accounted for
     overlay::MemberActions actions_;
     net::CoreTimer timer_;
+    net::CoreTimer look_timer_;
+    std::optional<ConditionFile> condition_;
+    std::set<Endpoint> homes_of_peers_;  // that we may have to serve
+    std::set<Endpoint> not_served_;      // people were told
     BadSenders bad_senders_;
     HeapLimit heap_limit_;
     Standstill standstill_;

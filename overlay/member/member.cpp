@@ -53,6 +53,10 @@ public:
                           MemberActions& out);
     void on_uplink_message(Instant now, const uplink::FromRemote& message, std::uint64_t token,
                            MemberActions& out);
+    void on_condition(Instant now, std::uint32_t reading, MemberActions& out);
+    void on_ability(const Endpoint& address, bool can_take) {
+        cluster_.on_ability(address, can_take);
+    }
     void on_tick(Instant now, MemberActions& out);
     [[nodiscard]] Instant next_wakeup() const;
     void before_sending(Instant now, MemberActions& out);
@@ -188,6 +192,14 @@ void Member::State::on_link(Instant now, const LogId& process, election::Link li
     notice_stall(now, out);
     Effects acting = effects(now, out);
     cluster_.on_link(acting, process, link);
+    carry_out(now, out);
+}
+
+void Member::State::on_condition(Instant now, std::uint32_t reading, MemberActions& out) {
+    if (has_left_) return;
+    notice_stall(now, out);
+    Effects acting = effects(now, out);
+    cluster_.on_condition(acting, reading);
     carry_out(now, out);
 }
 
@@ -501,6 +513,14 @@ void Member::on_uplink_message(Instant now, const uplink::FromRemote& message, s
                                MemberActions& out) {
     state_->on_uplink_message(now, message, token, out);
 }
+void Member::on_condition(Instant now, std::uint32_t reading, MemberActions& out) {
+    state_->on_condition(now, reading, out);
+}
+
+void Member::on_ability(const Endpoint& address, bool can_take) {
+    state_->on_ability(address, can_take);
+}
+
 void Member::on_tick(Instant now, MemberActions& out) {
     state_->on_tick(now, out);
 }

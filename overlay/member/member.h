@@ -82,6 +82,10 @@ public:
     /// `token` comes back in Acknowledge; 0: nobody waits for it.
     void on_uplink_message(Instant now, const uplink::FromRemote& message, std::uint64_t token,
                            MemberActions& out);
+    /// Battery or load of this machine, from 0 to 100: of two brokers of one rank the higher leads.
+    void on_condition(Instant now, std::uint32_t reading, MemberActions& out);
+    /// Whether the shell could serve a peer's home address, should that peer die.
+    void on_ability(const Endpoint& address, bool can_take);
     void on_tick(Instant now, MemberActions& out);
     [[nodiscard]] Instant next_wakeup() const;
 

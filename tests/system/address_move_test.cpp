@@ -5,6 +5,7 @@
 
 #include <csignal>
 #include <fstream>
+#include <initializer_list>
 #include <memory>
 #include <thread>
 
@@ -65,7 +66,19 @@ protected:
         }
         return true;
     }
-    static bool is_in_view_of_all(BrokerProcess& broker) {
+    /// At an address that its machine has, and without the right to add another one.
+    [[nodiscard]] std::unique_ptr<Process> start_without_right(int host) const {
+        const Lan::On on(lan, host);
+        const std::string where =
+            uses_arp() ? "10.60.0." + std::to_string(host) : "[fd60::" + std::to_string(host) + "]";
+        return std::make_unique<Process>(
+            "/usr/bin/setpriv",
+            std::vector<std::string>{"--bounding-set=-net_admin", ROMANO_BROKER, "--listen",
+                                     where + ":1883", "--name", "r" + std::to_string(host),
+                                     "--domain", "7", "--interface", "eth0",
+                                     "--detection-timeout-ms", "500"});
+    }
+    static bool is_in_view_of_all(Process& broker) {
         return eventually(
             [&] { return broker.errors().find(" of 3, led by ") != std::string::npos; });
     }
@@ -151,6 +164,27 @@ TEST_P(AddressMove, WhatAKilledHeirTookOverDoesNotStayOnItsMachine) {
     (heir == 2 ? r2 : r3)->kill_9();
     EXPECT_TRUE(eventually([&] { return !lan.has_address(heir, address(1)); }));
     EXPECT_TRUE(observer->ping()) << "the last broker has it";
+}
+
+TEST_P(AddressMove, OneWithoutTheRightToAddAddressesSaysSoAndIsNoHeir) {
+    const auto r1 = start(1);
+    const auto r2 = start_without_right(2);
+    const auto r3 = start(3);
+    r1->wait_until_serving();
+    r3->wait_until_serving();
+    for (Process* broker : std::initializer_list<Process*>{r1.get(), r2.get(), r3.get()}) {
+        ASSERT_TRUE(is_in_view_of_all(*broker)) << broker->errors();
+    }
+    EXPECT_NE(r2->errors().find("the right CAP_NET_ADMIN is missing"), std::string::npos)
+        << r2->errors();
+    const auto at_r3 = client_of(3, "more-to-do");  // r2 is the idlest
+    ASSERT_TRUE(at_r3->connect());
+    const auto client = client_of(1, "client");
+    ASSERT_TRUE(client->connect());
+    r1->kill_9();
+    EXPECT_TRUE(eventually([&] { return lan.has_address(3, address(1)); })) << r2->errors();
+    EXPECT_TRUE(client->ping());
+    EXPECT_EQ(r2->errors().find("cannot serve"), std::string::npos) << r2->errors();
 }
 
 // The first of them added the address, and its lease would end five seconds after it was killed.

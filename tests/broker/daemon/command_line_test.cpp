@@ -223,13 +223,29 @@ TEST(CommandLine, RefusesTheSameSingleOptionTwice) {
 TEST(CommandLine, HelpShowsExamplesAndAllOptions) {
     const auto help = std::get<Information>(read({"--help"})).text;
     EXPECT_THAT(help, HasSubstr("Examples:"));
-    for (const char* option :
-         {"--listen",        "--name",       "--domain",          "--interface",
-          "--rank",          "--acks",       "--elector",         "--voters",
-          "--detector",      "--profile",    "--beacon-ms",       "--detection-timeout-ms",
-          "--phi-threshold", "--retry-ms",   "--retries",         "--realtime",
-          "--gateway-id",    "--predefined", "--discovery-group", "--log-level",
-          "--config",        "--version"}) {
+    for (const char* option : {"--listen",
+                               "--name",
+                               "--domain",
+                               "--interface",
+                               "--rank",
+                               "--acks",
+                               "--elector",
+                               "--voters",
+                               "--condition-file",
+                               "--detector",
+                               "--profile",
+                               "--beacon-ms",
+                               "--detection-timeout-ms",
+                               "--phi-threshold",
+                               "--retry-ms",
+                               "--retries",
+                               "--realtime",
+                               "--gateway-id",
+                               "--predefined",
+                               "--discovery-group",
+                               "--log-level",
+                               "--config",
+                               "--version"}) {
         EXPECT_THAT(help, HasSubstr(option));
     }
 }

@@ -130,6 +130,8 @@ TEST(Settings, RaftNeedsVotersAndOthersNeedNone) {
 }
 
 TEST(Settings, AllPeersMayBeAskedToHoldAnEvent) {
+    EXPECT_EQ(check({.domain = "7", .condition_file = "battery"}).cluster->condition_file,
+              "battery");
     EXPECT_EQ(check({.domain = "7", .acks = "all"}).cluster->acks, std::nullopt);
 }
 

@@ -106,6 +106,22 @@ TEST_F(Heirs, P3_WhatTheLeaderWasToldEndsALogThatOnlyAReplacedMemberHolds) {
     EXPECT_THAT(agreed_ends(answers()), ElementsAre(std::pair{dead, Seq{5}}));
 }
 
+TEST_F(Heirs, AnAddressGoesToOneWhoseMachineCanServeIt) {
+    holds(b1, 5, {address(9)});
+    holds(b2, 5);
+    holds(b3, 5);
+    holdings[b1].cannot_take.push_back(address(9));
+    holdings[b3].cannot_take.push_back(address(9));
+    beacon(b2, {}, 1'000);
+    EXPECT_EQ(heir_of(address(9)), b2.broker) << "though the others have less to do";
+}
+
+TEST_F(Heirs, WhereNoMachineCanServeItTheSessionsHaveAnHeirAllTheSame) {
+    holds(b1, 5, {address(9)});
+    for (const LogId& member : {b1, b2, b3}) holdings[member].cannot_take.push_back(address(9));
+    EXPECT_EQ(heir_of(address(9)), b1.broker);
+}
+
 TEST_F(Heirs, NobodyInheritsToWhomTheTopicIdsMeanSomethingElse) {
     holds(b1, 5, {address(9)});
     holds(b2, 5);

@@ -33,8 +33,12 @@ struct Leader {
     std::uint64_t ticks = 0;
 
     Surroundings around() {
-        return {
-            .membership = membership, .logs = logs, .serving = none, .home = none, .ended = told};
+        return {.membership = membership,
+                .logs = logs,
+                .serving = none,
+                .home = none,
+                .cannot_take = none,
+                .ended = told};
     }
     void hear(const LogId& from, const LogId& follows, election::Term term, std::uint32_t rank) {
         hear(from, follows, term, rank, change.view());

@@ -46,7 +46,7 @@ static_assert(field_count<cluster::LogBatch>() == 4);
 static_assert(field_count<cluster::LogAck>() == 2);
 static_assert(field_count<cluster::ViewProposal>() == 2);
 static_assert(field_count<cluster::LeftAddress>() == 2);
-static_assert(field_count<cluster::ViewHoldings>() == 6);
+static_assert(field_count<cluster::ViewHoldings>() == 7);
 static_assert(field_count<cluster::TailRequest>() == 2);
 static_assert(field_count<cluster::LogTail>() == 4);
 static_assert(field_count<cluster::Assignment>() == 3);

@@ -227,7 +227,8 @@ cluster::ClusterMessage random_message(std::size_t kind, Random& r) {
             return cluster::ViewProposal{view(r), some(r, log_id)};
         case 6:
             return cluster::ViewHoldings{view_number(r),        some(r, position), some(r, log_id),
-                                         some(r, left_address), some(r, position), some(r, log_id)};
+                                         some(r, left_address), some(r, position), some(r, log_id),
+                                         some(r, endpoint)};
         case 7:
             return cluster::TailRequest{position(r), broker_id(r)};
         case 8:

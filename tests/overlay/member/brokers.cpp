@@ -34,7 +34,7 @@ void Brokers::start(int rank) {
     const Endpoint home = home_of(rank);
     overlay::MemberOptions options;
     options.cluster = options_;
-    options.cluster.rank = static_cast<std::uint32_t>(rank);
+    options.cluster.rank = equal_ ? 0 : static_cast<std::uint32_t>(rank);
     options.name = name_of(rank);
     options.incarnation = ++starts_ * 1000;
     options.home_addresses = {home};
@@ -179,6 +179,12 @@ void Brokers::carry_out(int rank, overlay::MemberActions& actions) {
     auto& uplink = uplink_actions_[rank];
     uplink.insert(uplink.end(), actions.uplink.begin(), actions.uplink.end());
     actions.clear();
+}
+
+void Brokers::read_battery(int rank, std::uint32_t percent) {
+    overlay::MemberActions actions;
+    running_.at(rank).member->on_condition(now_, percent, actions);
+    carry_out(rank, actions);
 }
 
 void Brokers::uplink_up(int rank, bool resumed) {

@@ -59,6 +59,14 @@ public:
     }
     /// Warnings of broker `rank` so far.
     [[nodiscard]] const std::vector<std::string>& warnings(int rank) { return warnings_[rank]; }
+    /// All brokers that are started from now on have one capability.
+    void make_equally_capable() { equal_ = true; }
+    /// Broker `rank` reads this of its battery.
+    void read_battery(int rank, std::uint32_t percent);
+    /// Its machine would not serve that address.
+    void forbid(int rank, int address) {
+        running_.at(rank).member->on_ability(broker_address(address), false);
+    }
     /// The robot drives there.
     void drive(const Robot& robot, int broker);
 
@@ -109,6 +117,7 @@ private:
 
     cluster::ClusterOptions options_;
     bool cells_ = false;
+    bool equal_ = false;
     std::map<int, std::map<mqttsn::TopicId, std::string>> predefined_;
     std::map<int, std::vector<std::string>> warnings_;
     std::optional<uplink::UplinkOptions> uplink_;
