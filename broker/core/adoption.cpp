@@ -82,11 +82,11 @@ bool Adoption::adopt(SessionImage image, std::vector<MessagePtr> missed, Turn& t
 }
 
 void Adoption::restore(Session& session, SessionImage& image, Turn& turn) {
-    const ClientAddress address = image.header.address;
+    const Origin place{image.header.via, image.header.address};
     SessionHeader& header = session.header;
     // The client id stays where it is: tables hold views of it.
-    header.via = image.header.via;
-    header.address = address;
+    header.via = place.via;
+    header.address = place.from;
     header.state = image.header.state;
     header.clean = image.header.clean;
     header.keep_alive_s = image.header.keep_alive_s;
@@ -119,8 +119,9 @@ void Adoption::restore(Session& session, SessionImage& image, Turn& turn) {
         const Duration ago =
             is_dated ? tables_.clock.since(header.departed, turn.now) : Duration{0};
         tables_.sessions.depart(session, turn.now - ago);
-    } else if (address.endpoint.family != Endpoint::Family::none) {
-        lifecycle_.move(session, address, turn);
+    }
+    if (place.from.endpoint.family != Endpoint::Family::none) {
+        lifecycle_.settle_at(session, place, turn);
     }
 }
 

@@ -1,9 +1,10 @@
-// Who else than the own clients gets what is published here: the peers' clients.
+// The peers' clients, who get what is published here as well as the own ones do.
 #pragma once
 
 #include <cstddef>
 #include <string_view>
 
+#include "broker/core/session_image.h"
 #include "romano/base/time.h"
 
 namespace romano::broker {
@@ -17,6 +18,9 @@ public:
     /// message after `since`. Short queues need not be told: 0.
     [[nodiscard]] virtual std::size_t longest_queue(std::string_view topic,
                                                     Instant since) const = 0;
+    /// Another client is connected from this one's address, as far as is known: what comes from
+    /// there to a service address where neither was heard may be of either.
+    [[nodiscard]] virtual bool share_address_with(const SessionHeader& own) const = 0;
 };
 
 }  // namespace romano::broker

@@ -44,11 +44,20 @@ public:
     Lifecycle lifecycle{tables, router, subscriptions};
     Adoption adoption{tables, deliveries, lifecycle, subscriptions};
 
+    /// Of the connected client that speaks there, or null. One that was heard at another service
+    /// address has come here if nobody else is connected from its address.
+    [[nodiscard]] Session* session_at(const Origin& origin) const;
+    /// What comes from there is not another broker's to answer.
+    [[nodiscard]] bool knows(const Origin& origin) const {
+        return tables.sessions.find(origin) != nullptr || connect_flow_.is_asking(origin) ||
+               session_at(origin) != nullptr;
+    }
+
 private:
     void on_encapsulated(const Origin& origin, const mqttsn::Encapsulated& frame, Turn& turn);
     void on_session_message(const Origin& origin, const mqttsn::Message& message, Turn& turn);
-    /// The session that a datagram belongs to, mapped to where it came from; or null.
-    Session* session_of(const Origin& origin, const mqttsn::Message& message, Turn& turn);
+    /// The session that a datagram belongs to, or null.
+    Session* session_of(const Origin& origin, const mqttsn::Message& message) const;
     void handle(Session& session, const mqttsn::Message& message, Turn& turn);
     void on_stranger(const Origin& origin, MsgType type, Turn& turn);
 
@@ -136,7 +145,7 @@ void BrokerCore::State::on_datagram(const Origin& origin, Bytes datagram, bool w
             }
             return;
         case MsgType::connect:
-            if (tables.sessions.find(origin.from) == nullptr &&
+            if (session_at(origin) == nullptr &&
                 !strangers_.allows(origin.from.endpoint, turn.now)) {
                 tables.count(Drop::stranger_rate);
                 return;
@@ -170,25 +179,33 @@ void BrokerCore::State::on_encapsulated(const Origin& origin, const mqttsn::Enca
     on_datagram(inner, frame.message, true, turn);
 }
 
-Session* BrokerCore::State::session_of(const Origin& origin, const mqttsn::Message& message,
-                                       Turn& turn) {
+Session* BrokerCore::State::session_at(const Origin& origin) const {
+    if (Session* heard = tables.sessions.find(origin)) {
+        return heard->is_connected() ? heard : nullptr;
+    }
+    Session* roaming = tables.sessions.only_one_at(origin.from);
+    const bool is_it = roaming != nullptr && (tables.peers == nullptr ||
+                                              !tables.peers->share_address_with(roaming->header));
+    return is_it ? roaming : nullptr;
+}
+
+Session* BrokerCore::State::session_of(const Origin& origin, const mqttsn::Message& message) const {
+    Session* session = session_at(origin);
+    // Whoever publishes without a connection may talk to any gateway beside its own (6.8).
+    if (session != nullptr && is_connectionless(message) && !session->is_at(origin)) return nullptr;
     const auto* ping = std::get_if<mqttsn::Pingreq>(&message);
-    Session* session = tables.sessions.find(origin.from);
     if (ping == nullptr || ping->client_id.empty()) return session;
     Session* named = tables.sessions.find(ping->client_id);
     if (named == session) return session;
     // A sleeping client that woke up somewhere else (6.14e, G9). Nobody else may be named so.
     const bool sleeps = named != nullptr && (named->header.state == SessionState::asleep ||
                                              named->header.state == SessionState::awake);
-    if (!sleeps) return nullptr;
-    lifecycle.move(*named, origin.from, turn);
-    lifecycle.log_header(*named, turn);
-    return named;
+    return sleeps ? named : nullptr;
 }
 
 void BrokerCore::State::on_session_message(const Origin& origin, const mqttsn::Message& message,
                                            Turn& turn) {
-    Session* session = session_of(origin, message, turn);
+    Session* session = session_of(origin, message);
     const bool connectionless = is_connectionless(message);
     if (session == nullptr && !connectionless) {
         on_stranger(origin, mqttsn::type_of(message), turn);
@@ -200,7 +217,7 @@ void BrokerCore::State::on_session_message(const Origin& origin, const mqttsn::M
     }
     if (session != nullptr) {
         session->fresh = session->fresh_will = false;
-        liveness_.on_heard(*session, origin.via, mqttsn::type_of(message), turn);
+        liveness_.on_heard(*session, origin, mqttsn::type_of(message), turn);
     }
     if (connectionless) {
         ++tables.counters.publishes_received;
@@ -371,24 +388,28 @@ void BrokerCore::send_again(Instant now, const Endpoint& via, Actions& out) {
     }
 }
 
-bool BrokerCore::serves(const Endpoint& from, Bytes datagram) const {
+bool BrokerCore::serves(const Endpoint& via, const Endpoint& from, Bytes datagram) const {
     auto decoded = mqttsn::decode(datagram);
     if (!decoded) return false;
-    ClientAddress address{from, {}};
+    Origin origin{via, {from, {}}};
     if (const auto* frame = std::get_if<mqttsn::Encapsulated>(&*decoded)) {
-        address.wireless_node_id = as_text(frame->wireless_node_id);
+        origin.from.wireless_node_id = as_text(frame->wireless_node_id);
         decoded = mqttsn::decode(frame->message);
         if (!decoded) return false;
     }
     const SessionTable& sessions = state_->tables.sessions;
     if (const auto* connect = std::get_if<mqttsn::Connect>(&*decoded)) {
-        return sessions.find(ConnectFlow::client_id_of(address, *connect)) != nullptr;
+        return sessions.find(ConnectFlow::client_id_of(origin, *connect)) != nullptr;
     }
     const auto* ping = std::get_if<mqttsn::Pingreq>(&*decoded);
     if (ping != nullptr && !ping->client_id.empty()) {
         return sessions.find(ping->client_id) != nullptr;
     }
-    return sessions.find(address) != nullptr;
+    return state_->knows(origin);
+}
+
+bool BrokerCore::has_client_at(const Endpoint& address) const {
+    return state_->tables.sessions.has_connected_at({address, {}});
 }
 
 std::optional<SessionImage> BrokerCore::image(std::string_view client_id) const {

@@ -85,8 +85,12 @@ public:
     /// What was sent from `via` lately reached nobody: what is in flight goes out once more.
     void send_again(Instant now, const Endpoint& via, Actions& out);
 
-    /// True when a datagram from there would reach a session that is homed here.
-    [[nodiscard]] bool serves(const Endpoint& from, Bytes datagram) const;
+    /// True when a datagram that came from there to `via` would reach a session that is homed here,
+    /// or one that is being begun; or is known to reach none: it comes from where one was left
+    /// behind.
+    [[nodiscard]] bool serves(const Endpoint& via, const Endpoint& from, Bytes datagram) const;
+    /// Some client is connected from that address, to whichever service address.
+    [[nodiscard]] bool has_client_at(const Endpoint& address) const;
 
     [[nodiscard]] std::optional<SessionImage> image(std::string_view client_id) const;
     /// Of the session that is homed here; null when there is none. Valid until the next input.

@@ -12,7 +12,7 @@ namespace romano::broker {
 using mqttsn::Qos;
 using mqttsn::ReturnCode;
 
-std::string ConnectFlow::client_id_of(const ClientAddress& from, const mqttsn::Connect& message) {
+std::string ConnectFlow::client_id_of(const Origin& origin, const mqttsn::Connect& message) {
     if (!message.client_id.empty()) return std::string{message.client_id};
     std::string id = "@";
     const auto hex = [&id](unsigned octet) {
@@ -20,13 +20,18 @@ std::string ConnectFlow::client_id_of(const ClientAddress& from, const mqttsn::C
         id += digits[octet >> 4U & 0xFU];
         id += digits[octet & 0xFU];
     };
-    const std::size_t octets = from.endpoint.family == Endpoint::Family::ipv6 ? 16 : 4;
-    for (std::size_t i = 0; i < octets; ++i) hex(from.endpoint.address[i]);
-    id += ':';
-    hex(from.endpoint.port >> 8U);
-    hex(from.endpoint.port & 0xFFU);
-    if (!from.wireless_node_id.empty()) id += '/';
-    for (const char c : from.wireless_node_id) hex(static_cast<unsigned char>(c));
+    const auto add = [&](const Endpoint& endpoint) {
+        const std::size_t octets = endpoint.family == Endpoint::Family::ipv6 ? 16 : 4;
+        for (std::size_t i = 0; i < octets; ++i) hex(endpoint.address[i]);
+        id += ':';
+        hex(endpoint.port >> 8U);
+        hex(endpoint.port & 0xFFU);
+    };
+    add(origin.from.endpoint);
+    if (!origin.from.wireless_node_id.empty()) id += '/';
+    for (const char c : origin.from.wireless_node_id) hex(static_cast<unsigned char>(c));
+    id += '>';
+    add(origin.via);
     return id;
 }
 
@@ -40,7 +45,7 @@ ReturnCode ConnectFlow::judge(const Origin& origin, const mqttsn::Connect& messa
         return ReturnCode::not_supported;
     }
     const bool brings_more =
-        message.will || tables_.sessions.find(client_id_of(origin.from, message)) == nullptr;
+        message.will || tables_.sessions.find(client_id_of(origin, message)) == nullptr;
     return tables_.congested || (tables_.full && brings_more) ? ReturnCode::congestion
                                                               : ReturnCode::accepted;
 }
@@ -50,13 +55,12 @@ bool ConnectFlow::is_repetition(const Origin& origin, const mqttsn::Connect& mes
     const Session* session = tables_.sessions.find(client_id);
     return session != nullptr && session->fresh && session->reachable && !message.will &&
            !session->fresh_will && session->header.state == SessionState::active &&
-           session->header.address == origin.from && session->header.via == origin.via &&
-           session->header.clean == message.clean_session &&
+           session->is_at(origin) && session->header.clean == message.clean_session &&
            session->header.keep_alive_s == message.duration_s;
 }
 
 void ConnectFlow::on_connect(const Origin& origin, const mqttsn::Connect& message, Turn& turn) {
-    Prompt prompt{.client_id = client_id_of(origin.from, message),
+    Prompt prompt{.client_id = client_id_of(origin, message),
                   .clean = message.clean_session,
                   .keep_alive_s = message.duration_s,
                   .refusal = judge(origin, message),
@@ -70,23 +74,23 @@ void ConnectFlow::on_connect(const Origin& origin, const mqttsn::Connect& messag
         return;
     }
     if (!message.will) {
-        prompts_.erase(origin.from);
+        prompts_.erase(origin);
         finish(origin, prompt, WillAnswer::none, turn);
         return;
     }
     if (prompt.refusal != ReturnCode::accepted) prompt.client_id.clear();  // may be long
-    if (prompts_.size() >= tables_.limits().connecting && !prompts_.contains(origin.from)) {
+    if (prompts_.size() >= tables_.limits().connecting && !prompts_.contains(origin)) {
         tables_.count(Drop::no_room);
         outbox_.answer(origin.via, origin.from, mqttsn::Connack{ReturnCode::congestion}, turn);
         return;
     }
-    prompts_.insert_or_assign(origin.from, std::move(prompt));
+    prompts_.insert_or_assign(origin, std::move(prompt));
     if (sweep_at_ == never) sweep_at_ = turn.now + tables_.options.t_retry;
     outbox_.answer(origin.via, origin.from, mqttsn::Willtopicreq{}, turn);
 }
 
 void ConnectFlow::on_willtopic(const Origin& origin, const mqttsn::Willtopic& message, Turn& turn) {
-    const auto found = prompts_.find(origin.from);
+    const auto found = prompts_.find(origin);
     if (found == prompts_.end()) {
         tables_.count(Drop::unexpected);
         return;
@@ -111,7 +115,7 @@ void ConnectFlow::on_willtopic(const Origin& origin, const mqttsn::Willtopic& me
 }
 
 void ConnectFlow::on_willmsg(const Origin& origin, const mqttsn::Willmsg& message, Turn& turn) {
-    const auto found = prompts_.find(origin.from);
+    const auto found = prompts_.find(origin);
     if (found != prompts_.end() && found->second.has_topic) {
         Prompt prompt = std::move(found->second);
         prompts_.erase(found);
@@ -122,7 +126,7 @@ void ConnectFlow::on_willmsg(const Origin& origin, const mqttsn::Willmsg& messag
         finish(origin, prompt, WillAnswer::given, turn);
         return;
     }
-    Session* session = tables_.sessions.find(origin.from);
+    Session* session = tables_.sessions.find(origin);
     if (session != nullptr && session->fresh_will) {  // a repetition (6.2d)
         session->heard_at = turn.now;
         outbox_.send(*session, mqttsn::Connack{ReturnCode::accepted}, Gate::logged, turn);
@@ -152,10 +156,9 @@ void ConnectFlow::accept(const Origin& origin, const Prompt& prompt, WillAnswer 
         return;
     }
     tables_.sessions.come_back(*session);
-    lifecycle_.move(*session, origin.from, turn);
+    lifecycle_.move(*session, origin, turn);
     SessionHeader& header = session->header;
     if (std::exchange(header.provisional, false)) ++header.epoch;
-    header.via = origin.via;
     header.state = SessionState::active;
     header.clean = prompt.clean;
     header.keep_alive_s = prompt.keep_alive_s;

@@ -17,12 +17,6 @@
 
 namespace romano::broker {
 
-/// Where a datagram came from and which service address it was sent to.
-struct Origin {
-    Endpoint via;
-    ClientAddress from;
-};
-
 class ConnectFlow {
 public:
     ConnectFlow(Tables& tables, Outbox& outbox, DeliveryFlow& deliveries, Lifecycle& lifecycle)
@@ -35,12 +29,15 @@ public:
     void on_willtopicupd(Session& session, const mqttsn::Willtopicupd& message, Turn& turn);
     void on_willmsgupd(Session& session, const mqttsn::Willmsgupd& message, Turn& turn);
 
+    /// A client that is asked for its will answers there.
+    [[nodiscard]] bool is_asking(const Origin& origin) const { return prompts_.contains(origin); }
+
     /// Forgets prompts that were never answered.
     void on_tick(Instant now);
     [[nodiscard]] Instant next_wakeup() const { return sweep_at_; }
 
-    /// The client id of a CONNECT: an empty one is named by the client's address (G20).
-    [[nodiscard]] static std::string client_id_of(const ClientAddress& from,
+    /// The client id of a CONNECT: an empty one is named by where it came from (G20).
+    [[nodiscard]] static std::string client_id_of(const Origin& origin,
                                                   const mqttsn::Connect& message);
 
 private:
@@ -68,7 +65,7 @@ private:
     Outbox& outbox_;
     DeliveryFlow& deliveries_;
     Lifecycle& lifecycle_;
-    std::unordered_map<ClientAddress, Prompt, ClientAddressHash> prompts_;
+    std::unordered_map<Origin, Prompt, OriginHash> prompts_;
     Instant sweep_at_ = never;
 };
 

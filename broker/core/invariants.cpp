@@ -12,8 +12,8 @@ namespace {
     [[maybe_unused]] const SessionTable& sessions = tables.sessions;
     assert(sessions.find(session.header.client_id) == &session);
     assert(sessions.at(session.number) == &session);
-    assert(!session.reachable || sessions.find(session.header.address) == &session);
-    assert(!session.reachable || session.is_connected());
+    assert(!session.reachable ||
+           sessions.find(Origin{session.header.via, session.header.address}) == &session);
     assert(session.is_connected() == (session.departed_at == never));
     assert(session.displaced_at == never || (!session.reachable && session.is_connected()));
 

@@ -47,12 +47,26 @@ void Lifecycle::erase(Session& session, Actions& out) {
     tables_.sessions.erase(session);
 }
 
-void Lifecycle::move(Session& session, const ClientAddress& address, Turn& turn) {
-    Session* previous = tables_.sessions.map(session, address, turn.now);
-    if (previous == nullptr) return;
-    // Its address has a new owner; it runs into its keep-alive and is sent nothing (G7).
+bool Lifecycle::move(Session& session, const Origin& place, Turn& turn) {
+    if (session.reachable && session.is_at(place)) return false;
+    Session* previous = tables_.sessions.map(session, place, turn.now);
+    if (previous == nullptr) return true;
+    // Its place has a new owner; it runs into its keep-alive and is sent nothing (G7).
     previous->exchange = {};
+    if (previous->is_connected()) log_header(*previous, turn);
     schedule(tables_, *previous);
+    return true;
+}
+
+void Lifecycle::settle_at(Session& session, const Origin& place, Turn& turn) {
+    const Session* owner = tables_.sessions.find(place);
+    const bool has_lost_it = owner != nullptr && owner != &session &&
+                             owner->header.last_heard > session.header.last_heard;
+    if (has_lost_it || !has_place(place.from)) {
+        tables_.sessions.displace(session, turn.now);
+    } else {
+        move(session, place, turn);
+    }
 }
 
 void Lifecycle::sleep(Session& session, std::uint16_t duration_s, Turn& turn) {
@@ -94,7 +108,6 @@ void Lifecycle::publish_will(Session& session, Turn& turn) {
 }
 
 void Lifecycle::depart(Session& session, SessionState state, Turn& turn) {
-    tables_.sessions.unmap(session);
     session.exchange = {};
     session.late_answer = {};
     session.header.state = state;

@@ -31,8 +31,11 @@ public:
     /// The session is gone for good, or for another home.
     void erase(Session& session, Actions& out);
 
-    /// The client is heard from this address: its datagrams lead to this session.
-    void move(Session& session, const ClientAddress& address, Turn& turn);
+    /// The client is heard there: its datagrams lead to this session. True when that is news.
+    bool move(Session& session, const Origin& place, Turn& turn);
+    /// It comes from another home, and was heard there: unless another client was heard there
+    /// later, or it lost its place before, its datagrams lead to this session.
+    void settle_at(Session& session, const Origin& place, Turn& turn);
 
     void sleep(Session& session, std::uint16_t duration_s, Turn& turn);
     void wake(Session& session, Turn& turn);

@@ -21,16 +21,16 @@ bool is_of_sleepers(MsgType type) {
 
 }  // namespace
 
-void Liveness::on_heard(Session& session, const Endpoint& via, MsgType type, Turn& turn) {
+void Liveness::on_heard(Session& session, const Origin& origin, MsgType type, Turn& turn) {
     session.heard_at = turn.now;
     session.probe_at = never;
     session.exchange.heard = true;
     SessionHeader& header = session.header;
     header.last_heard = tables_.clock.stamp(turn.now);
-    if (!header.provisional && header.via == via) return;
+    const bool has_moved = lifecycle_.move(session, origin, turn);
+    if (!header.provisional && !has_moved) return;
     const bool is_first_word = std::exchange(header.provisional, false);
     if (is_first_word) ++header.epoch;  // heard at its new home: the session is ours now
-    header.via = via;
     // A sleeper that speaks as the connected do has connected, it seems, at its former home, out of
     // our sight; also one that was awake when it was seen last. In doubt it keeps its sleeping
     // time: should it sleep, it will say so. One that is awake still waits for its PINGRESP, and

@@ -22,8 +22,8 @@ public:
           lifecycle_(lifecycle),
           publishes_(publishes) {}
 
-    /// A datagram of the session's client came, from where the session is mapped now.
-    void on_heard(Session& session, const Endpoint& via, mqttsn::MsgType type, Turn& turn);
+    /// A datagram of the session's client came from there.
+    void on_heard(Session& session, const Origin& origin, mqttsn::MsgType type, Turn& turn);
 
     void on_pingreq(Session& session, const mqttsn::Pingreq& message, Turn& turn);
     void on_disconnect(Session& session, const mqttsn::Disconnect& message, Turn& turn);

@@ -39,7 +39,7 @@ public:
     /// To an address, whether or not it has a session.
     template <typename M>
     void answer(const Endpoint& via, const ClientAddress& to, const M& message, Turn& turn) {
-        const Session* session = tables_.sessions.find(to);
+        const Session* session = tables_.sessions.find(Origin{via, to});
         put({via, to, session == nullptr ? 0 : session->output_floor}, message, turn);
     }
 

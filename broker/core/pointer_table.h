@@ -2,7 +2,8 @@
 // datagram makes. A look-up touches one line of the table and then the thing itself.
 //
 // Open addressing with linear probing; each place also holds 32 bits of the hash, so that a
-// stranger's key is hardly ever compared. Never iterated: its order is nobody's business.
+// stranger's key is hardly ever compared. Never iterated: its order is nobody's business. Things
+// with one hash, that differ in the rest of their keys, may be looked at together.
 #pragma once
 
 #include <cstddef>
@@ -24,6 +25,15 @@ public:
             if (place.thing == nullptr) return nullptr;
             if (place.tag == tag_of(hash) && is_it(*place.thing)) return place.thing;
         }
+    }
+
+    /// Shows all that have this hash, in no order.
+    template <typename Look>
+    void visit(std::size_t hash, Look&& look) const {
+        (void)find(hash, [&look](T& thing) {
+            look(thing);
+            return false;
+        });
     }
 
     /// There must be no equal one.

@@ -69,7 +69,7 @@ struct alignas(64) Session {
     SessionHeader header;  // client_id never changes: tables refer to it
 
     const SessionNumber number;
-    bool reachable = false;         // its address is in the table and leads here
+    bool reachable = false;         // who was heard last where its client is: datagrams lead here
     bool fresh = false;             // nothing came since its CONNACK
     bool fresh_will = false;        // and that CONNACK ended the will prompts
     bool ignores_register = false;  // G14
@@ -104,6 +104,9 @@ struct alignas(64) Session {
     mqttsn::MsgId unfinished = mqttsn::no_msg_id;
 
     [[nodiscard]] bool is_connected() const { return broker::is_connected(header); }
+    [[nodiscard]] bool is_at(const Origin& place) const {
+        return header.address == place.from && header.via == place.via;
+    }
     /// Something can be sent to it now.
     [[nodiscard]] bool is_listening() const {
         return reachable &&

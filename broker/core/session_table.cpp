@@ -35,26 +35,48 @@ Session* SessionTable::find(std::string_view client_id) const {
     return found == by_id_.end() ? nullptr : found->second;
 }
 
-Session* SessionTable::find(const ClientAddress& address) const {
-    return by_address_.find(ClientAddressHash{}(address), [&](const Session& session) {
-        return session.header.address == address;
-    });
+Session* SessionTable::find(const Origin& place) const {
+    return by_address_.find(ClientAddressHash{}(place.from),
+                            [&](const Session& session) { return session.is_at(place); });
 }
 
-Session* SessionTable::map(Session& session, const ClientAddress& address, Instant now) {
-    if (session.reachable && session.header.address == address) return nullptr;
+Session* SessionTable::only_one_at(const ClientAddress& address) const {
+    Session* found = nullptr;
+    std::size_t count = 0;
+    by_address_.visit(ClientAddressHash{}(address), [&](Session& session) {
+        if (session.header.address != address || !session.is_connected()) return;
+        found = &session;
+        ++count;
+    });
+    return count == 1 ? found : nullptr;
+}
+
+bool SessionTable::has_connected_at(const ClientAddress& address) const {
+    bool has = false;
+    by_address_.visit(ClientAddressHash{}(address), [&](const Session& session) {
+        has |= session.header.address == address && session.is_connected();
+    });
+    return has;
+}
+
+Session* SessionTable::map(Session& session, const Origin& place, Instant now) {
     unmap(session);
     find_again(session);
-    Session* previous = find(address);
-    if (previous != nullptr) {
-        unmap(*previous);
-        previous->displaced_at = now;
-        if (previous->header.clean) displaced_.emplace(now, previous->number);
-    }
-    session.header.address = address;
-    by_address_.insert(ClientAddressHash{}(address), &session);
+    Session* previous = find(place);
+    if (previous != nullptr) displace(*previous, now);
+    session.header.address = place.from;
+    session.header.via = place.via;
+    by_address_.insert(ClientAddressHash{}(place.from), &session);
     session.reachable = true;
     return previous;
+}
+
+void SessionTable::displace(Session& session, Instant now) {
+    unmap(session);
+    if (!session.is_connected()) return;
+    session.header.address = without_place(session.header.address);
+    session.displaced_at = now;
+    if (session.header.clean) displaced_.emplace(now, session.number);
 }
 
 void SessionTable::unmap(Session& session) {

@@ -1,4 +1,10 @@
-// The sessions that are homed here, by number, by client id and by address.
+// The sessions that are homed here, by number, by client id and by where their clients were heard.
+//
+// Here alone it is decided whose a datagram is that names nobody (G7): of the client that was heard
+// last at that client address and service address. It keeps its place when it is left behind: what
+// comes from there then is a stranger's, and not of another client with the same address. Nobody is
+// heard there who is known to have talked to another service address, unless he is the only one at
+// his address: then he roams.
 //
 // A number is used again after its session is gone, so numbers stay small and index tables.
 #pragma once
@@ -23,16 +29,24 @@ public:
     void erase(Session& session);
 
     [[nodiscard]] Session* find(std::string_view client_id) const;
-    [[nodiscard]] Session* find(const ClientAddress& address) const;
+    /// The one that was heard last there; it may be left behind.
+    [[nodiscard]] Session* find(const Origin& place) const;
+    /// The one that is connected from that address, to whichever service address; null when there
+    /// is none, or there are several and nobody can tell who speaks.
+    [[nodiscard]] Session* only_one_at(const ClientAddress& address) const;
+    [[nodiscard]] bool has_connected_at(const ClientAddress& address) const;
     [[nodiscard]] Session* at(SessionNumber number) const {
         return number < slots_.size() ? slots_[number].get() : nullptr;
     }
 
-    /// The address leads to this session from now on; its previous owner, who is returned, becomes
-    /// unreachable (G7).
-    Session* map(Session& session, const ClientAddress& address, Instant now);
-    /// No address leads to it any more.
+    /// What comes from there is this session's from now on; that of its previous owner, who is
+    /// returned, no more: it is displaced.
+    Session* map(Session& session, const Origin& place, Instant now);
+    /// Nothing leads to it any more.
     void unmap(Session& session);
+    /// So, too, when another client was heard later where it was: one that is connected as far as
+    /// anybody knows has no place then.
+    void displace(Session& session, Instant now);
 
     /// Takes note that a session was left behind; a clean one for departed_first().
     void depart(Session& session, Instant now);

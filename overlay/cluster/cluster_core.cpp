@@ -119,9 +119,11 @@ bool ClusterCore::must_wait(const Endpoint& via, const Endpoint& from) const {
            hand_back_.is_expecting(via) || hand_back_.is_leaving(from);
 }
 
-bool ClusterCore::must_fetch(Effects& effects, const Endpoint& from, Bytes datagram) {
-    return is_fetching(from) || roaming_.on_datagram(effects, from, datagram,
-                                                     peer_sessions_.homes(), membership_, view());
+bool ClusterCore::must_fetch(Effects& effects, const Endpoint& via, const Endpoint& from,
+                             Bytes datagram) {
+    return is_fetching(via, from) ||
+           roaming_.on_datagram(effects, {via, from}, datagram, peer_sessions_.homes(), membership_,
+                                view());
 }
 
 void ClusterCore::on_address(Effects& effects, const Endpoint& address, bool served) {

@@ -101,9 +101,9 @@ public:
     /// took us into it, or sessions are on their way.
     [[nodiscard]] bool must_wait(const Endpoint& via, const Endpoint& from) const;
     /// The datagram's session is at a peer, who is asked for it: it shall wait for that.
-    bool must_fetch(Effects& effects, const Endpoint& from, Bytes datagram);
-    [[nodiscard]] bool is_fetching(const Endpoint& from) const {
-        return roaming_.is_fetching(from);
+    bool must_fetch(Effects& effects, const Endpoint& via, const Endpoint& from, Bytes datagram);
+    [[nodiscard]] bool is_fetching(const Endpoint& via, const Endpoint& from) const {
+        return roaming_.is_fetching({via, from});
     }
     /// Its sessions are about to leave: what comes for them is theirs no more.
     [[nodiscard]] bool is_deaf(const Endpoint& address) const {

@@ -11,6 +11,8 @@ void Homes::on_event(BrokerId peer, const broker::LogEvent& event) {
         put(peer, changed->header);
     } else if (const auto* erased = std::get_if<broker::SessionErased>(&event)) {
         forget(peer, erased->client_id);
+    } else if (const auto* published = std::get_if<broker::Published>(&event)) {
+        if (!published->will_of.empty()) lose(peer, published->will_of);
     }
 }
 
@@ -30,16 +32,48 @@ std::optional<Home> Homes::of(const broker::ClientId& client) const {
     return Home{client, found->second.back().broker};
 }
 
-std::optional<Home> Homes::at(const broker::ClientAddress& address) const {
+std::optional<Home> Homes::at(const broker::Origin& place) const {
+    const auto found = by_address_.find(place.from);
+    if (found == by_address_.end()) return std::nullopt;
+    const auto heard = std::ranges::find(found->second, place.via, &Heard::via);
+    return heard == found->second.end() ? std::nullopt : of(heard->client_id);
+}
+
+std::optional<Home> Homes::only_one_at(const broker::ClientAddress& address) const {
     const auto found = by_address_.find(address);
-    return found == by_address_.end() ? std::nullopt : of(found->second);
+    if (found == by_address_.end()) return std::nullopt;
+    const Heard* only = nullptr;
+    for (const Heard& heard : found->second) {
+        if (!heard.is_connected) continue;
+        if (only != nullptr && only->client_id != heard.client_id) return std::nullopt;
+        only = &heard;
+    }
+    return only == nullptr ? std::nullopt : of(only->client_id);
+}
+
+bool Homes::share_address_with(const broker::SessionHeader& client) const {
+    const auto found = by_address_.find(client.address);
+    if (found == by_address_.end()) return false;
+    return std::ranges::any_of(found->second, [&client](const Heard& heard) {
+        const bool is_displaced = heard.via == client.via && heard.at < client.last_heard;
+        return heard.is_connected && heard.client_id != client.client_id && !is_displaced;
+    });
 }
 
 void Homes::put(BrokerId peer, const broker::SessionHeader& header) {
     Claims& claims = by_client_[header.client_id];
     take_back(peer, header.client_id, claims);
-    claims.push_back({peer, header.address});
-    by_address_.insert_or_assign(header.address, header.client_id);
+    const broker::Origin place{header.via, header.address};
+    claims.push_back({peer, place});
+    if (!broker::has_place(place.from)) return;
+    std::vector<Heard>& all = by_address_[place.from];
+    Heard heard{place.via, header.client_id, header.last_heard, broker::is_connected(header)};
+    const auto same = std::ranges::find(all, place.via, &Heard::via);
+    if (same == all.end()) {
+        all.push_back(std::move(heard));
+    } else if (same->client_id == heard.client_id || same->at <= heard.at) {
+        *same = std::move(heard);
+    }
 }
 
 void Homes::forget(BrokerId peer, const broker::ClientId& client) {
@@ -52,11 +86,30 @@ void Homes::forget(BrokerId peer, const broker::ClientId& client) {
 void Homes::take_back(BrokerId peer, const broker::ClientId& client, Claims& claims) {
     const auto claim = std::ranges::find(claims, peer, &Claim::broker);
     if (claim == claims.end()) return;
-    const broker::ClientAddress address = claim->address;
+    const broker::Origin place = claim->place;
     claims.erase(claim);
-    if (std::ranges::count(claims, address, &Claim::address) > 0) return;
-    const auto known = by_address_.find(address);
-    if (known != by_address_.end() && known->second == client) by_address_.erase(known);
+    if (std::ranges::count(claims, place, &Claim::place) == 0) leave(client, place);
+}
+
+void Homes::lose(BrokerId peer, const broker::ClientId& client) {
+    const auto claims = by_client_.find(client);
+    if (claims == by_client_.end()) return;
+    const auto claim = std::ranges::find(claims->second, peer, &Claim::broker);
+    if (claim == claims->second.end()) return;
+    const auto found = by_address_.find(claim->place.from);
+    if (found == by_address_.end()) return;
+    for (Heard& heard : found->second) {
+        if (heard.via == claim->place.via && heard.client_id == client) heard.is_connected = false;
+    }
+}
+
+void Homes::leave(const broker::ClientId& client, const broker::Origin& place) {
+    const auto found = by_address_.find(place.from);
+    if (found == by_address_.end()) return;
+    std::erase_if(found->second, [&](const Heard& heard) {
+        return heard.via == place.via && heard.client_id == client;
+    });
+    if (found->second.empty()) by_address_.erase(found);
 }
 
 }  // namespace romano::cluster

@@ -22,6 +22,9 @@ public:
     [[nodiscard]] std::size_t longest_queue(std::string_view topic, Instant since) const override {
         return slow_.longest_queue(topic, since);
     }
+    [[nodiscard]] bool share_address_with(const broker::SessionHeader& own) const override {
+        return homes_.share_address_with(own);
+    }
     [[nodiscard]] const Interest& interest() const { return interest_; }
     [[nodiscard]] const Homes& homes() const { return homes_; }
 

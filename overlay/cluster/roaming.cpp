@@ -45,29 +45,41 @@ bool is_of_session(Bytes datagram) {
 
 }  // namespace
 
-bool Roaming::on_datagram(Effects& effects, const Endpoint& from, Bytes datagram,
-                          const Homes& homes, const Membership& membership, const View& view) {
-    auto client = client_of(from, named_client(datagram), homes);
+bool Roaming::on_datagram(Effects& effects, const Way& way, Bytes datagram, const Homes& homes,
+                          const Membership& membership, const View& view) {
+    if (!is_of_session(datagram) || effects.broker.serves(way.via, way.from, datagram)) {
+        return false;
+    }
+    auto client = named_client(datagram);
+    if (!client) {
+        client = client_at(way, effects.broker, homes);
+    } else if (!homes.of(*client) && !has_let_go(*client)) {
+        return false;
+    }
     if (!client || fetching_.size() >= fetching_most) return false;
-    if (!is_of_session(datagram) || effects.broker.serves(from, datagram)) return false;
     if (is_foreign(*client, homes, membership)) return false;
     Fetching fetching{.client = *std::move(client),
                       .since = effects.now,
                       .asked = std::nullopt,
                       .asked_at = effects.now};
     ask(effects, fetching, homes, membership, view);
-    fetching_.insert_or_assign(from, std::move(fetching));
+    fetching_.insert_or_assign(way, std::move(fetching));
     return true;
 }
 
-std::optional<broker::ClientId> Roaming::client_of(const Endpoint& from,
-                                                   const std::optional<broker::ClientId>& named,
+std::optional<broker::ClientId> Roaming::client_at(const Way& way, const broker::BrokerCore& own,
                                                    const Homes& homes) const {
-    if (const auto home = named ? homes.of(*named) : homes.at({from, {}})) return home->client_id;
-    const auto is_it = [&](const LetGo& it) {
-        return named ? it.client == *named : it.from == from;
-    };
-    const auto found = std::ranges::find_if(let_go_, is_it);
+    const broker::ClientAddress from{way.from, {}};
+    if (const auto home = homes.at({way.via, from})) return home->client_id;
+    if (own.has_client_at(way.from)) return std::nullopt;
+    const auto left = let_go(way.from);
+    const auto home = homes.only_one_at(from);
+    if (left && home && home->client_id != *left) return std::nullopt;
+    return home ? std::optional{home->client_id} : left;
+}
+
+std::optional<broker::ClientId> Roaming::let_go(const Endpoint& from) const {
+    const auto found = std::ranges::find(let_go_, from, &LetGo::from);
     return found == let_go_.end() ? std::nullopt : std::optional{found->client};
 }
 
@@ -78,13 +90,17 @@ bool Roaming::is_foreign(const broker::ClientId& client, const Homes& homes,
     return peer != nullptr && peer->beacon.predefined != predefined_;
 }
 
+bool Roaming::has_let_go(const broker::ClientId& client) const {
+    return std::ranges::count(let_go_, client, &LetGo::client) > 0;
+}
+
 void Roaming::on_let_go(Instant now, const broker::SessionHeader& session) {
     if (let_go_.size() == let_go_most) let_go_.pop_front();
     let_go_.push_back({session.client_id, session.address.endpoint, now + 2 * patience_});
 }
 
 void Roaming::resume(Instant now) {
-    for (auto& [from, fetching] : fetching_) fetching.since = now;
+    for (auto& [way, fetching] : fetching_) fetching.since = now;
 }
 
 void Roaming::carry_on(Effects& effects, const Logs& logs, const Homes& homes,
@@ -99,7 +115,7 @@ void Roaming::carry_on(Effects& effects, const Logs& logs, const Homes& homes,
         if (!fetching.asked) adopt_copy(effects, logs, fetching.client, homes);
         return true;
     });
-    for (auto& [from, fetching] : fetching_) ask(effects, fetching, homes, membership, view);
+    for (auto& [way, fetching] : fetching_) ask(effects, fetching, homes, membership, view);
 }
 
 void Roaming::adopt_copy(Effects& effects, const Logs& logs, const broker::ClientId& client,

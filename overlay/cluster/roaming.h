@@ -19,6 +19,7 @@
 #include "overlay/cluster/homes.h"
 #include "overlay/cluster/membership.h"
 #include "overlay/cluster/session_handoff.h"
+#include "overlay/cluster/way.h"
 #include "romano/base/bytes.h"
 
 namespace romano::cluster {
@@ -30,7 +31,7 @@ public:
         : patience_(patience), predefined_(predefined) {}
 
     /// True when the datagram shall wait: its session is asked for.
-    bool on_datagram(Effects& effects, const Endpoint& from, Bytes datagram, const Homes& homes,
+    bool on_datagram(Effects& effects, const Way& way, Bytes datagram, const Homes& homes,
                      const Membership& membership, const View& view);
     /// We let it go to a peer, or a peer's log says that it is no longer home to the client.
     void on_let_go(Instant now, const broker::SessionHeader& session);
@@ -39,7 +40,7 @@ public:
                   const HandoffReceiver& arriving, const Membership& membership, const View& view);
     /// After a stall.
     void resume(Instant now);
-    [[nodiscard]] bool is_fetching(const Endpoint& from) const { return fetching_.contains(from); }
+    [[nodiscard]] bool is_fetching(const Way& way) const { return fetching_.contains(way); }
     void restart() {
         fetching_.clear();
         let_go_.clear();
@@ -59,9 +60,12 @@ private:
         Instant until;
     };
 
-    [[nodiscard]] std::optional<broker::ClientId> client_of(
-        const Endpoint& from, const std::optional<broker::ClientId>& named,
-        const Homes& homes) const;
+    /// Who speaks there; none when nobody knows, or two clients share the address.
+    [[nodiscard]] std::optional<broker::ClientId> client_at(const Way& way,
+                                                            const broker::BrokerCore& own,
+                                                            const Homes& homes) const;
+    [[nodiscard]] std::optional<broker::ClientId> let_go(const Endpoint& from) const;
+    [[nodiscard]] bool has_let_go(const broker::ClientId& client) const;
     static void adopt_copy(Effects& effects, const Logs& logs, const broker::ClientId& client,
                            const Homes& homes);
     void ask(Effects& effects, Fetching& fetching, const Homes& homes, const Membership& membership,
@@ -72,7 +76,7 @@ private:
 
     Duration patience_;
     std::uint32_t predefined_;
-    std::map<Endpoint, Fetching> fetching_;
+    std::map<Way, Fetching> fetching_;
     std::deque<LetGo> let_go_;  // in order of time
 };
 

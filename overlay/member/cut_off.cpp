@@ -50,14 +50,14 @@ void CutOff::see(Instant now, const cluster::View& view, const Judgement& has_en
     awaited_until_ = now + others_come_within;
 }
 
-void CutOff::on_heard_in_doubt(Instant now, const Endpoint& client) {
+void CutOff::on_heard_in_doubt(Instant now, const Way& client) {
     if (is_possible()) return;
     if (now >= near_until_) near_.clear();
     near_until_ = now + others_come_within;
     if (near_.size() < heard_most) near_.insert(client);
 }
 
-bool CutOff::must_wait(Instant now, const Endpoint& client) {
+bool CutOff::must_wait(Instant now, const Way& client) {
     if (!awaited_.empty()) return true;
     if (!is_possible()) return false;
     auto heard = served_from_.find(client);
@@ -68,7 +68,7 @@ bool CutOff::must_wait(Instant now, const Endpoint& client) {
     return now < heard->second && !near_.contains(client);
 }
 
-bool CutOff::withholds(Instant now, Address from, const Endpoint& client, Bytes datagram) const {
+bool CutOff::withholds(Instant now, Address from, const Way& client, Bytes datagram) const {
     if (!awaited_.empty()) return true;
     if (!is_possible() || !may_be_repetition(from, datagram)) return false;
     const auto heard = served_from_.find(client);

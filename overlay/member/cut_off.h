@@ -26,14 +26,15 @@
 #include <set>
 
 #include "overlay/cluster/messages.h"
+#include "overlay/cluster/way.h"
 #include "romano/base/bytes.h"
-#include "romano/base/endpoint.h"
 #include "romano/base/time.h"
 
 namespace romano::overlay {
 
 class CutOff {
 public:
+    using Way = cluster::Way;
     using Judgement = std::function<bool(const broker::LogId& member)>;
 
     /// To be told of the view after each input. `has_ended(member)`: that process is known to be
@@ -42,16 +43,16 @@ public:
     bool on_view(Instant now, const cluster::View& view, const Judgement& has_ended,
                  const Judgement& is_heard);
     /// The client was heard while the others were missing, and no view says so yet.
-    void on_heard_in_doubt(Instant now, const Endpoint& client);
+    void on_heard_in_doubt(Instant now, const Way& client);
     /// Whether what the client says now has to wait. To be asked again for what waits.
-    [[nodiscard]] bool must_wait(Instant now, const Endpoint& client);
+    [[nodiscard]] bool must_wait(Instant now, const Way& client);
     enum class Address : std::uint8_t { own, taken_over };
-    /// `from`: the service address that it would leave from.
-    [[nodiscard]] bool withholds(Instant now, Address from, const Endpoint& client,
+    /// `from`: whose service address it would leave from.
+    [[nodiscard]] bool withholds(Instant now, Address from, const Way& client,
                                  Bytes datagram) const;
     /// It may talk to the others, and was not heard since: to be silent here is no sign of its
     /// loss.
-    [[nodiscard]] bool may_be_elsewhere(const Endpoint& client) const {
+    [[nodiscard]] bool may_be_elsewhere(const Way& client) const {
         return is_in_doubt() && !served_from_.contains(client) && !near_.contains(client);
     }
     [[nodiscard]] bool is_possible() const { return missing_.size() > members_.size(); }
@@ -71,9 +72,9 @@ private:
     std::set<broker::LogId> missing_;  // that fell silent in it or before
     std::set<broker::LogId> awaited_;  // in the view that took us in, and not heard yet
     Instant awaited_until_{};
-    std::map<Endpoint, Instant> served_from_;  // the clients that were heard since
-    std::set<Endpoint> near_;                  // those that were heard in doubt
-    Instant near_until_{};                     // that doubt is long past, when it came to nothing
+    std::map<Way, Instant> served_from_;  // the clients that were heard since
+    std::set<Way> near_;                  // those that were heard in doubt
+    Instant near_until_{};                // that doubt is long past, when it came to nothing
 };
 
 }  // namespace romano::overlay

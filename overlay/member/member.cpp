@@ -101,8 +101,8 @@ private:
     }
     [[nodiscard]] bool must_wait(Instant now, const Endpoint& via, const Endpoint& from,
                                  Bytes datagram) {
-        return cut_off_.must_wait(now, from) || cluster_.must_wait(via, from) ||
-               (cluster_.strangers_may_roam() && !broker_.serves(from, datagram));
+        return cut_off_.must_wait(now, {via, from}) || cluster_.must_wait(via, from) ||
+               (cluster_.strangers_may_roam() && !broker_.serves(via, from, datagram));
     }
     void serve_waiting(Instant now, MemberActions& out);
 
@@ -153,7 +153,7 @@ void Member::State::on_datagram(Instant now, const Endpoint& via, const Endpoint
     if (has_left_) return;
     notice_stall(now, out);
     if (cluster_.is_deaf(via)) return;  // its sessions are with another broker by now
-    if (!stall_.is_on() && cluster_.may_be_deaf(now)) cut_off_.on_heard_in_doubt(now, from);
+    if (!stall_.is_on() && cluster_.may_be_deaf(now)) cut_off_.on_heard_in_doubt(now, {via, from});
     if (stall_.is_on() || must_wait(now, via, from, datagram)) {
         return waiting_.hold(via, from, datagram, true);
     }
@@ -162,7 +162,7 @@ void Member::State::on_datagram(Instant now, const Endpoint& via, const Endpoint
         return carry_out(now, out);
     }
     Effects acting = effects(now, out);
-    if (cluster_.must_fetch(acting, from, datagram)) {
+    if (cluster_.must_fetch(acting, via, from, datagram)) {
         return waiting_.hold(via, from, datagram, false);
     }
     broker_.on_datagram(now, via, from, datagram, work_);
@@ -216,7 +216,7 @@ void Member::State::on_tick(Instant now, MemberActions& out) {
     broker_.on_tick(now, work_, [&](const broker::SessionHeader& client) {
         const Endpoint& from = client.address.endpoint;
         return waiting_.holds(from) || cluster_.is_unheard(client.via) ||
-               cluster_.may_be_deaf(now) || cut_off_.may_be_elsewhere(from);
+               cluster_.may_be_deaf(now) || cut_off_.may_be_elsewhere({client.via, from});
     });
     if (options_.romano && cluster_.is_in_view()) {
         server_.on_tick(now, broker_, led_members(), work_);
@@ -368,7 +368,7 @@ void Member::State::send(Instant now, const broker::Send& send, broker::Seq safe
     const Bytes octets = work_.octets(send);
     const bool is_own = cluster_.addresses().is_home(send.via);
     const auto from = is_own ? CutOff::Address::own : CutOff::Address::taken_over;
-    if (cut_off_.withholds(now, from, send.to.endpoint, octets)) return;
+    if (cut_off_.withholds(now, from, {send.via, send.to.endpoint}, octets)) return;
     if (cluster_.is_taking(send.via) || says_nothing(now)) held_.detain(send.to);
     if (send.after > safe || held_.detains(send.to)) {
         held_.hold(send, octets);
@@ -388,13 +388,13 @@ void Member::State::serve_waiting(Instant now, MemberActions& out) {
     }
     const auto ready = waiting_.take_unless([&](const auto& datagram) {
         return must_wait(now, datagram.via, datagram.from, datagram.octets) ||
-               cluster_.is_fetching(datagram.from);
+               cluster_.is_fetching(datagram.via, datagram.from);
     });
     for (const auto& [via, from, octets, is_new] : ready) {
         if (is_new) {
             if (cluster_.is_deaf(via)) continue;
             Effects acting = effects(now, out);
-            if (cluster_.must_fetch(acting, from, octets)) {
+            if (cluster_.must_fetch(acting, via, from, octets)) {
                 waiting_.hold(via, from, octets, false);
                 continue;
             }

@@ -117,7 +117,7 @@ TEST_F(Meeting, AnswerToAForwarderHasTheSameWrapping) {  // 5.5a
     stranger.address.wireless_node_id = "node";
     stranger.says(stranger.connect());
     ASSERT_EQ(stranger.unheard(), 1u);
-    EXPECT_EQ(broker.inboxes[stranger.address].front(),
+    EXPECT_EQ((broker.inboxes[{broker.via, stranger.address}].front()),
               (Octets{7, 0xFE, 0, 'n', 'o', 'd', 'e', 3, 0x05, 0}));
 }
 
@@ -144,10 +144,10 @@ TEST_F(Meeting, ServesTellsWhetherADatagramBelongsHere) {
     stranger.connects();
     const auto ping = ScriptedClient::encoded(Pingreq{});
     const auto connect = ScriptedClient::encoded(stranger.connect());
-    EXPECT_TRUE(broker.core.serves(stranger.address.endpoint, ping));
-    EXPECT_FALSE(broker.core.serves(loopback(9, 9), ping));
-    EXPECT_TRUE(broker.core.serves(loopback(9, 9), connect));  // a known client id
-    EXPECT_FALSE(broker.core.serves(stranger.address.endpoint, {}));
+    EXPECT_TRUE(broker.core.serves(broker.via, stranger.address.endpoint, ping));
+    EXPECT_FALSE(broker.core.serves(broker.via, loopback(9, 9), ping));
+    EXPECT_TRUE(broker.core.serves(broker.via, loopback(9, 9), connect));  // a known client id
+    EXPECT_FALSE(broker.core.serves(broker.via, stranger.address.endpoint, {}));
 }
 
 }  // namespace

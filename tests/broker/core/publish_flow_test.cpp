@@ -190,6 +190,7 @@ TEST_F(Publishing, Qos0IsForwardedToPeersAndNotLogged) {
 TEST_F(Publishing, Qos0ThatNoPeerWantsIsNotEvenBuiltForThem) {
     struct Picky final : Audience {
         [[nodiscard]] bool wants(std::string_view topic) const override { return topic == "a"; }
+        [[nodiscard]] bool share_address_with(const SessionHeader&) const override { return false; }
         [[nodiscard]] std::size_t longest_queue(std::string_view, Instant) const override {
             return 0;
         }
@@ -412,6 +413,7 @@ TEST_F(PublishingWithShortQueues, ASleeperHoldsUpNobody) {
 TEST_F(PublishingWithShortQueues, AReceiverAtAPeerHoldsUpItsPublishersAlike) {
     struct Peers final : Audience {
         [[nodiscard]] bool wants(std::string_view) const override { return true; }
+        [[nodiscard]] bool share_address_with(const SessionHeader&) const override { return false; }
         [[nodiscard]] std::size_t longest_queue(std::string_view topic,
                                                 Instant since) const override {
             return topic == "pose" && taken_at > since ? 3 : 0;

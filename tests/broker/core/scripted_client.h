@@ -74,8 +74,11 @@ public:
         : core(options, 1), via(loopback(1, 1883)), mirror(options.log) {}
 
     void receives(const ClientAddress& from, const Octets& datagram) {
-        core.on_datagram(now, via, from.endpoint, datagram, actions);
-        if (may_bring_another_session(datagram)) floors.erase(from);
+        receives({via, from}, datagram);
+    }
+    void receives(const Origin& origin, const Octets& datagram) {
+        core.on_datagram(now, origin.via, origin.from.endpoint, datagram, actions);
+        if (may_bring_another_session(datagram)) floors.erase(origin);
         drain();
     }
 
@@ -95,10 +98,11 @@ public:
                 const Bytes octets = actions.octets(*send);
                 // Only a stranger's DISCONNECT belongs to no session's order.
                 const bool is_disconnect = octets.back() == 0x18;
-                EXPECT_TRUE(is_disconnect || send->after >= floors[send->to])
+                const Origin client{send->via, send->to};
+                EXPECT_TRUE(is_disconnect || send->after >= floors[client])
                     << "a datagram overtakes an earlier one";
-                floors[send->to] = send->after;
-                inboxes[send->to].emplace_back(octets.begin(), octets.end());
+                floors[client] = send->after;
+                inboxes[client].emplace_back(octets.begin(), octets.end());
                 last_after = send->after;
             } else if (const auto* multicast = std::get_if<Multicast>(&action)) {
                 const Bytes octets = actions.octets(*multicast);
@@ -141,8 +145,8 @@ public:
     Endpoint via;
     Instant now{1s};
     Actions actions;
-    std::unordered_map<ClientAddress, std::deque<Octets>, ClientAddressHash> inboxes;
-    std::unordered_map<ClientAddress, Seq, ClientAddressHash> floors;
+    std::unordered_map<Origin, std::deque<Octets>, OriginHash> inboxes;
+    std::unordered_map<Origin, Seq, OriginHash> floors;
     std::vector<Octets> multicasts;
     std::vector<LogEvent> log;  // event n at n - 1
     std::vector<MessagePtr> forwards;
@@ -154,15 +158,15 @@ public:
 class ScriptedClient {
 public:
     ScriptedClient(ScriptedBroker& at, std::string client_id, std::uint16_t port = 0)
-        : id(std::move(client_id)), broker_(&at) {
+        : id(std::move(client_id)), via(at.via), broker_(&at) {
         static std::uint16_t next_port = 20'000;
         address.endpoint = loopback(2, port != 0 ? port : next_port++);
     }
 
     /// From now on another broker answers at the address that the client talks to.
     void moves_to(ScriptedBroker& other) {
-        auto& inbox = other.inboxes[address];
-        auto& old = broker_->inboxes[address];
+        auto& inbox = other.inboxes[Origin{via, address}];
+        auto& old = broker_->inboxes[Origin{via, address}];
         inbox.insert(inbox.begin(), old.begin(), old.end());
         old.clear();
         broker_ = &other;
@@ -178,7 +182,7 @@ public:
                                           .wireless_node_id = as_octets(address.wireless_node_id),
                                           .message = octets});
         }
-        broker_->receives(address, octets);
+        broker_->receives({via, address}, octets);
     }
 
     /// The next datagram to this client, which must be an M. Views live until the next one.
@@ -200,7 +204,7 @@ public:
 
     /// The next datagram, or null.
     const MqttsnMessage* next() {
-        auto& inbox = broker_->inboxes[address];
+        auto& inbox = broker_->inboxes[Origin{via, address}];
         if (inbox.empty()) return nullptr;
         heard_ = std::move(inbox.front());
         inbox.pop_front();
@@ -220,8 +224,10 @@ public:
         EXPECT_EQ(message, nullptr) << id << " hears " << name_of(type_of(*message));
     }
 
-    [[nodiscard]] std::size_t unheard() const { return broker_->inboxes[address].size(); }
-    void ignores_what_came() { broker_->inboxes[address].clear(); }
+    [[nodiscard]] std::size_t unheard() const {
+        return broker_->inboxes[Origin{via, address}].size();
+    }
+    void ignores_what_came() { broker_->inboxes[Origin{via, address}].clear(); }
 
     void connects(bool clean_session = true, std::uint16_t keep_alive_s = 0) {
         says(connect(clean_session, keep_alive_s));
@@ -287,6 +293,7 @@ public:
     }
 
     std::string id;
+    Endpoint via;  // the service address that it talks to, and listens to
     ClientAddress address;
 
 private:

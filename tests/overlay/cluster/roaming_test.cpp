@@ -24,13 +24,13 @@ struct RoamingTest : testing::Test, Owner {
         std::vector<std::uint8_t> ping(8);
         ping.resize(mqttsn::encode(mqttsn::Pingreq{}, ping));
         Effects acting = effects();
-        EXPECT_TRUE(roaming.on_datagram(acting, from, ping, homes, membership, view));
+        EXPECT_TRUE(roaming.on_datagram(acting, {ours, from}, ping, homes, membership, view));
     }
     [[nodiscard]] bool is_waited_for_after(Duration time) {
         now += time;
         Effects acting = effects();
         roaming.carry_on(acting, {logs, own}, homes, arriving, membership, view);
-        return roaming.is_fetching(from);
+        return roaming.is_fetching({ours, from});
     }
 
     const Endpoint from = test::address(99);
@@ -98,7 +98,7 @@ TEST(RoamingAway, P2_IsNoStrangerToTheHomeThatJustLetItGo) {
     cluster.take(SessionRequest{"robot"});
     ASSERT_EQ(cluster.broker.header("robot"), nullptr);
     Effects acting = cluster.effects();
-    EXPECT_TRUE(cluster.core.must_fetch(acting, from, octets(mqttsn::Pingreq{})));
+    EXPECT_TRUE(cluster.core.must_fetch(acting, ours, from, octets(mqttsn::Pingreq{})));
 }
 
 }  // namespace

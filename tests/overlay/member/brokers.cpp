@@ -76,13 +76,20 @@ void Brokers::leave(int rank) {
 }
 
 Robot& Brokers::robot(const std::string& name, int broker, int site) {
-    const Endpoint self = endpoint(1, static_cast<int>(robots_.size()) + 1, 5000);
-    const auto send = [this](const Endpoint& from, const Endpoint& to, Bytes octets) {
-        const int reached = reached_from(robots_.at(from).site, to);
+    return place(name, endpoint(1, static_cast<int>(robots_.size()) + 1, 5000), broker, site);
+}
+
+Robot& Brokers::robot_beside(const Robot& other, const std::string& name, int broker) {
+    return place(name, other.self(), broker, broker);
+}
+
+Robot& Brokers::place(const std::string& name, const Endpoint& self, int broker, int site) {
+    Placed& placed = robots_.emplace(self, Placed{})->second;
+    const auto send = [this, &placed](const Endpoint& from, const Endpoint& to, Bytes octets) {
+        const int reached = reached_from(placed.site, to);
         if (reached == 0) return;
         running_.at(reached).datagrams.push_back({to, from, {octets.begin(), octets.end()}});
     };
-    Placed& placed = robots_[self];
     placed = {site, std::make_unique<Robot>(name, self, home_of(broker), send)};
     placed.robot->on_tick(now_);
     return *placed.robot;
@@ -92,6 +99,16 @@ void Brokers::drive(const Robot& robot, int broker) {
     for (auto& [address, placed] : robots_) {
         if (placed.robot.get() == &robot) placed.site = broker;
     }
+}
+
+const Brokers::Placed* Brokers::robot_at(const Endpoint& address, const Endpoint& via) const {
+    const auto [first, end] = robots_.equal_range(address);
+    if (first == end || std::next(first) == end) return first == end ? nullptr : &first->second;
+    const Placed* found = nullptr;
+    for (auto at = first; at != end; ++at) {
+        if (at->second.robot->broker() == via) found = &at->second;
+    }
+    return found;
 }
 
 Endpoint Brokers::home_of(int rank) const {
@@ -170,11 +187,10 @@ void Brokers::carry_out(int rank, overlay::MemberActions& actions) {
     for (const auto& action : actions.clients.list()) {
         const auto* send = std::get_if<broker::Send>(&action);
         if (send == nullptr || std::ranges::count(sockets_[send->via], rank) == 0) continue;
-        const auto robot = robots_.find(send->to.endpoint);
-        if (robot == robots_.end() || cut_.contains(std::minmax(robot->second.site, rank)))
-            continue;
-        if (cells_ && robot->second.site != rank) continue;
-        robot->second.robot->on_datagram(actions.clients.octets(*send));
+        const Placed* placed = robot_at(send->to.endpoint, send->via);
+        if (placed == nullptr || cut_.contains(std::minmax(placed->site, rank))) continue;
+        if (cells_ && placed->site != rank) continue;
+        placed->robot->on_datagram(actions.clients.octets(*send));
     }
     auto& uplink = uplink_actions_[rank];
     uplink.insert(uplink.end(), actions.uplink.begin(), actions.uplink.end());

@@ -49,6 +49,9 @@ public:
     Robot& robot(const std::string& name, int broker) { return robot(name, broker, broker); }
     /// It stands somewhere else: what parts `site` from a broker parts the robot from it.
     Robot& robot(const std::string& name, int broker, int site);
+    /// Has the same address: behind a NAT that keeps source ports, which knows who talks to which
+    /// broker, or at the port of one that is no more; then the newer one gets what comes there.
+    Robot& robot_beside(const Robot& other, const std::string& name, int broker);
 
     /// Brokers that are started from now on serve one address, each in its own cell: a robot
     /// reaches the broker that it stands beside.
@@ -135,7 +138,9 @@ private:
         int site = 0;
         std::unique_ptr<Robot> robot;
     };
-    std::map<Endpoint, Placed> robots_;
+    Robot& place(const std::string& name, const Endpoint& self, int broker, int site);
+    [[nodiscard]] const Placed* robot_at(const Endpoint& address, const Endpoint& via) const;
+    std::multimap<Endpoint, Placed> robots_;
 };
 
 }  // namespace romano::test

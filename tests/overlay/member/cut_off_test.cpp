@@ -19,8 +19,9 @@ using overlay::CutOff;
 using Address = CutOff::Address;
 using testing::ElementsAre;
 
-Endpoint client(std::uint8_t host) {
-    return {.address = {10, 0, 1, host}, .port = 5000, .family = Endpoint::Family::ipv4};
+cluster::Way client(std::uint8_t host, int broker = 1) {
+    return {broker_address(broker),
+            {.address = {10, 0, 1, host}, .port = 5000, .family = Endpoint::Family::ipv4}};
 }
 
 broker::LogId member(std::uint64_t id) {
@@ -100,6 +101,17 @@ TEST(CutOff, WhoWasHeardInDoubtDoesNotWaitAndIsSentNothingTwiceYet) {
     EXPECT_TRUE(cut_off.withholds(now, Address::own, client(1), publish(0xC0)));
     EXPECT_FALSE(cut_off.withholds(now + 500ms, Address::own, client(1), publish(0xC0)));
     EXPECT_TRUE(cut_off.must_wait(now, client(2)));
+}
+
+TEST(CutOff, OfTwoClientsAtOneAddressEachIsHeardForItself) {
+    const Instant now{1s};
+    CutOff cut_off;
+    see(cut_off, view(1, {member(1), member(2), member(3)}));
+    cut_off.on_heard_in_doubt(now, client(1, 1));
+    see(cut_off, view(2, {member(1)}));
+    EXPECT_FALSE(cut_off.must_wait(now, client(1, 1)));
+    EXPECT_TRUE(cut_off.may_be_elsewhere(client(1, 2)));
+    EXPECT_TRUE(cut_off.must_wait(now, client(1, 2)));
 }
 
 TEST(CutOff, WhoWasHeardInADoubtThatCameToNothingWaitsInTheNextOne) {

@@ -43,6 +43,8 @@ public:
     void on_datagram(Bytes datagram);
     void on_tick(Instant now);
 
+    [[nodiscard]] const Endpoint& self() const { return self_; }
+    [[nodiscard]] const Endpoint& broker() const { return broker_; }
     /// Payloads as they reached the application, in order.
     [[nodiscard]] const std::vector<std::string>& received() const { return received_; }
     [[nodiscard]] std::size_t acknowledged() const { return acknowledged_; }
