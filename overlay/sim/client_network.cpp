@@ -40,9 +40,10 @@ bool may_come_late(Bytes datagram) {
 
 }  // namespace
 
-ClientNetwork::Binding ClientNetwork::bind(const Endpoint& address, Node node, Receiver receiver) {
+ClientNetwork::Binding ClientNetwork::bind(const Endpoint& address, Node node, Receiver receiver,
+                                           Judgement takes_from) {
     const Binding id{++last_binding_};
-    bound_[address].push_back({id, node, std::move(receiver)});
+    bound_[address].push_back({id, node, std::move(receiver), std::move(takes_from)});
     trace_.note(events_.now(), "bind", address, "node", node);
     return id;
 }
@@ -86,8 +87,10 @@ void ClientNetwork::deliver(Node sender, const Endpoint& from, const Endpoint& t
     const auto found = bound_.find(to);
     if (found == bound_.end()) return;
     const auto newest =
-        std::find_if(found->second.rbegin(), found->second.rend(),
-                     [&](const Bound& bound) { return !cuts_.is_cut(sender, bound.node); });
+        std::find_if(found->second.rbegin(), found->second.rend(), [&](const Bound& bound) {
+            return !cuts_.is_cut(sender, bound.node) &&
+                   (!bound.takes_from || bound.takes_from(from));
+        });
     if (newest == found->second.rend()) {
         trace_.note(events_.now(), "nobody at", to);
         return;

@@ -8,8 +8,9 @@
 // nobody may come once more much later.
 //
 // An address may be bound by several nodes, as with SO_REUSEADDR on one host or with an address
-// that moved between hosts: a datagram goes to the newest binding that its sender can reach. What
-// nobody serves vanishes.
+// that moved between hosts: a datagram goes to the newest binding that its sender can reach. Robots
+// behind a NAT that keeps source ports have one address together: it knows who of them talks to
+// whom. What nobody serves vanishes.
 #pragma once
 
 #include <cstdint>
@@ -35,12 +36,15 @@ public:
     /// True: it takes this datagram to its receiver, by deliver(), or loses it; links do not.
     using Carrier =
         std::function<bool(Node sender, const Endpoint& from, const Endpoint& to, Bytes datagram)>;
+    /// Whether what comes from there is for this binding.
+    using Judgement = std::function<bool(const Endpoint& from)>;
     enum class Binding : std::uint64_t {};
 
     ClientNetwork(EventQueue& events, Trace& trace, std::uint64_t seed)
         : events_(events), trace_(trace), random_(seed) {}
 
-    [[nodiscard]] Binding bind(const Endpoint& address, Node node, Receiver receiver);
+    [[nodiscard]] Binding bind(const Endpoint& address, Node node, Receiver receiver,
+                               Judgement takes_from = {});
     void unbind(Binding binding);
     [[nodiscard]] bool is_bound(const Endpoint& address) const;
 
@@ -61,6 +65,7 @@ private:
         Binding id;
         Node node;
         Receiver receiver;
+        Judgement takes_from;  // none: from everywhere
     };
 
     EventQueue& events_;

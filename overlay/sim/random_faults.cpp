@@ -123,6 +123,8 @@ void RandomFaults::happen(Fault fault) {
             return lives_.sleep();
         case Fault::die:
             return lives_.die();
+        case Fault::share:
+            return lives_.start_again();
         case Fault::starve:
             return starve();
         case Fault::deaf:

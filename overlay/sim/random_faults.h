@@ -36,12 +36,14 @@ enum class Fault : std::uint8_t {
     late,     // a broker's core: it stands still while its process lives
     starve,   // of processor time, all of them: short stops, several at once
     relapse,  // a broker crashes or stops again just after it came back, a few times
-    deaf,  // what comes to a broker from its peers waits, for up to two and a half detection times
+    deaf,   // what comes to a broker from its peers waits, for up to two and a half detection times
+    share,  // robots have one address together (random_lives.h), and are started again under other
+            // ids
 };
-inline constexpr std::size_t fault_kinds = 13;
+inline constexpr std::size_t fault_kinds = 14;
 inline constexpr std::array<std::string_view, fault_kinds> fault_names{
     "crash", "stop", "leave", "partition", "one-way-cut", "bad-links", "roam",
-    "sleep", "die",  "late",  "starve",    "relapse",     "deaf"};
+    "sleep", "die",  "late",  "starve",    "relapse",     "deaf",      "share"};
 using FaultCounts = std::array<std::uint32_t, fault_kinds>;
 
 [[nodiscard]] constexpr std::string_view name_of(Fault fault) {

@@ -31,12 +31,25 @@ Robot* RandomLives::some_robot(IsFit&& is_fit) {
 }
 
 void RandomLives::roam() {
-    Robot* robot = some_robot([](const Robot& candidate) {
-        return candidate.options().keep_alive <= roamer_keep_alive_max;
+    Robot* robot = some_robot([this](const Robot& candidate) {
+        return candidate.options().keep_alive <= roamer_keep_alive_max &&
+               !started_again_.contains(&candidate);
     });
-    if (robot == nullptr) return;
+    if (robot != nullptr) robot->roam_to(some_broker_for(robot->options(), Others::all));
+}
+
+Endpoint RandomLives::some_broker_for(const RobotOptions& robot, Others others) {
     const auto brokers = static_cast<std::uint32_t>(world_.broker_count());
-    robot->roam_to(World::service_address(random_.below(brokers)));
+    const Endpoint broker = World::service_address(random_.below(brokers));
+    for (std::size_t i = 0; i < world_.robot_count(); ++i) {
+        const RobotOptions& other = world_.robot(i).options();
+        const bool is_gone = world_.ledger().silenced.contains(other.name);
+        if (others == Others::living && is_gone) continue;
+        if (other.name != robot.name && other.address == robot.address && other.broker == broker) {
+            return robot.broker;
+        }
+    }
+    return broker;
 }
 
 void RandomLives::sleep() {
@@ -55,6 +68,25 @@ void RandomLives::die() {
         return world_.ledger().will_topics.contains(candidate.name());
     });
     if (robot != nullptr) robot->switch_off();
+}
+
+void RandomLives::start_again() {
+    // What its former self sent last must have arrived: nobody can tell it from the next one's.
+    constexpr auto last_words_arrive_within = 100ms;
+    Robot* robot = some_robot([](const Robot&) { return true; });
+    if (robot == nullptr) return;
+    robot->switch_off();
+    RobotOptions next = robot->options();
+    next.name += '\'';
+    if (next.will_topic) *next.will_topic += '\'';
+    next.broker = some_broker_for(next, Others::living);
+    Robot& again = world_.add_robot(std::move(next));
+    started_again_.insert(&again);
+    world_.events().after(random_.between(last_words_arrive_within, 1s), [this, &again] {
+        if (!active_) return;
+        again.start();
+        again.begin_publishing();
+    });
 }
 
 void RandomLives::end() {

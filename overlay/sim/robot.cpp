@@ -41,10 +41,10 @@ Robot::~Robot() {
 
 void Robot::start() {
     on_ = true;
-    binding_ = network_.bind(options_.address, options_.node,
-                             [this](const Endpoint&, const Endpoint& from, Bytes datagram) {
-                                 if (from == options_.broker) on_datagram(datagram);
-                             });
+    binding_ = network_.bind(
+        options_.address, options_.node,
+        [this](const Endpoint&, const Endpoint&, Bytes datagram) { on_datagram(datagram); },
+        [this](const Endpoint& from) { return from == options_.broker; });
     connect(options_.clean_session);
 }
 

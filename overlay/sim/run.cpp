@@ -54,6 +54,8 @@ void add_robots(ClusterWorld& world, std::uint64_t seed, const RunOptions& run) 
     static constexpr std::chrono::seconds keep_alives[] = {6s, 8s, 60s};
     static constexpr Qos some_qos[] = {Qos::at_least_once, Qos::exactly_once, Qos::exactly_once};
     Random random(seed_of(seed, "robots"));
+    Random addresses(seed_of(seed, "addresses"));
+    const bool may_share = std::ranges::count(run.faults, Fault::share) > 0;
     const std::size_t count = run.robots > 0 ? run.robots : 2 + random.below(6);
     for (std::size_t i = 0; i < count; ++i) {
         RobotOptions robot;
@@ -81,6 +83,10 @@ void add_robots(ClusterWorld& world, std::uint64_t seed, const RunOptions& run) 
         }
         robot.publish_every_min = random.between(5ms, 50ms);
         robot.publish_every_max = robot.publish_every_min * 4;
+        if (may_share && i % 2 == 1 && addresses.below(2) == 0) {
+            const RobotOptions& other = world.robot(i - 1).options();
+            if (other.broker != robot.broker) robot.address = other.address;
+        }
         world.add_robot(std::move(robot));
     }
 }

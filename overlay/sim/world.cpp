@@ -24,8 +24,12 @@ Endpoint World::service_address(std::size_t broker) {
 
 Robot& World::add_robot(RobotOptions options) {
     const std::size_t index = robots_.size();
-    options.address = endpoint(2, index, 5'000);
-    options.node = Node{first_robot_node + static_cast<std::uint32_t>(index)};
+    if (options.address.family == Endpoint::Family::none) {
+        options.address = endpoint(2, index, 5'000);
+    }
+    if (options.node == Node{}) {
+        options.node = Node{first_robot_node + static_cast<std::uint32_t>(index)};
+    }
     if (options.broker.family == Endpoint::Family::none) options.broker = service_address(0);
     if (options.name.empty()) options.name = "robot" + std::to_string(index);
     robots_.push_back(std::make_unique<Robot>(options, events_, clients_, trace_, ledger_,

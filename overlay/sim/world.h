@@ -22,7 +22,7 @@ public:
     World(const World&) = delete;
     World& operator=(const World&) = delete;
 
-    /// Fills in the robot's own address and node, and the broker's address unless given. Call
+    /// Fills in the robot's own address and node, and the broker's address, unless given. Call
     /// start() on it when it shall begin.
     Robot& add_robot(RobotOptions options);
 

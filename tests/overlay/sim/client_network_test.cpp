@@ -57,6 +57,16 @@ TEST_F(ClientNetworkTest, ACutHidesABindingFromItsSender) {
     EXPECT_EQ(heard, "1");
 }
 
+TEST_F(ClientNetworkTest, OfTwoAtOneAddressTheOneThatTakesFromThereGetsTheDatagrams) {
+    const auto from = [](const Endpoint& peer) {
+        return [peer](const Endpoint& sender) { return sender == peer; };
+    };
+    (void)network.bind(service, first, noting("1"), from(robot_address));
+    (void)network.bind(service, second, noting("2"), from(service));
+    send();
+    EXPECT_EQ(heard, "1");
+}
+
 TEST_F(ClientNetworkTest, LosesAndDoublesByItsQuality) {
     (void)network.bind(service, first, noting("1"));
     network.set_quality({.loss_ppm = 1'000'000});

@@ -39,6 +39,8 @@ std::vector<Shard> shards() {
         {"Late", {Fault::late, Fault::crash, Fault::roam}},
         {"Relapse", {Fault::relapse}},
         {"Deaf", {Fault::deaf}},
+        {"Share", {Fault::share, Fault::crash, Fault::stop, Fault::roam}},
+        {"ShareAndPart", {Fault::share, Fault::partition, Fault::crash, Fault::sleep}},
     };
     constexpr std::uint64_t shards_each = 4;
     constexpr std::uint64_t seeds_each = 13;
