@@ -30,7 +30,9 @@ using mqttsn::MsgType;
 class BrokerCore::State {
 public:
     State(const BrokerOptions& options, std::uint64_t seed)
-        : tables(options, seed), strangers_(options.limits.stranger_datagrams_per_second) {}
+        : tables(options, seed),
+          strangers_(options.limits.stranger_datagrams_per_second,
+                     options.limits.address_stranger_datagrams_per_second) {}
 
     void on_datagram(const Origin& origin, Bytes datagram, bool wrapped, Turn& turn);
     void on_tick(const SessionJudgement& may_be_unheard, Turn& turn);
@@ -115,6 +117,7 @@ bool is_connectionless(const mqttsn::Message& message) {
 
 void BrokerCore::State::on_datagram(const Origin& origin, Bytes datagram, bool wrapped,
                                     Turn& turn) {
+    if (tables.full && !wrapped) lifecycle.make_room(turn);
     const auto decoded = mqttsn::decode(datagram);
     if (!decoded) {
         ++tables.counters.malformed[static_cast<std::size_t>(decoded.error())];

@@ -124,7 +124,8 @@ public:
     void set_congested(bool congested);
     /// While set, nothing is taken that stays: the same answer, also to a new topic id, a retained
     /// message and a will; and QoS 0 is not kept for whoever cannot be sent it at once. What peers
-    /// bring was promised by them and is taken. For an owner that is short of memory.
+    /// bring was promised by them and is taken. With each datagram a session goes whose client is
+    /// away (Lifecycle::make_room). For an owner that is short of memory.
     void set_full(bool full);
     /// The Sends so far that had to wait for events after `safe` were dropped: what follows need
     /// not wait behind them.

@@ -38,6 +38,9 @@ struct Counters {
     std::uint64_t retransmissions = 0;
     std::uint64_t late_answers = 0;      // to publishers that were ahead of their receivers
     std::uint64_t sessions_expired = 0;  // kept sessions (Limits::session_expiry_s)
+    /// Kept sessions that went while their clients were away: too many of one IP address, or to
+    /// make room (Limits::kept_per_address, sessions and memory_mib).
+    std::uint64_t sessions_forgotten = 0;
 };
 
 /// What is there now: counted when somebody asks, so that nothing is kept for it.

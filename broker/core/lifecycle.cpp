@@ -5,19 +5,37 @@
 namespace romano::broker {
 
 Session* Lifecycle::create(std::string_view client_id, Turn& turn) {
-    if (tables_.sessions.size() >= tables_.limits().sessions) {
-        Session* left_behind = tables_.sessions.departed_first();
-        if (left_behind == nullptr) {
-            left_behind = tables_.sessions.displaced_first();
-            if (left_behind == nullptr) return nullptr;
-            lose(*left_behind, turn);
-        }
-        erase(*left_behind, turn.out);
-    }
+    if (tables_.sessions.size() >= tables_.limits().sessions && !make_room(turn)) return nullptr;
     Session& session = tables_.sessions.create(client_id);
     session.read_by_owner = client_id == tables_.options.read_by_owner;
     session.heard_at = turn.now;
     return &session;
+}
+
+bool Lifecycle::make_room(Turn& turn) {
+    SessionTable& sessions = tables_.sessions;
+    Session* first = sessions.departed_first();
+    if (first == nullptr) first = sessions.displaced_first();
+    if (first == nullptr) {
+        const auto absent = sessions.absent().first_of_most();
+        if (!absent) return false;
+        first = sessions.at(*absent);
+    }
+    forget(*first, turn);
+    return true;
+}
+
+/// Who is connected as far as anybody knows is lost first: its will is said.
+void Lifecycle::forget(Session& session, Turn& turn) {
+    if (session.is_connected()) depart_lost(session, turn);
+    if (!session.header.clean) ++tables_.counters.sessions_forgotten;
+    erase(session, turn.out);
+}
+
+void Lifecycle::heed_limit_of_absent(const Session& session, Turn& turn) {
+    const AbsentSessions& absent = tables_.sessions.absent();
+    if (absent.count_beside(session) <= tables_.limits().kept_per_address) return;
+    forget(*tables_.sessions.at(*absent.first_beside(session)), turn);
 }
 
 void Lifecycle::wipe(Session& session) {
@@ -55,6 +73,7 @@ bool Lifecycle::move(Session& session, const Origin& place, Turn& turn) {
     previous->exchange = {};
     if (previous->is_connected()) log_header(*previous, turn);
     schedule(tables_, *previous);
+    if (!previous->header.clean) heed_limit_of_absent(*previous, turn);
     return true;
 }
 
@@ -85,9 +104,15 @@ void Lifecycle::wake(Session& session, Turn& turn) {
 void Lifecycle::disconnect(Session& session, Turn& turn) {
     depart(session, SessionState::disconnected, turn);
     log_header(session, turn);
+    if (!session.header.clean) heed_limit_of_absent(session, turn);
 }
 
 void Lifecycle::lose(Session& session, Turn& turn) {
+    depart_lost(session, turn);
+    if (!session.header.clean) heed_limit_of_absent(session, turn);
+}
+
+void Lifecycle::depart_lost(Session& session, Turn& turn) {
     depart(session, SessionState::lost, turn);
     if (!session.will || session.will->topic.empty()) {
         log_header(session, turn);

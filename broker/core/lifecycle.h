@@ -20,10 +20,13 @@ public:
     Lifecycle(Tables& tables, Router& router, Subscriptions& subscriptions)
         : tables_(tables), router_(router), subscriptions_(subscriptions) {}
 
-    /// A new, empty session; null when there is no room even without those that were left behind,
-    /// or whose address another client has by now: else one client could take all the room for ever
-    /// by connecting under one name after the other.
+    /// A new, empty session; null when there is no room, and none can be made.
     Session* create(std::string_view client_id, Turn& turn);
+
+    /// Forgets one whose client is away: a clean one that was left behind, or whose place another
+    /// client has by now, else a kept one of the IP address that has most of those. The only kept
+    /// one of an IP address stays. False when there is none to go.
+    bool make_room(Turn& turn);
 
     /// Subscriptions, topic ids, messages and will are gone (6.3, CleanSession 1). Not logged.
     void wipe(Session& session);
@@ -47,6 +50,10 @@ public:
 
 private:
     void depart(Session& session, SessionState state, Turn& turn);
+    void depart_lost(Session& session, Turn& turn);
+    void forget(Session& session, Turn& turn);
+    /// Of kept sessions without their clients an IP address has so many (Limits); this one is new.
+    void heed_limit_of_absent(const Session& session, Turn& turn);
     void publish_will(Session& session, Turn& turn);
 
     Tables& tables_;

@@ -16,7 +16,8 @@ namespace romano::broker {
 
 struct Limits {
     std::size_t sessions = 20'000;
-    std::size_t connecting = 1'000;  // clients in the middle of their will prompts
+    std::size_t kept_per_address = 1'000;  // kept sessions of one IP address whose clients are away
+    std::size_t connecting = 1'000;        // clients in the middle of their will prompts
     std::size_t subscriptions_per_session = 10'000;
     std::size_t topics_per_session = 20'000;
     std::size_t queued_per_session = 1'000;  // QoS 1/2 waiting, and everything for a sleeper
@@ -26,6 +27,8 @@ struct Limits {
     std::size_t unreleased_per_session = 64;          // QoS 2 publishes whose PUBREL is outstanding
     std::size_t stranger_datagrams_per_second = 200;  // of one address without a session that are
                                                       // heeded; the rest is dropped unanswered
+    std::size_t address_stranger_datagrams_per_second = 20'000;  // the same of one IP address, of
+                                                                 // whatever ports
     std::size_t pacing_ms = 1'000;     // PUBACK and PUBREC come so much later, at most, when a
                                        // receiver's queue fills up
     std::size_t session_expiry_s = 0;  // a kept session whose client was away for so long is

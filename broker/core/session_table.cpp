@@ -24,7 +24,6 @@ Session& SessionTable::create(std::string_view client_id) {
 void SessionTable::erase(Session& session) {
     unmap(session);
     come_back(session);
-    find_again(session);
     by_id_.erase(session.header.client_id);
     free_.push_back(session.number);
     slots_[session.number].reset();
@@ -74,9 +73,14 @@ Session* SessionTable::map(Session& session, const Origin& place, Instant now) {
 void SessionTable::displace(Session& session, Instant now) {
     unmap(session);
     if (!session.is_connected()) return;
+    find_again(session);
     session.header.address = without_place(session.header.address);
     session.displaced_at = now;
-    if (session.header.clean) displaced_.emplace(now, session.number);
+    if (session.header.clean) {
+        displaced_.emplace(now, session.number);
+    } else {
+        be_absent(session, now);
+    }
 }
 
 void SessionTable::unmap(Session& session) {
@@ -87,21 +91,32 @@ void SessionTable::unmap(Session& session) {
 
 void SessionTable::depart(Session& session, Instant now) {
     come_back(session);
-    find_again(session);
     session.departed_at = now;
     ++departed_count_;
-    if (session.header.clean) departed_.emplace(now, session.number);
+    if (session.header.clean) {
+        departed_.emplace(now, session.number);
+    } else {
+        be_absent(session, now);
+    }
+}
+
+void SessionTable::be_absent(const Session& session, Instant since) {
+    if (!session.read_by_owner) absent_.add(session, since);
 }
 
 void SessionTable::come_back(Session& session) {
+    find_again(session);
     if (session.departed_at == never) return;
     --departed_count_;
     departed_.erase({session.departed_at, session.number});
+    absent_.remove(session, session.departed_at);
     session.departed_at = never;
 }
 
 void SessionTable::find_again(Session& session) {
+    if (session.displaced_at == never) return;
     displaced_.erase({session.displaced_at, session.number});
+    absent_.remove(session, session.displaced_at);
     session.displaced_at = never;
 }
 

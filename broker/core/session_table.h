@@ -17,6 +17,7 @@
 #include <utility>
 #include <vector>
 
+#include "broker/core/absent_sessions.h"
 #include "broker/core/pointer_table.h"
 #include "broker/core/session.h"
 
@@ -48,14 +49,18 @@ public:
     /// anybody knows has no place then.
     void displace(Session& session, Instant now);
 
-    /// Takes note that a session was left behind; a clean one for departed_first().
+    /// Takes note that a session was left behind: a clean one for departed_first(), a kept one for
+    /// absent().
     void depart(Session& session, Instant now);
+    /// Its client is there again.
     void come_back(Session& session);
     /// The clean session that was left behind longest ago, or null.
     [[nodiscard]] Session* departed_first() const;
     /// The clean one that is connected as far as anybody knows, but whose address another client
     /// has had for longest; or null.
     [[nodiscard]] Session* displaced_first() const;
+    /// The kept ones that were left behind or displaced, but for the one that the owner reads.
+    [[nodiscard]] const AbsentSessions& absent() const { return absent_; }
 
     [[nodiscard]] std::size_t size() const { return by_id_.size(); }
     /// Not left behind.
@@ -71,15 +76,17 @@ public:
     }
 
 private:
+    void be_absent(const Session& session, Instant since);
     void find_again(Session& session);
 
     std::vector<std::unique_ptr<Session>> slots_;
     std::vector<SessionNumber> free_;
     std::unordered_map<std::string_view, Session*> by_id_;  // views of the headers' client ids
     PointerTable<Session> by_address_;
-    std::set<std::pair<Instant, SessionNumber>> departed_;  // the clean ones
-    std::size_t departed_count_ = 0;                        // all
-    std::set<std::pair<Instant, SessionNumber>> displaced_;
+    std::set<std::pair<Instant, SessionNumber>> departed_;   // the clean ones
+    std::size_t departed_count_ = 0;                         // all
+    std::set<std::pair<Instant, SessionNumber>> displaced_;  // the clean ones
+    AbsentSessions absent_;
 };
 
 }  // namespace romano::broker

@@ -7,9 +7,14 @@ namespace {
 
 using broker::Limits;
 
-constexpr std::array<LimitSetting, 13> settings{{
+constexpr std::array<LimitSetting, 15> settings{{
     {"max-sessions", &Limits::sessions, 1, 1'000'000,
-     "Sessions; then clean ones left behind go, then CONNECT hears \"congestion\""},
+     "Sessions; then clean ones left behind go, then kept ones of whichever IP address left most "
+     "of them behind, but for its last one; then CONNECT hears \"congestion\""},
+    {"max-kept-per-address", &Limits::kept_per_address, 1, 1'000'000,
+     "Kept sessions (CleanSession 0) of one IP address whose clients are away; then the one that "
+     "is "
+     "away for longest is forgotten"},
     {"max-connecting", &Limits::connecting, 1, 1'000'000,
      "Clients amid their will prompts; then CONNECT hears \"congestion\""},
     {"max-subscriptions", &Limits::subscriptions_per_session, 1, 1'000'000,
@@ -27,13 +32,16 @@ constexpr std::array<LimitSetting, 13> settings{{
     {"max-payload-octets", &Limits::payload_octets, 1, 65'498,
      "Length of a message; a longer one hears \"not supported\""},
     {"max-stranger-rate", &Limits::stranger_datagrams_per_second, 1, 1'000'000,
-     "Datagrams a second of one address without a session; the rest is dropped"},
+     "Datagrams a second of one IP address and port without a session; the rest is dropped"},
+    {"max-address-stranger-rate", &Limits::address_stranger_datagrams_per_second, 1, 10'000'000,
+     "The same of one IP address, of all its ports without a session together"},
     {"max-pacing-ms", &Limits::pacing_ms, 0, 60'000,
      "PUBACK and PUBREC come so much later at most when a receiver's queue fills up; 0: never"},
     {"session-expiry-s", &Limits::session_expiry_s, 0, 4'294'967'295,
      "A kept session (CleanSession 0) is forgotten when its client was away for so long; 0: never"},
     {"max-memory-mb", &Limits::memory_mib, 8, 1'000'000,
-     "MiB of heap in all; then nothing that stays is taken: \"congestion\""},
+     "MiB of heap in all; then nothing that stays is taken: \"congestion\"; and sessions left "
+     "behind go, as with --max-sessions"},
 }};
 
 }  // namespace

@@ -58,6 +58,10 @@ void add_messages(Page& page, const broker::Counters& counters) {
     page.counter("romano_sessions_expired_total",
                  "Kept sessions that were forgotten: their clients were away for too long.",
                  counters.sessions_expired);
+    page.counter("romano_sessions_forgotten_total",
+                 "Kept sessions that were forgotten while their clients were away: too many of one "
+                 "IP address, or to make room.",
+                 counters.sessions_forgotten);
 }
 
 void add_census(Page& page, const broker::Census& census) {

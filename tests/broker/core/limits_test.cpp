@@ -78,6 +78,68 @@ TEST(Limit, OfSessionsIsNotMadeRoomForByOneThatIsBackAtAnAddress) {
     EXPECT_EQ(late.hears<Connack>().return_code, ReturnCode::congestion);
 }
 
+/// Client `name` of a machine, at a port of its own, leaves a kept session behind.
+void leaves_kept_session(ScriptedBroker& broker, const std::string& name, std::uint8_t machine) {
+    ScriptedClient client{broker, name};
+    client.address.endpoint.address[3] = machine;
+    client.connects(false);
+    client.says(Disconnect{});
+    client.hears<Disconnect>();
+    broker.waits(1s);
+}
+
+TEST(Limit, OfKeptSessionsOfAnIpAddressForgetsTheOneThatIsAwayForLongest) {
+    BrokerOptions options = logging_options();
+    options.limits.kept_per_address = 2;
+    ScriptedBroker broker{options};
+    leaves_kept_session(broker, "another's", 9);
+    for (const std::string name : {"a", "b", "c"}) leaves_kept_session(broker, name, 8);
+    EXPECT_EQ(broker.core.client_ids(), (std::vector<ClientId>{"another's", "b", "c"}));
+    EXPECT_EQ(broker.core.counters().sessions_forgotten, 1u);
+    ScriptedClient back{broker, "b"};
+    back.address.endpoint.address[3] = 8;
+    back.connects(false);  // it is not away any more
+    leaves_kept_session(broker, "d", 8);
+    EXPECT_EQ(broker.core.client_ids(), (std::vector<ClientId>{"another's", "b", "c", "d"}));
+    broker.expects_mirror_to_agree();
+}
+
+// Under keep-alive 0 none of them is ever lost by its silence.
+TEST(Limit, OfKeptSessionsOfAnIpAddressHoldsForWhomAnotherClientDisplaced) {
+    ScriptedBroker broker{options_with<std::size_t>(&Limits::kept_per_address, 2)};
+    ScriptedClient watcher{broker, "watcher"};
+    watcher.connects();
+    watcher.subscribes("will", Qos::at_most_once);
+    for (const std::string name : {"a", "b", "c", "d", "e"}) {
+        ScriptedClient another{broker, name, 7000};
+        another.connects(false, 0);
+        another.says(Willtopicupd{Qos::at_most_once, false, "will"});
+        another.hears<Willtopicresp>();
+        another.says(Willmsgupd{as_octets(name)});
+        another.hears<Willmsgresp>();
+    }
+    for (const std::string name : {"a", "b"}) watcher.hears_publish(name);
+    watcher.hears_nothing();
+    EXPECT_EQ(broker.core.client_ids(), (std::vector<ClientId>{"c", "d", "e", "watcher"}));
+}
+
+TEST(Limit, OfSessionsIsMadeRoomForByTheIpAddressThatLeftMostKeptOnesBehind) {
+    ScriptedBroker broker{options_with<std::size_t>(&Limits::sessions, 4)};
+    leaves_kept_session(broker, "robot", 9);
+    for (const std::string name : {"a", "b", "c"}) leaves_kept_session(broker, name, 8);
+    ScriptedClient late{broker, "late"};
+    late.connects();
+    EXPECT_EQ(broker.core.client_ids(), (std::vector<ClientId>{"b", "c", "late", "robot"}));
+    EXPECT_EQ(broker.core.counters().sessions_forgotten, 1u);
+    ScriptedClient later{broker, "later"};
+    later.connects();
+    // Nobody who was promised a session loses his only one.
+    ScriptedClient last{broker, "last"};
+    last.says(last.connect());
+    EXPECT_EQ(last.hears<Connack>().return_code, ReturnCode::congestion);
+    EXPECT_EQ(broker.core.client_ids(), (std::vector<ClientId>{"c", "late", "later", "robot"}));
+}
+
 /// A message of 60,000 octets to that many clients, each of which knows its topic by another id, so
 /// that no two hear the same octets.
 void publish_to_many(ScriptedBroker& broker, std::size_t clients, Qos qos) {
@@ -202,6 +264,22 @@ TEST(Limit, OfAnUnknownAddressHoldsForPublishesWithoutConnection) {
     EXPECT_EQ(broker.dropped(Drop::stranger_rate), 7u);
 }
 
+TEST(Limit, OfAnUnknownIpAddressHoldsForAllItsPortsTogether) {
+    ScriptedBroker broker{
+        options_with<std::size_t>(&Limits::address_stranger_datagrams_per_second, 3)};
+    const auto is_answered = [&broker](std::uint8_t machine, std::uint16_t port) {
+        ScriptedClient stranger{broker, "stranger", port};
+        stranger.address.endpoint.address[3] = machine;
+        stranger.says(Pingreq{});
+        return stranger.unheard() == 1;
+    };
+    for (std::uint16_t port = 1; port <= 10; ++port) EXPECT_EQ(is_answered(8, port), port <= 3);
+    EXPECT_EQ(broker.dropped(Drop::stranger_rate), 7u);
+    EXPECT_TRUE(is_answered(9, 1));
+    broker.waits(1s);
+    EXPECT_TRUE(is_answered(8, 11));
+}
+
 /// A broker whose owner is short of memory.
 class Full : public testing::Test {
 protected:
@@ -244,6 +322,17 @@ TEST_F(Full, WhatWouldStayIsAnsweredByCongestion) {
     broker.core.set_full(false);
     another.connects();
     robot.registers("new");
+}
+
+// 146 of them, with 20,000 topic ids each, filled the memory and locked all robots out.
+TEST_F(Full, KeptSessionsThatOneIpAddressLeftBehindGo) {
+    broker.core.set_full(false);
+    leaves_kept_session(broker, "alone", 9);
+    for (const std::string name : {"a", "b", "c"}) leaves_kept_session(broker, name, 8);
+    broker.core.set_full(true);
+    for (int i = 0; i < 5; ++i) robot.publishes(pose, "x");  // one goes with each datagram
+    EXPECT_EQ(broker.core.client_ids(), (std::vector<ClientId>{"alone", "c", "robot"}));
+    EXPECT_EQ(broker.core.counters().sessions_forgotten, 2u);
 }
 
 TEST_F(Full, AWillConnectHearsCongestionAfterThePrompts) {  // G13
