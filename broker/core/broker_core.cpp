@@ -516,7 +516,7 @@ std::vector<MessagePtr> BrokerCore::retained() const {
 
 void BrokerCore::put_retained(const MessagePtr& message) {
     state_->tables.clock.observe(message->published_at);
-    state_->tables.retained.put(message);
+    state_->router.retain(message);
 }
 
 MessagePtr BrokerCore::retained_at(const LogPosition& position) const {

@@ -23,9 +23,10 @@ enum class Drop : std::uint8_t {
     refused_by_client,  // the client answered with a return code other than 0
     encapsulation,      // a forwarder's frame that holds none or a nested one
     no_room,            // a table was full: answered by "congestion" where there is an answer
-    output_full,        // one message to so many clients that the rest of them goes without
+    never_retained,  // Retain, on a message that is not to be kept: it was delivered all the same
+    output_full,     // one message to so many clients that the rest of them goes without
 };
-inline constexpr std::size_t drop_kinds = 12;
+inline constexpr std::size_t drop_kinds = 13;
 
 struct Counters {
     std::array<std::uint64_t, 256> received_by_type{};  // by MsgType

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "broker/core/log_position.h"
+#include "romano/base/bytes.h"
 #include "romano/base/time.h"
 #include "romano/mqttsn/types.h"
 
@@ -53,6 +54,9 @@ struct BrokerOptions {
     Duration deletions_kept_for{std::chrono::hours{1}};  // of retained messages, for late peers
     std::map<mqttsn::TopicId, std::string> predefined_topics;
     std::vector<std::string> observed_topics;  // what clients publish there is told as Observed
+    /// What must not come to a later subscriber: delivered, but never kept as retained. Null: all
+    /// is.
+    bool (*never_retained)(Bytes payload) = nullptr;
     std::string read_by_owner;  // client id of the session whose queue the owner reads; or none
     Limits limits;
 };

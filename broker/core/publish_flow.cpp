@@ -89,7 +89,8 @@ void PublishFlow::on_publish(Session& session, const mqttsn::Publish& message, T
                      turn);
         return;
     }
-    const Publication publication{topic, message.data, message.qos, message.retain};
+    const Publication publication =
+        router_.admitted({topic, message.data, message.qos, message.retain});
     router_.find_receivers(publication, turn);
     const bool is_qos2 = message.qos == Qos::exactly_once;
     // A repetition waited long enough already, for the answer of a home that the client has left.

@@ -29,6 +29,24 @@ bool waits_with_qos0(const Session& session) {
 
 }  // namespace
 
+Publication Router::admitted(Publication publication) {
+    const auto never_retained = tables_.options.never_retained;
+    if (publication.retain && never_retained != nullptr && never_retained(publication.payload)) {
+        tables_.count(Drop::never_retained);
+        publication.retain = false;
+    }
+    return publication;
+}
+
+void Router::retain(const MessagePtr& message) {
+    const auto never_retained = tables_.options.never_retained;
+    if (never_retained != nullptr && never_retained(message->payload)) {
+        tables_.count(Drop::never_retained);
+    } else {
+        tables_.retained.put(message);
+    }
+}
+
 /// It was in the session's queue before, by its position alone: now it joins as if it were new, but
 /// for the id under which it may have been sent.
 bool Router::was_awaited(Session& session, const LogPosition& position, Turn& turn) {
@@ -206,7 +224,7 @@ void Router::on_peer_message(const MessagePtr& message, Turn& turn) {
     const bool in_log = message->position.seq != 0;
     if (in_log && !tables_.cursors.advance(message->position)) return;
     tables_.clock.observe(message->published_at);
-    if (message->retain) tables_.retained.put(message);
+    if (message->retain) retain(message);
 
     const Publication publication{message->topic, message->payload, message->qos, message->retain,
                                   message->origin};

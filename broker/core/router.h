@@ -30,6 +30,13 @@ public:
     Router(Tables& tables, Outbox& outbox, DeliveryFlow& deliveries)
         : tables_(tables), outbox_(outbox), deliveries_(deliveries) {}
 
+    /// Every publication of a client, a will and the uplink comes by here first: Retain goes off
+    /// what is not to be kept (BrokerOptions::never_retained).
+    [[nodiscard]] Publication admitted(Publication publication);
+    /// Keeps a message with Retain, or deletes by it; but not what is not to be kept, which a
+    /// broker of an earlier version may have let in.
+    void retain(const MessagePtr& message);
+
     /// Of what a client publishes here.
     void find_receivers(const Publication& publication, Turn& turn) {
         find_receivers(publication, {}, turn);
@@ -46,7 +53,8 @@ public:
     void deliver(const Publication& publication, Turn& turn);
 
     /// All of it, for what nobody waits for an answer about.
-    void publish(const Publication& publication, Turn& turn) {
+    void publish(const Publication& given, Turn& turn) {
+        const Publication publication = admitted(given);
         find_receivers(publication, turn);
         accept(publication, nullptr, mqttsn::no_msg_id, turn);
         deliver(publication, turn);

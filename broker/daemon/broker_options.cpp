@@ -13,11 +13,14 @@ broker::BrokerOptions broker_options(const Settings& settings) {
     out.log.incarnation = static_cast<std::uint64_t>(net::unix_time().count());
     out.unix_time_at_zero = net::unix_time_at_zero();
     out.gateway_id = settings.gateway_id;
-    if (settings.discovery_groups.empty()) out.advertise_every = Duration{0};
+    out.advertise_every = settings.advertise_period;
     out.t_retry = settings.t_retry;
     out.n_retry = settings.n_retry;
     out.predefined_topics = settings.predefined_topics;
-    if (settings.romano) out.observed_topics = broker::CarriedServer::observed_topics();
+    if (settings.romano) {
+        out.observed_topics = broker::CarriedServer::observed_topics();
+        out.never_retained = broker::CarriedServer::is_never_retained;
+    }
     out.limits = settings.limits;
     return out;
 }

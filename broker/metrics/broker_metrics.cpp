@@ -9,9 +9,9 @@ namespace romano::metrics {
 namespace {
 
 constexpr std::array<const char*, broker::drop_kinds> drop_names = {
-    "wrong_direction",   "unknown_sender", "stranger_rate", "unexpected",
-    "invalid_topic",     "too_large",      "queue_full",    "retries_exhausted",
-    "refused_by_client", "encapsulation",  "no_room",       "output_full"};
+    "wrong_direction", "unknown_sender", "stranger_rate",     "unexpected",        "invalid_topic",
+    "too_large",       "queue_full",     "retries_exhausted", "refused_by_client", "encapsulation",
+    "no_room",         "never_retained", "output_full"};
 
 constexpr std::array<const char*, mqttsn::malformed_kinds> malformed_names = {
     "empty", "length", "reserved_type", "size", "reserved_value"};

@@ -56,6 +56,10 @@ std::vector<std::string> CarriedServer::observed_topics() {
     return {server::observed_topics.begin(), server::observed_topics.end()};
 }
 
+bool CarriedServer::is_never_retained(Bytes payload) {
+    return server::is_never_retained(payload);
+}
+
 void CarriedServer::answer(Instant now, BrokerCore& broker, Actions& actions) {
     BrokerHost host{now, broker, {}, actions};
     for (std::size_t i = 0; i < actions.list().size(); ++i) {  // answers are added to it

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "broker/core/broker_core.h"
+#include "romano/base/bytes.h"
 #include "romano/base/time.h"
 #include "romano/server/server.h"
 
@@ -16,6 +17,9 @@ class CarriedServer {
 public:
     /// What the broker core must tell of: BrokerOptions::observed_topics.
     [[nodiscard]] static std::vector<std::string> observed_topics();
+
+    /// What it must not keep for later subscribers: BrokerOptions::never_retained.
+    [[nodiscard]] static bool is_never_retained(Bytes payload);
 
     CarriedServer(const std::string& name, Duration unix_time_at_zero)
         : core_({.name = name, .unix_time_at_zero = unix_time_at_zero}) {}

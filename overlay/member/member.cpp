@@ -141,7 +141,10 @@ broker::BrokerOptions Member::State::broker_options() const {
     broker::BrokerOptions options = options_.broker;
     options.log = log_;
     options.writes_log = true;
-    if (options_.romano) options.observed_topics = broker::CarriedServer::observed_topics();
+    if (options_.romano) {
+        options.observed_topics = broker::CarriedServer::observed_topics();
+        options.never_retained = broker::CarriedServer::is_never_retained;
+    }
     if (options_.uplink) options.read_by_owner = CarriedUplink::client_id;
     return options;
 }

@@ -26,6 +26,11 @@ void publish(Host& host, std::string_view topic, const message::Message& message
 
 }  // namespace
 
+bool is_never_retained(Bytes data) {
+    return !message::flaw_of(data) &&
+           message::DataType{data[0]} == message::DataType::movement_control;
+}
+
 void ServerCore::on_publish(Instant now, std::string_view client, std::string_view topic,
                             Bytes data, Host& host) {
     if (topic == init_topic) {

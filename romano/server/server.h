@@ -31,6 +31,10 @@ inline constexpr std::string_view common_topic = "common";
 inline constexpr std::array<std::string_view, 3> observed_topics = {init_topic, legacy_init_topic,
                                                                     common_topic};
 
+/// A movement command is for whoever hears it now. Retained, it would drive each robot that
+/// subscribes later, on whatever topic: robots subscribe to more than their own.
+[[nodiscard]] bool is_never_retained(Bytes data);
+
 struct ServerOptions {
     std::string name;                              // the broker's
     Duration unix_time_at_zero{0};                 // wall clock at the Instant with count 0

@@ -50,6 +50,44 @@ TEST_F(Beside, WhatAClientPublishesOnAnObservedTopicIsToldOnceWithItsPublisher) 
     }
 }
 
+TEST(NeverRetained, IsDeliveredButKeptForNobodyWhoeverSendsIt) {
+    BrokerOptions options = logging_options();
+    options.never_retained = [](Bytes payload) { return as_text(payload) == "drive"; };
+    ScriptedBroker broker{options};
+    ScriptedClient commander{broker, "commander"};
+    ScriptedClient robot{broker, "robot"};
+    commander.connects();
+    robot.connects();
+    robot.subscribes("common");
+    const TopicId common = commander.registers("common");
+    commander.publishes(common, "stand", Qos::at_least_once, true);
+    robot.hears_publish("stand", Qos::at_least_once);
+    for (const Qos qos : {Qos::at_most_once, Qos::at_least_once, Qos::exactly_once}) {
+        commander.publishes(common, "drive", qos, true);
+        EXPECT_FALSE(robot.hears_publish("drive", qos).retain);
+    }
+    broker.core.publish(broker.now, "common", as_octets("drive"), Qos::at_most_once, true,
+                        broker.actions, "uplink/1");
+    for (Action& action : broker.actions.list()) {
+        if (const auto* append = std::get_if<Append>(&action)) {
+            EXPECT_FALSE(std::get<Published>(*append->event).message->retain);
+        }
+    }
+    EXPECT_EQ(broker.dropped(Drop::never_retained), 4u);
+    // From a store, a snapshot or a peer of an earlier version.
+    const LogId peer{broker_id_of("b2"), 1};
+    const MessagePtr old{Message{.topic = "common",
+                                 .payload = octets_of("drive"),
+                                 .retain = true,
+                                 .position = {peer, 1},
+                                 .published_at = HybridTime{~0ULL >> 1U}}};
+    broker.core.put_retained(old);
+    broker.core.on_peer_message(broker.now, old, broker.actions);
+    EXPECT_EQ(broker.dropped(Drop::never_retained), 6u);
+    ASSERT_EQ(broker.core.retained().size(), 1u);
+    EXPECT_EQ(as_text(broker.core.retained()[0]->payload), "stand") << "what was kept before stays";
+}
+
 TEST_F(Beside, ARepeatedQos2PublishIsNotToldAgain) {
     const TopicId init = robot.registers("init");
     Publish publish{false, Qos::exactly_once, false, TopicIdType::normal, init, MsgId{9}, {}};

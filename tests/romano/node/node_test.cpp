@@ -93,9 +93,9 @@ public:
         flush();
         cell.settle();
     }
-    void publish(std::string_view topic, Bytes data) {
+    void publish(std::string_view topic, Bytes data, bool retain = false) {
         (void)client_.publish(cell_.now(), client::topic_name(topic), data,
-                              {.qos = Qos::at_least_once}, out_);
+                              {.qos = Qos::at_least_once, .retain = retain}, out_);
         flush();
     }
     void on_datagram(Instant now, Bytes datagram) override {
@@ -174,6 +174,19 @@ TEST_F(NodeTest, PutsMovementsIntoTheMailbox) {
     other.publish("abcd1234", message::MovementControl{message::MovementType::front, millimetres});
     EXPECT_EQ(robot.next_amount(), 100U);
     EXPECT_TRUE(robot.data_received.empty());
+}
+
+TEST_F(NodeTest, ARetainedMovementIsOfThePastAndNotCarriedOut) {
+    other.start();
+    const std::vector<std::uint8_t> front_100mm{0x07, 0x08, 0, 0, 0, 0, 0, 100};
+    server.publish("common", front_100mm, true);
+    server.publish("abcd1234", front_100mm, true);
+    cell.settle();
+    EXPECT_EQ(other.next_amount(), 100U) << "it was said to robots that were there";
+    robot.start();
+    EXPECT_EQ(robot.node().phase(), Phase::established);
+    EXPECT_EQ(robot.next_amount(), 0U);
+    EXPECT_EQ(robot.node().counters().retained_movements, 2U);
 }
 
 TEST_F(NodeTest, AMovementAtQos2IsCarriedOutOnceThoughItsAnswerIsLost) {
