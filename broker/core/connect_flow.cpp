@@ -168,7 +168,7 @@ void ConnectFlow::accept(const Origin& origin, const Prompt& prompt, WillAnswer 
     session->heard_at = turn.now;
     session->probe_at = never;
     session->exchange = {};
-    session->paused_until = {};
+    session->pauses.clear();
     if (prompt.clean) lifecycle_.wipe(*session);
     // Only a stranger's kept session may be with a home that is out of sight.
     if (prompt.clean || !is_new) {

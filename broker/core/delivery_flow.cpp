@@ -19,6 +19,10 @@ namespace {
 /// learnt the id from SUBACK, and what ignores REGISTER (emcute, asymcute) must not wait for long.
 constexpr Duration courtesy{std::chrono::seconds{1}};
 
+/// So often, or all the times of one round, a client must be there and pass a message over before
+/// it is said not to take it: each single time the message or its answer may have been lost.
+constexpr int often_enough = 8;
+
 }  // namespace
 
 bool DeliveryFlow::make_room(Session& session) {
@@ -85,8 +89,7 @@ DeliveryFlow::Readiness DeliveryFlow::prepare(Session& session, WireTopic& topic
 
 void DeliveryFlow::go_on(Session& session, Turn& turn) {
     while (session.is_listening() && !session.held && !session.read_by_owner &&
-           !session.exchange.is_open() && !session.queue.empty() &&
-           session.paused_until <= turn.now) {
+           !session.exchange.is_open() && choose(session, turn.now)) {
         if (open_front(session, turn)) break;
     }
     const bool is_awake = session.header.state == SessionState::awake;
@@ -99,8 +102,40 @@ void DeliveryFlow::go_on(Session& session, Turn& turn) {
     schedule(tables_, session);
 }
 
+bool DeliveryFlow::choose(Session& session, Instant now) {
+    DeliveryQueue& queue = session.queue;
+    if (queue.empty()) return false;
+    if (queue.current().stage != DeliveryStage::queued) {
+        return !is_paused(session, queue.current(), now);
+    }
+    std::size_t place = 0;
+    for (const Delivery& delivery : queue) {
+        if (!is_paused(session, delivery, now)) {
+            queue.choose(place);
+            return true;
+        }
+        ++place;
+    }
+    return false;
+}
+
+bool DeliveryFlow::is_paused(const Session& session, const Delivery& delivery, Instant now) {
+    if (session.pauses.empty() || delivery.stage == DeliveryStage::released) return false;
+    const std::string& name = delivery.message->topic;
+    WireTopic topic = plain_topic(session, name);
+    if (topic.type != TopicIdType::normal) return false;
+    if (topic.id == mqttsn::no_topic_id) topic.id = session.topics.find(name);
+    const auto pause = std::ranges::find(session.pauses, topic.id, &Pause::topic);
+    return pause != session.pauses.end() && pause->until > now && !session.topics.knows(topic.id);
+}
+
+void DeliveryFlow::end_pauses(Session& session, Turn& turn) {
+    const auto is_over = [&](const Pause& pause) { return pause.until <= turn.now; };
+    if (std::erase_if(session.pauses, is_over) != 0) go_on(session, turn);
+}
+
 bool DeliveryFlow::open_front(Session& session, Turn& turn) {
-    Delivery& delivery = session.queue.front();
+    Delivery& delivery = session.queue.current();
     if (delivery.stage == DeliveryStage::released) {  // an adopted or resumed hand-shake
         open(session, Kind::releasing, delivery.msg_id, {});
         return send_open(session, true, turn);
@@ -120,7 +155,7 @@ bool DeliveryFlow::open_front(Session& session, Turn& turn) {
 }
 
 bool DeliveryFlow::publish_front(Session& session, const WireTopic& topic, Turn& turn) {
-    Delivery& delivery = session.queue.front();
+    Delivery& delivery = session.queue.current();
     if (delivery.qos == Qos::at_most_once) {
         if (!send_publish(session, delivery, topic, false, turn)) tables_.count(Drop::too_large);
         session.queue.pop();
@@ -161,7 +196,7 @@ void DeliveryFlow::start(Session& session, Delivery& delivery, Turn& turn) {
 /// False when the front was dropped because it fits no datagram (6.10f).
 bool DeliveryFlow::send_open(Session& session, bool again, Turn& turn) {
     const Exchange& exchange = session.exchange;
-    const Delivery& delivery = session.queue.front();
+    const Delivery& delivery = session.queue.current();
     bool sent = true;
     switch (exchange.kind) {
         case Kind::none:
@@ -212,6 +247,8 @@ void DeliveryFlow::supervise(Session& session, Turn& turn) {
     } else {
         exchange.sent_at = turn.now;
     }
+    exchange.heard_since = false;
+    if (exchange.doubted) outbox_.send(session, mqttsn::Pingreq{}, Gate::open, turn);
     exchange.retry_at = turn.now + patience_with(session);
     schedule(tables_, session);
 }
@@ -225,7 +262,7 @@ Duration DeliveryFlow::patience_with(Session& session) {
 /// REGISTER is open for a name that the client subscribed to without wildcards.
 bool DeliveryFlow::names_known_id(Session& session) {
     return session.exchange.kind == Kind::registering &&
-           tables_.subscribers.find(session.queue.front().message->topic, session.number) !=
+           tables_.subscribers.find(session.queue.current().message->topic, session.number) !=
                nullptr;
 }
 
@@ -241,7 +278,8 @@ void DeliveryFlow::on_regack(Session& session, const mqttsn::Regack& message, Tu
         subscriptions_.set_known(session, id, true, turn);
         session.ignores_register = false;
     } else if (message.return_code == ReturnCode::congestion) {
-        session.paused_until = turn.now + tables_.options.t_wait;
+        std::erase_if(session.pauses, [id](const Pause& pause) { return pause.topic == id; });
+        session.pauses.push_back({id, turn.now + tables_.options.t_wait});
     } else {  // nothing of that name until it subscribes or registers again (6.10b, G16)
         session.topics.refuse(id);
         subscriptions_.remove(session, session.topics.at(id)->name, turn);
@@ -260,7 +298,7 @@ void DeliveryFlow::on_puback(Session& session, const mqttsn::Puback& message, Tu
         }
         return;
     }
-    const Delivery& delivery = session.queue.front();
+    const Delivery& delivery = session.queue.current();
     if (message.return_code == ReturnCode::accepted) {
         if (delivery.qos == Qos::exactly_once) {  // 6.6a: never the answer to QoS 2
             tables_.count(Drop::unexpected);
@@ -286,7 +324,7 @@ void DeliveryFlow::on_puback(Session& session, const mqttsn::Puback& message, Tu
 /// Once more under a new msg id, without DUP: after REGISTER if the id is not known (G21), at QoS 1
 /// at most and bare if the client does not support it otherwise (G25).
 void DeliveryFlow::fall_back(Session& session, Qos most, bool bare, Turn& turn) {
-    Delivery& delivery = session.queue.front();
+    Delivery& delivery = session.queue.current();
     delivery.qos = std::min(delivery.qos, most);
     start(session, delivery, turn);
     session.exchange = {};
@@ -299,7 +337,7 @@ void DeliveryFlow::on_pubrec(Session& session, const mqttsn::Pubrec& message, Tu
     Exchange& exchange = session.exchange;
     const bool ours = exchange.msg_id == message.msg_id;
     if (exchange.kind == Kind::publishing && ours &&
-        session.queue.front().qos == Qos::exactly_once) {
+        session.queue.current().qos == Qos::exactly_once) {
         release_front(session, turn);
         open(session, Kind::releasing, message.msg_id, {});
         send_open(session, false, turn);
@@ -319,13 +357,13 @@ void DeliveryFlow::on_pubrec(Session& session, const mqttsn::Pubrec& message, Tu
 /// the message, and forgets the id as soon as it is released.
 bool DeliveryFlow::is_left_at(Session& session, DeliveryStage stage, MsgId msg_id) {
     if (session.exchange.is_open() || session.queue.empty()) return false;
-    const Delivery& delivery = session.queue.front();
+    const Delivery& delivery = session.queue.current();
     return delivery.qos == Qos::exactly_once && delivery.stage == stage &&
            delivery.msg_id == msg_id;
 }
 
 void DeliveryFlow::release_front(Session& session, Turn& turn) {
-    Delivery& delivery = session.queue.front();
+    Delivery& delivery = session.queue.current();
     delivery.stage = DeliveryStage::released;
     tables_.log.append(turn.out, [&] {
         return DeliveryReleased{session.header.client_id, delivery.position};
@@ -353,7 +391,7 @@ void DeliveryFlow::on_pubcomp(Session& session, const mqttsn::Pubcomp& message, 
 }
 
 void DeliveryFlow::end_front(Session& session, Turn& turn) {
-    const Delivery& delivery = session.queue.front();
+    const Delivery& delivery = session.queue.current();
     if (delivery.qos != Qos::at_most_once) {
         tables_.log.append(turn.out, [&] {
             return DeliveryEnded{session.header.client_id, delivery.position};
@@ -389,11 +427,13 @@ void DeliveryFlow::send_again(Session& session, Turn& turn) {
 
 void DeliveryFlow::on_retry(Session& session, Turn& turn) {
     Exchange& exchange = session.exchange;
+    if (exchange.heard_since && exchange.ignored < often_enough) ++exchange.ignored;
     if (!session.is_listening()) {
         exchange.stalled = true;  // another client has its address now (G7)
     } else if (names_known_id(session)) {
         publish_anyway(session, true, turn);
-    } else if (exchange.sendings > tables_.options.n_retry) {
+    } else if (exchange.sendings > tables_.options.n_retry ||
+               (exchange.doubted && is_passed_over(session))) {
         give_up(session, turn);
     } else if (!send_open(session, true, turn)) {
         go_on(session, turn);
@@ -407,12 +447,23 @@ void DeliveryFlow::give_up(Session& session, Turn& turn) {
     } else if (exchange.kind == Kind::registering) {  // such clients exist (G14)
         session.ignores_register = exchange.heard;
         publish_anyway(session, exchange.heard, turn);
-    } else if (!exchange.heard) {  // silent: its queue waits for it (G5)
-        exchange.stalled = true;
-    } else {
+    } else if (is_passed_over(session) || session.header.state == SessionState::awake) {
         drop_front(session, Drop::retries_exhausted, turn);
         go_on(session, turn);
+    } else {
+        doubt(session, turn);
     }
+}
+
+/// The client is there, and cannot take the current message.
+bool DeliveryFlow::is_passed_over(const Session& session) const {
+    return session.exchange.ignored >= std::min(often_enough, tables_.options.n_retry + 1);
+}
+
+/// Silent: its queue waits for it (G5). Or is it there? One that may be asleep is not asked.
+void DeliveryFlow::doubt(Session& session, Turn& turn) {
+    session.exchange.stalled = session.exchange.doubted = true;
+    if (!session.seems_connected()) outbox_.send(session, mqttsn::Pingreq{}, Gate::open, turn);
 }
 
 /// REGISTER was not answered: PUBLISH without it. `known`: do not ask for this id again.

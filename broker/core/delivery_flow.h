@@ -6,6 +6,11 @@
 //                                                  PUBLISH → PUBREC → PUBREL → PUBCOMP  QoS 2
 //
 // QoS 0 goes out at once when the client is active, knows the id, and nothing of QoS 0 waits.
+//
+// A client that answers, but never for one message, cannot take it: too long for its buffer. After
+// all retries the broker asks with PINGREQ whether it is there. While it is, the message is sent
+// again, each time with PINGREQ behind it; when it was passed over often enough, it is dropped. To
+// one that is out of reach nothing is dropped.
 #pragma once
 
 #include <string_view>
@@ -52,6 +57,9 @@ public:
     /// The client was heard, and its message handled: what its silence had stopped goes on (G5).
     void resume(Session& session, Turn& turn);
 
+    /// Forgets the pauses that are over, and goes on.
+    void end_pauses(Session& session, Turn& turn);
+
     /// Retransmission is due.
     void on_retry(Session& session, Turn& turn);
 
@@ -67,7 +75,12 @@ private:
     Readiness prepare(Session& session, WireTopic& topic, std::string_view name, Turn& turn);
     [[nodiscard]] WireTopic plain_topic(const Session& session, std::string_view name);
 
-    /// False when the front of the queue was dropped or went out without an exchange.
+    /// Makes the first message whose topic does not wait (G16) the current one; one that was begun
+    /// stays it, for its client may hold it. False when there is none.
+    bool choose(Session& session, Instant now);
+    [[nodiscard]] bool is_paused(const Session& session, const Delivery& delivery, Instant now);
+
+    /// False when the current message was dropped or went out without an exchange.
     bool open_front(Session& session, Turn& turn);
     bool publish_front(Session& session, const WireTopic& topic, Turn& turn);
     void publish_anyway(Session& session, bool known, Turn& turn);
@@ -84,6 +97,8 @@ private:
     [[nodiscard]] Duration patience_with(Session& session);
     [[nodiscard]] bool names_known_id(Session& session);
     void give_up(Session& session, Turn& turn);
+    [[nodiscard]] bool is_passed_over(const Session& session) const;
+    void doubt(Session& session, Turn& turn);
     [[nodiscard]] static bool is_left_at(Session& session, DeliveryStage stage,
                                          mqttsn::MsgId msg_id);
     void release_front(Session& session, Turn& turn);

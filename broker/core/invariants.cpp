@@ -17,13 +17,13 @@ namespace {
     assert(session.is_connected() == (session.departed_at == never));
     assert(session.displaced_at == never || (!session.reachable && session.is_connected()));
 
-    // An exchange is about the front of the queue, and only with a client that listens.
+    // An exchange is about the queue's current message, and only with a client that listens.
     assert(!session.exchange.is_open() || !session.queue.empty());
     assert(!session.exchange.is_open() || session.is_listening());
     std::size_t place = 0;
     for ([[maybe_unused]] const Delivery& delivery : session.queue) {
         assert(delivery.message);
-        assert(delivery.stage == DeliveryStage::queued || place == 0);
+        assert(delivery.stage == DeliveryStage::queued || place == session.queue.place());
         assert((delivery.stage == DeliveryStage::queued) == (delivery.msg_id == mqttsn::no_msg_id));
         ++place;
     }

@@ -52,7 +52,7 @@ void Lifecycle::wipe(Session& session) {
     session.owes_pingresp = false;
     session.will.reset();
     session.exchange = {};
-    session.paused_until = {};
+    session.pauses.clear();
     session.late_answer = {};
     session.ignores_register = false;
     session.held = false;
@@ -125,7 +125,8 @@ void Lifecycle::depart_lost(Session& session, Turn& turn) {
 /// is in no log, like all of QoS 0.
 void Lifecycle::publish_will(Session& session, Turn& turn) {
     const Will will = *session.will;
-    const Publication publication{will.topic, will.message, will.qos, will.retain};
+    const Publication publication =
+        router_.admitted({will.topic, will.message, will.qos, will.retain});
     if (!Router::is_logged(publication)) log_header(session, turn);
     router_.find_receivers(publication, turn);
     router_.accept(publication, nullptr, mqttsn::no_msg_id, turn, session.header.client_id);

@@ -24,7 +24,7 @@ bool is_of_sleepers(MsgType type) {
 void Liveness::on_heard(Session& session, const Origin& origin, MsgType type, Turn& turn) {
     session.heard_at = turn.now;
     session.probe_at = never;
-    session.exchange.heard = true;
+    session.exchange.heard = session.exchange.heard_since = true;
     SessionHeader& header = session.header;
     header.last_heard = tables_.clock.stamp(turn.now);
     const bool has_moved = lifecycle_.move(session, origin, turn);
@@ -109,9 +109,8 @@ void Liveness::look_at(Session& session, const SessionJudgement& is_excused, Tur
     const Exchange& exchange = session.exchange;
     if (exchange.is_open() && !exchange.stalled && exchange.retry_at <= turn.now) {
         deliveries_.on_retry(session, turn);
-    } else if (session.paused_until != Instant{} && session.paused_until <= turn.now) {
-        session.paused_until = {};
-        deliveries_.go_on(session, turn);
+    } else {
+        deliveries_.end_pauses(session, turn);
     }
     schedule(tables_, session);
 }

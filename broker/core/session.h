@@ -22,15 +22,18 @@ struct WireTopic {
     mqttsn::TopicId id = mqttsn::no_topic_id;  // none: by the client's registry
 };
 
-/// The one exchange that is open with a client (G24). It is about the front of the queue.
+/// The one exchange that is open with a client (G24). It is about the queue's current message.
 struct Exchange {
     enum class Kind : std::uint8_t { none, registering, publishing, releasing };
 
     Kind kind = Kind::none;
     bool stalled = false;  // all retries unanswered by a silent client: waits until it is heard
+    bool doubted = false;  // all retries went unanswered once: each sending brings a PINGREQ along
     bool heard = false;    // the client was heard since the first sending
-    bool refused = false;  // the message fell back once already (G21, G25)
-    bool bare = false;     // without DUP and Retain (G25)
+    bool heard_since = false;  // and since the last one
+    std::uint8_t ignored = 0;  // sendings after which the client was heard, but no answer
+    bool refused = false;      // the message fell back once already (G21, G25)
+    bool bare = false;         // without DUP and Retain (G25)
     std::uint8_t sendings = 0;
     mqttsn::MsgId msg_id = mqttsn::no_msg_id;
     WireTopic topic;    // of REGISTER and PUBLISH
@@ -44,6 +47,12 @@ struct Exchange {
 struct RetainedToCome {
     Subscription subscription;
     std::string after;  // the topic that was the last one
+};
+
+/// The client answered REGISTER with "congestion": messages under that id wait (G16).
+struct Pause {
+    mqttsn::TopicId topic{};
+    Instant until{};
 };
 
 /// PUBACK or PUBREC to a publisher that is ahead of its receivers: it comes a little later.
@@ -98,7 +107,7 @@ struct alignas(64) Session {
     std::optional<Will> will;
     Instant departed_at = never;   // when it became disconnected or lost
     Instant displaced_at = never;  // when another client got its address, while connected (G7)
-    Instant paused_until{};        // after "congestion" in a REGACK (G16)
+    std::vector<Pause> pauses;     // one a topic
     LateAnswer late_answer;
     /// Of the QoS 2 exchange that another home of this session left open.
     mqttsn::MsgId unfinished = mqttsn::no_msg_id;

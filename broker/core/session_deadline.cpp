@@ -48,8 +48,8 @@ Instant due_at(const Session& session, const BrokerOptions& options) {
     if (session.exchange.is_open() && !session.exchange.stalled) {
         due = std::min(due, session.exchange.retry_at);
     }
-    if (!session.queue.empty() && session.paused_until != Instant{} && session.is_listening()) {
-        due = std::min(due, session.paused_until);
+    if (!session.queue.empty() && session.is_listening()) {
+        for (const Pause& pause : session.pauses) due = std::min(due, pause.until);
     }
     return std::min(due, forgotten_at(session, options));
 }

@@ -33,6 +33,12 @@ public:
         return index < topics_.size() && !topics_[index].name.empty() ? &topics_[index] : nullptr;
     }
 
+    /// The client does, from REGACK, SUBACK or an accepted REGISTER.
+    [[nodiscard]] bool knows(mqttsn::TopicId id) const {
+        const std::size_t index = static_cast<std::size_t>(id) - 1;
+        return index < topics_.size() && topics_[index].known;
+    }
+
     /// Gives a new name the next id; no_topic_id when all ids are used up.
     mqttsn::TopicId add(std::string_view name);
 

@@ -117,12 +117,56 @@ TEST_F(Delivering, SilentClientKeepsItsQueueUntilItIsHeard) {  // G5
     publishes("a", "1", Qos::at_least_once);
     publishes("a", "2", Qos::at_least_once);
     broker.waits(10min);
-    EXPECT_EQ(robot.unheard(), 4u);
+    EXPECT_EQ(robot.unheard(), 5u);  // the last is PINGREQ
     robot.ignores_what_came();
     robot.says(Pingreq{});
     robot.hears<Pingresp>();
     EXPECT_TRUE(robot.hears_publish("1", Qos::at_least_once).dup);
+    robot.hears<Pingreq>();
     robot.hears_publish("2", Qos::at_least_once);
+    broker.expects_mirror_to_agree();
+}
+
+TEST_F(Delivering,
+       WhoIsThereButTakesOneMessageNeverIsAskedAndGetsTheNext) {  // G5: asymcute's buffer
+    robot.subscribes("a");
+    publishes("a", "too long", Qos::exactly_once);
+    publishes("a", "2", Qos::at_least_once);
+    broker.waits(40s);  // all four sendings
+    for (int sending = 0; sending < 4; ++sending) robot.hears<Publish>();
+    robot.hears<Pingreq>();
+    robot.hears_nothing();
+    robot.says(Pingresp{});
+    for (int sending = 0; sending < 4; ++sending) {  // once more, and it is there each time
+        EXPECT_EQ(as_text(robot.hears<Publish>().data), "too long");
+        robot.hears<Pingreq>();
+        robot.says(Pingresp{});
+        broker.waits(10s);
+    }
+    EXPECT_EQ(broker.dropped(Drop::retries_exhausted), 1u);
+    robot.hears_publish("2", Qos::at_least_once);
+    robot.hears_nothing();
+    broker.expects_mirror_to_agree();  // no heir repeats it
+}
+
+TEST_F(Delivering, WhoComesBackIntoReachLosesNothing) {  // G5
+    robot.subscribes("a");
+    publishes("a", "1", Qos::at_least_once);
+    robot.hears<Publish>();
+    gives_a_sign_of_life();  // and then drives out of reach
+    broker.waits(10min);
+    robot.ignores_what_came();
+    robot.says(Pingreq{});
+    robot.hears<Pingresp>();
+    robot.hears<Publish>();  // lost on the way, as is the next
+    broker.waits(10s);
+    robot.ignores_what_came();
+    broker.waits(10min);
+    robot.ignores_what_came();
+    robot.says(Pingreq{});
+    robot.hears<Pingresp>();
+    robot.hears_publish("1", Qos::at_least_once);
+    EXPECT_EQ(broker.dropped(Drop::retries_exhausted), 0u);
     broker.expects_mirror_to_agree();
 }
 
@@ -229,6 +273,56 @@ TEST_F(Delivering, RefusedRegisterByCongestionIsTriedAgainAfterTwait) {  // G16
     const auto again = robot.hears<Register>();
     robot.says(Regack{again.topic_id, again.msg_id, ReturnCode::accepted});
     robot.hears_publish("1", Qos::at_least_once);
+}
+
+TEST_F(Delivering, CongestionHoldsUpTheMessagesOfItsTopicAlone) {  // G16
+    robot.subscribes("a/#");
+    publishes("a/b", "1", Qos::at_least_once);
+    const auto told = robot.hears<Register>();
+    publishes("a/b", "2", Qos::exactly_once);
+    publishes("a/c", "3", Qos::exactly_once);
+    publishes("a/b", "4", Qos::at_most_once);
+    robot.says(Regack{told.topic_id, told.msg_id, ReturnCode::congestion});
+    const auto other = robot.hears<Register>();
+    EXPECT_EQ(other.topic_name, "a/c");
+    robot.says(Regack{other.topic_id, other.msg_id, ReturnCode::accepted});
+    robot.hears_publish("3", Qos::exactly_once);
+    publishes("a/c", "5", Qos::at_least_once);
+    robot.hears_publish("5", Qos::at_least_once);
+    publishes("a/c", "6", Qos::at_most_once);
+    robot.hears_publish("6", Qos::at_most_once);
+    robot.hears_nothing();
+    broker.expects_mirror_to_agree();
+    broker.waits(5min);
+    const auto again = robot.hears<Register>();
+    EXPECT_EQ(again.topic_name, "a/b");
+    robot.says(Regack{again.topic_id, again.msg_id, ReturnCode::accepted});
+    robot.hears_publish("1", Qos::at_least_once);
+    robot.hears_publish("2", Qos::exactly_once);
+    robot.hears_publish("4", Qos::at_most_once);
+    robot.hears_nothing();
+    broker.expects_mirror_to_agree();
+}
+
+TEST_F(Delivering, WhatWaitsForCongestionToEndCountsInTheQueue) {  // P8, G16
+    BrokerOptions options = logging_options();
+    options.limits.queued_per_session = 4;
+    options.limits.pacing_ms = 0;
+    ScriptedBroker small{options};
+    ScriptedClient from{small, "from"};
+    ScriptedClient to{small, "to"};
+    from.connects();
+    to.connects();
+    to.subscribes("a/#");
+    const TopicId b = from.registers("a/b");
+    const TopicId c = from.registers("a/c");
+    for (int i = 0; i < 4; ++i) from.publishes(b, "b", Qos::at_least_once);
+    const auto told = to.hears<Register>();
+    to.says(Regack{told.topic_id, told.msg_id, ReturnCode::congestion});
+    from.publishes(c, "c", Qos::at_least_once);
+    EXPECT_EQ(small.dropped(Drop::queue_full), 1u);
+    to.hears_nothing();
+    small.expects_mirror_to_agree();
 }
 
 TEST_F(Delivering, TwoOctetNameUnderAWildcardGoesAsShortName) {  // G17
