@@ -66,4 +66,9 @@ mqttsn::TopicRef TopicOption::topic() const {
     return is_short ? client::short_topic(name) : client::topic_name(name);
 }
 
+std::string TopicOption::words() const {
+    if (predefined == 0) return "`" + name + "`";
+    return "predefined topic id " + std::to_string(predefined);
+}
+
 }  // namespace romano::experiments

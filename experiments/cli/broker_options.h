@@ -36,6 +36,8 @@ struct TopicOption {
     void add_to(CLI::App& command, const char* what);
     /// Throws CommandError when it is none or both.
     [[nodiscard]] mqttsn::TopicRef topic() const;
+    /// For sentences about it: "`robots/7/pose`", "predefined topic id 3".
+    [[nodiscard]] std::string words() const;
 };
 
 /// A command cannot be carried out: one sentence, exit code 2.

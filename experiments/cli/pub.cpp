@@ -199,8 +199,8 @@ private:
             error_ = "the broker at " + options_.broker.where() +
                      " refused the connection: " + words_for(refused->return_code);
         } else if (const auto* failed = std::get_if<client::Failed>(&event)) {
-            error_ = "the broker at " + options_.broker.where() + " refused the message on `" +
-                     options_.topic.name + "`: " + words_for(failed->return_code);
+            error_ = "the broker at " + options_.broker.where() + " refused the message on " +
+                     options_.topic.words() + ": " + words_for(failed->return_code);
         }
     }
 
