@@ -78,7 +78,7 @@ void BullyElector::start_election(Instant now) {
     bool asked = false;
     for (const auto& [id, rank] : alive_) {
         if (rank > options_.self) {
-            outbox_.push_back({id, {election, term_, 0}});
+            outbox_.push_back({id, {election, term_}});
             asked = true;
         }
     }
@@ -90,7 +90,7 @@ void BullyElector::declare_victory(Instant) {
     deadline_ = never;
     ++term_;
     leader_ = options_.self.id;
-    for (const auto& [id, rank] : alive_) outbox_.push_back({id, {victory, term_, 0}});
+    for (const auto& [id, rank] : alive_) outbox_.push_back({id, {victory, term_}});
 }
 
 void BullyElector::follow(NodeId leader, Term term) {
@@ -106,7 +106,7 @@ void BullyElector::on_ballot(Instant now, NodeId from, const Ballot& ballot) {
         case election:
             if (outranks_us(from)) return;
             term_ = std::max(term_, ballot.term);
-            outbox_.push_back({from, {answer, term_, 0}});
+            outbox_.push_back({from, {answer, term_}});
             if (phase_ == Phase::settled && leader_ == options_.self.id)
                 declare_victory(now);
             else if (phase_ == Phase::settled)

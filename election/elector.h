@@ -46,7 +46,6 @@ struct Claim {
 struct Ballot {
     std::uint8_t kind = 0;
     Term term = 0;
-    std::uint64_t detail = 0;
 };
 struct BallotTo {
     NodeId to;

@@ -7,7 +7,7 @@ namespace romano::election {
 
 namespace {
 
-// Kinds of ballots. A grant repeats the term that it grants; detail is unused.
+// Kinds of ballots. A grant repeats the term that it grants.
 constexpr std::uint8_t pre_vote_request = 1;
 constexpr std::uint8_t pre_vote_grant = 2;
 constexpr std::uint8_t vote_request = 3;
@@ -140,7 +140,7 @@ void RaftElector::become_leader(Instant now) {
 
 void RaftElector::ask_voters(std::uint8_t kind, Term term) {
     for (const NodeId voter : options_.voters) {
-        if (voter != options_.self.id) outbox_.push_back({voter, {kind, term, 0}});
+        if (voter != options_.self.id) outbox_.push_back({voter, {kind, term}});
     }
 }
 
@@ -165,7 +165,7 @@ void RaftElector::answer_request(Instant now, NodeId from, const Ballot& ballot)
     const bool pre_vote = ballot.kind == pre_vote_request;
     if (now < may_vote_at_ || hears_leader(now)) {
         if (pre_vote) early_ = EarlyRequest{from, ballot, now};
-        outbox_.push_back({from, {refusal, term_, 0}});
+        outbox_.push_back({from, {refusal, term_}});
         return;
     }
     if (!pre_vote && ballot.term > term_) become_follower(now, ballot.term, std::nullopt);
@@ -173,14 +173,14 @@ void RaftElector::answer_request(Instant now, NodeId from, const Ballot& ballot)
                                   ? ballot.term > term_
                                   : ballot.term == term_ && (!voted_for_ || voted_for_ == from);
     if (!free_to_vote) {
-        outbox_.push_back({from, {refusal, term_, 0}});
+        outbox_.push_back({from, {refusal, term_}});
         return;
     }
     if (!pre_vote) {
         voted_for_ = from;
         restart_timeout(now);
     }
-    outbox_.push_back({from, {pre_vote ? pre_vote_grant : vote_grant, ballot.term, 0}});
+    outbox_.push_back({from, {pre_vote ? pre_vote_grant : vote_grant, ballot.term}});
 }
 
 void RaftElector::answer_early_request(Instant now) {

@@ -7,7 +7,7 @@
  *         uint32_t ms = romano_run(&robot);
  *         struct romano_command command;
  *         while (romano_next_command(&robot, &command)) move(&command);
- *         wait_for_datagram_or(ms);
+ *         my_board_wait(ms); // until a datagram comes, or for so long
  *     }
  *
  * No heap, no operating system. One thread calls these functions. */

@@ -142,7 +142,6 @@ struct Writer {
         auto& to = *out.mutable_ballot();
         to.set_kind(m.ballot.kind);
         to.set_term(m.ballot.term);
-        to.set_detail(m.ballot.detail);
     }
     void operator()(const cluster::ViewProposal& m) const {
         auto& to = *out.mutable_view_proposal();
@@ -274,7 +273,7 @@ Maybe read_forward_batch(const ForwardBatch& in) {
 Maybe read_ballot(const Ballot& in) {
     const auto kind = narrow<std::uint8_t>(in.kind());
     if (!kind) return std::nullopt;
-    return cluster::ElectionMessage{{*kind, in.term(), in.detail()}};
+    return cluster::ElectionMessage{{*kind, in.term()}};
 }
 
 Maybe read_view_proposal(const ViewProposal& in) {

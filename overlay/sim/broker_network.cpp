@@ -95,7 +95,6 @@ void BrokerNetwork::break_link(Node from, Node to) {
 }
 
 void BrokerNetwork::send(const broker::LogId& from, const overlay::Outgoing& outgoing) {
-    ++sent_;
     const Delivery delivery = cluster::delivery_of(outgoing.message);
     const std::size_t octets = options_.octets_of ? options_.octets_of(outgoing.message) : 0;
     count(traffic_[node_of_.at(from)].sent, delivery, octets);

@@ -72,7 +72,6 @@ public:
     void stall(Node node);
     void go_on(Node node);
 
-    [[nodiscard]] std::uint64_t messages_sent() const { return sent_; }
     [[nodiscard]] const TrafficByDelivery& sent_by(Node node) { return traffic_[node].sent; }
     [[nodiscard]] const TrafficByDelivery& received_by(Node node) {
         return traffic_[node].received;
@@ -128,7 +127,6 @@ private:
     BrokerNetworkOptions options_;
     Random random_;
     Cuts cuts_;
-    std::uint64_t sent_ = 0;
     std::map<Node, NodeTraffic> traffic_;
     std::map<Node, Instant> stalled_;
     std::map<broker::LogId, Peer> peers_;

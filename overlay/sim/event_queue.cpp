@@ -31,7 +31,6 @@ void EventQueue::run_until(Instant end) {
         at_this_time_ = entry.when == now_ ? at_this_time_ + 1 : 0;
         assert(at_this_time_ < livelock && "somebody asks for the present time for ever");
         now_ = entry.when;
-        ++run_;
         const Event event = std::exchange(events_[entry.slot], nullptr);
         free_slots_.push_back(entry.slot);
         event();

@@ -24,8 +24,6 @@ public:
     void run_until(Instant end);
     void run_for(Duration duration) { run_until(now_ + duration); }
 
-    [[nodiscard]] std::uint64_t events_run() const { return run_; }
-
 private:
     struct Entry {
         Instant when;
@@ -39,7 +37,6 @@ private:
     Instant now_{};
     std::uint64_t at_this_time_ = 0;
     std::uint64_t next_sequence_ = 0;
-    std::uint64_t run_ = 0;
     std::vector<Entry> heap_;
     std::vector<Event> events_;
     std::vector<std::size_t> free_slots_;

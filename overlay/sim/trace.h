@@ -23,7 +23,6 @@ public:
     using Listener = std::function<void(std::string_view line)>;
 
     void listen(Listener listener) { listener_ = std::move(listener); }
-    [[nodiscard]] bool has_listener() const { return listener_ != nullptr; }
     [[nodiscard]] std::uint64_t hash() const { return hash_; }
 
     template <typename... Parts>

@@ -37,7 +37,7 @@ static_assert(field_count<broker::Route>() == 3);
 static_assert(field_count<broker::DeliveryStarted>() == 4);
 static_assert(field_count<election::Rank>() == 3);
 static_assert(field_count<election::Claim>() == 3);
-static_assert(field_count<election::Ballot>() == 3);
+static_assert(field_count<election::Ballot>() == 2);
 static_assert(field_count<cluster::ViewNumber>() == 3);
 static_assert(field_count<cluster::View>() == 2);
 static_assert(field_count<cluster::Beacon>() == 19);

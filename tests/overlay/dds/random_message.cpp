@@ -221,8 +221,7 @@ cluster::ClusterMessage random_message(std::size_t kind, Random& r) {
         case 3:
             return cluster::ForwardBatch{some(r, message)};
         case 4:
-            return cluster::ElectionMessage{
-                {static_cast<std::uint8_t>(r.below(256)), wide(r), wide(r)}};
+            return cluster::ElectionMessage{{static_cast<std::uint8_t>(r.below(256)), wide(r)}};
         case 5:
             return cluster::ViewProposal{view(r), some(r, log_id)};
         case 6:
