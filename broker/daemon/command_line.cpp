@@ -56,6 +56,9 @@ void add_options(CLI::App& app, SettingTexts& texts) {
                    "Take part in MQTT-SN discovery in this multicast group (repeatable); "
                    "\"default\" means 225.1.1.1:1883 and [ff02::225:1:1:1]:1883")
         ->type_name("ADDR:PORT");
+    app.add_option("--advertise-period", texts.advertise_period,
+                   "Seconds between two ADVERTISE in the discovery groups (default 900)")
+        ->type_name("1..65535");
 
     app.add_flag("--no-romano", texts.no_romano,
                  "Carry no ROMANO server: robots' connection requests go unanswered");

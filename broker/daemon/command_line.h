@@ -32,6 +32,7 @@ struct SettingTexts {
     std::optional<std::string> retries = {};
     bool realtime = false;
     std::string gateway_id = "1";
+    std::optional<std::string> advertise_period = {};
     std::vector<std::string> predefined = {};
     std::vector<std::string> discovery_group = {};
     bool no_romano = false;

@@ -96,6 +96,19 @@ std::optional<Endpoint> check_metrics(const std::optional<std::string>& text) {
     return endpoint;
 }
 
+/// T_ADV, which ADVERTISE carries in 16 bits (MQTT-SN 1.2 section 5.4.1).
+std::chrono::seconds check_advertise_period(const SettingTexts& texts, bool advertises) {
+    constexpr std::chrono::minutes usual{15};  // section 7.2
+    const auto& text = texts.advertise_period;
+    const auto given =
+        text ? std::chrono::seconds{number_in<std::uint16_t>("advertise-period", *text, 1, 65'535)}
+             : usual;
+    if (text && !advertises) {
+        refuse("advertise-period", *text, "is for discovery; give --discovery-group too");
+    }
+    return advertises ? given : std::chrono::seconds{0};
+}
+
 std::vector<Endpoint> check_groups(const std::vector<std::string>& texts,
                                    const std::vector<Endpoint>& listen) {
     const auto has_family = [&](Endpoint::Family family) {
@@ -311,6 +324,7 @@ Settings check(const SettingTexts& texts) {
     out.name = check_name(texts.name, out.listen.front());
     out.discovery_groups = check_groups(texts.discovery_group, out.listen);
     out.gateway_id = number_in<std::uint8_t>("gateway-id", texts.gateway_id, 1, 255);
+    out.advertise_period = check_advertise_period(texts, !out.discovery_groups.empty());
     out.predefined_topics = check_predefined(texts.predefined);
     out.romano = !texts.no_romano;
     out.metrics = check_metrics(texts.metrics);

@@ -48,6 +48,7 @@ struct Settings {
     std::vector<Endpoint> listen;
     std::vector<Endpoint> discovery_groups;
     std::uint8_t gateway_id = 1;
+    std::chrono::seconds advertise_period{};  // 0: never
     std::map<mqttsn::TopicId, std::string> predefined_topics;
     bool romano = true;  // carries the ROMANO server
     std::optional<Endpoint> metrics;

@@ -85,6 +85,7 @@ realtime = true
 gateway-id = 9
 predefined = ["1=robots/pose", "2=a topic, with comma"]
 discovery-group = ["225.1.1.1:1883"]
+advertise-period = 60
 no-romano = true
 log-level = "warn"
 )");
@@ -108,6 +109,7 @@ log-level = "warn"
     EXPECT_EQ(read.gateway_id, "9");
     EXPECT_THAT(read.predefined, ElementsAre("1=robots/pose", "2=a topic, with comma"));
     EXPECT_THAT(read.discovery_group, ElementsAre("225.1.1.1:1883"));
+    EXPECT_EQ(read.advertise_period, "60");
     EXPECT_TRUE(read.no_romano);
     EXPECT_EQ(read.log_level, "warn");
 }
@@ -243,6 +245,7 @@ TEST(CommandLine, HelpShowsExamplesAndAllOptions) {
                                "--gateway-id",
                                "--predefined",
                                "--discovery-group",
+                               "--advertise-period",
                                "--log-level",
                                "--config",
                                "--version"}) {

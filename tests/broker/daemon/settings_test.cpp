@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "broker/daemon/broker_options.h"
 #include "broker/daemon/refusal.h"
 #include "broker/net/endpoint_text.h"
 
@@ -37,6 +38,21 @@ TEST(Settings, AloneOnAllAddressesWithoutAnySetting) {
     EXPECT_FALSE(settings.name.empty());
     EXPECT_TRUE(settings.discovery_groups.empty());
     EXPECT_EQ(settings.gateway_id, 1);
+}
+
+TEST(Settings, AdvertiseComesEveryQuarterOfAnHourUnlessGivenAndOnlyInDiscoveryGroups) {
+    EXPECT_EQ(check({}).advertise_period, 0s);
+    const std::vector<std::string> groups{"225.1.1.1:1883"};
+    EXPECT_EQ(check({.discovery_group = groups}).advertise_period, 900s);
+    const SettingTexts given{.advertise_period = "65535", .discovery_group = groups};
+    EXPECT_EQ(check(given).advertise_period, 65'535s);
+    EXPECT_EQ(broker_options(check(given)).advertise_every, 65'535s);
+    for (const char* wrong : {"0", "65536", "often"}) {
+        EXPECT_THAT(refusal({.advertise_period = wrong, .discovery_group = groups}),
+                    names("advertise-period", wrong));
+    }
+    EXPECT_THAT(refusal({.advertise_period = "60"}),
+                AllOf(names("advertise-period", "60"), HasSubstr("--discovery-group")));
 }
 
 TEST(Settings, EveryLimitReachesTheCoreAndHasARange) {
