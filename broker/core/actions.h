@@ -68,7 +68,12 @@ struct ForOwner {
     MessagePtr message;
 };
 
-using Action = std::variant<Send, Multicast, Append, Forward, Observed, ForOwner>;
+/// A warning for people (notes.h).
+struct Note {
+    std::unique_ptr<std::string> text;
+};
+
+using Action = std::variant<Send, Multicast, Append, Forward, Observed, ForOwner, Note>;
 
 class Actions {
 public:

@@ -1,6 +1,7 @@
 #include "broker/core/delivery_flow.h"
 
 #include <algorithm>
+#include <string>
 
 #include "broker/core/session_deadline.h"
 
@@ -76,6 +77,12 @@ DeliveryFlow::Readiness DeliveryFlow::prepare(Session& session, WireTopic& topic
         }
         if (topic.id == mqttsn::no_topic_id) {
             tables_.count(Drop::no_room);
+            tables_.notes.say(turn.now, turn.out, [&] {
+                return "client '" + session.header.client_id + "' has " +
+                       std::to_string(session.topics.size()) +
+                       " topic ids and can be given no more (max-topics): what comes on '" +
+                       std::string{name} + "' is dropped for this client";
+            });
             return Readiness::impossible;
         }
     }
@@ -448,6 +455,12 @@ void DeliveryFlow::give_up(Session& session, Turn& turn) {
         session.ignores_register = exchange.heard;
         publish_anyway(session, exchange.heard, turn);
     } else if (is_passed_over(session) || session.header.state == SessionState::awake) {
+        tables_.notes.say(turn.now, turn.out, [&] {
+            const Message& message = *session.queue.current().message;
+            return "client '" + session.header.client_id + "' answers, but not to a message of " +
+                   std::to_string(message.payload.size()) + " octets on '" + message.topic +
+                   "': it is dropped for this client";
+        });
         drop_front(session, Drop::retries_exhausted, turn);
         go_on(session, turn);
     } else {

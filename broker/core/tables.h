@@ -11,6 +11,7 @@
 #include "broker/core/hybrid_time.h"
 #include "broker/core/limits.h"
 #include "broker/core/log_writer.h"
+#include "broker/core/notes.h"
 #include "broker/core/retained_store.h"
 #include "broker/core/session_table.h"
 #include "broker/core/topic_tree.h"
@@ -51,6 +52,7 @@ struct Tables {
     RetainedStore retained;
     Cursors cursors;
     Counters counters;
+    Notes notes;
     const Audience* peers = nullptr;  // null: they may want everything
     bool congested = false;           // no new promises (BrokerCore::set_congested)
     bool full = false;                // nothing more that stays (BrokerCore::set_full)

@@ -1,5 +1,7 @@
 #include "broker/daemon/lone_broker.h"
 
+#include <spdlog/spdlog.h>
+
 #include <nlohmann/json.hpp>
 
 #include "broker/daemon/broker_options.h"
@@ -106,6 +108,9 @@ void LoneBroker::publish_status() {
 
 void LoneBroker::send() {
     server_.answer(net::now(), core_, actions_);
+    for (const broker::Action& action : actions_.list()) {
+        if (const auto* note = std::get_if<broker::Note>(&action)) spdlog::warn("{}", *note->text);
+    }
     if (persistence_) persistence_->keep(core_, actions_);
     udp_.carry_out(actions_);
     actions_.clear();

@@ -16,6 +16,7 @@ using Datagrams = std::vector<std::vector<std::uint8_t>>;
 constexpr Duration connect_again_after = 500ms;
 // A home that died is replaced sooner: then the session is somewhere, or there never was one.
 constexpr Duration settled_after = 1s;
+constexpr Duration warn_again_after = 10s;
 
 std::vector<std::uint8_t> encoded(const mqttsn::Message& message) {
     std::vector<std::uint8_t> octets(512);
@@ -105,14 +106,31 @@ void CarriedUplink::on_answer(Instant now, const broker::LogPosition& position,
 }
 
 void CarriedUplink::on_message(Instant now, const uplink::FromRemote& message, std::uint64_t token,
-                               broker::BrokerCore& broker, broker::Actions& actions) {
-    if (const auto inbound = core_.receive(message)) {
+                               broker::BrokerCore& broker, broker::Actions& actions,
+                               std::vector<cluster::LocalAction>& local) {
+    const std::size_t most = broker.limits().payload_octets;
+    if (message.payload.size() > most) {
+        warn_of_long(now, message, most, local);
+    } else if (const auto inbound = core_.receive(message)) {
         broker.publish(now, inbound->place.topic, message.payload, inbound->place.qos,
                        message.retain, actions, inbound->origin);
         core_.remember(inbound->origin);
     }
     // A repetition too: what it repeats may not be safe yet.
     if (token != 0) unsafe_[broker.last_seq()].push_back(token);
+}
+
+/// MQTT allows 256 MB, an MQTT-SN datagram holds less than 64 KiB.
+void CarriedUplink::warn_of_long(Instant now, const uplink::FromRemote& message, std::size_t most,
+                                 std::vector<cluster::LocalAction>& local) {
+    ++too_long_;
+    if (now < warn_again_at_) return;
+    warn_again_at_ = now + warn_again_after;
+    local.push_back(cluster::Notice{
+        "the MQTT message of " + std::to_string(message.payload.size()) + " octets on '" +
+            message.topic + "' is dropped: MQTT-SN clients can be sent " + std::to_string(most) +
+            " (max-payload-octets); " + std::to_string(too_long_) + " so far",
+        true});
 }
 
 void CarriedUplink::on_for_owner(const broker::MessagePtr& message,

@@ -43,7 +43,8 @@ public:
     void on_answer(Instant now, const broker::LogPosition& position, uplink::Answer answer,
                    broker::BrokerCore& broker, broker::Actions& actions);
     void on_message(Instant now, const uplink::FromRemote& message, std::uint64_t token,
-                    broker::BrokerCore& broker, broker::Actions& actions);
+                    broker::BrokerCore& broker, broker::Actions& actions,
+                    std::vector<cluster::LocalAction>& local);
     void on_for_owner(const broker::MessagePtr& message, std::vector<uplink::UplinkAction>& out);
 
     /// How far peers must know the own log soon: the MQTT broker waits for it, or the next leader
@@ -57,6 +58,8 @@ public:
                broker::Actions& actions, std::vector<uplink::UplinkAction>& out);
 
 private:
+    void warn_of_long(Instant now, const uplink::FromRemote& message, std::size_t most,
+                      std::vector<cluster::LocalAction>& local);
     [[nodiscard]] bool may_connect(Instant now, const broker::BrokerCore& broker,
                                    const cluster::ClusterCore& cluster);
     [[nodiscard]] std::vector<std::vector<std::uint8_t>> missing_subscriptions(
@@ -69,6 +72,8 @@ private:
     bool is_subscribed_ = false;
     Instant subscribe_again_at_ = Instant::min();
     std::map<broker::Seq, std::vector<std::uint64_t>> unsafe_;  // tokens, by what they wait for
+    std::uint64_t too_long_ = 0;                                // messages of the MQTT broker
+    Instant warn_again_at_ = Instant::min();
     broker::Seq confirmed_ = 0;  // says that the MQTT broker has a message
 };
 

@@ -339,6 +339,8 @@ void Member::State::absorb(Instant now, MemberActions& out) {
             cluster_.forward(forward->message, out.peers);
         } else if (const auto* for_owner = std::get_if<broker::ForOwner>(&action)) {
             if (uplink_) uplink_->on_for_owner(for_owner->message, out.uplink);
+        } else if (auto* note = std::get_if<broker::Note>(&action)) {
+            out.local.push_back(Notice{std::move(*note->text), true});
         }
     }
     cluster_.flush(awaited, out.peers);
@@ -453,7 +455,7 @@ void Member::State::on_uplink_message(Instant now, const uplink::FromRemote& mes
         if (token != 0) late_message_.emplace(message, token);
         return;
     }
-    uplink_->on_message(now, message, token, broker_, work_);
+    uplink_->on_message(now, message, token, broker_, work_, out.local);
     carry_out(now, out);
 }
 

@@ -144,6 +144,8 @@ TEST_F(Delivering,
         broker.waits(10s);
     }
     EXPECT_EQ(broker.dropped(Drop::retries_exhausted), 1u);
+    ASSERT_EQ(broker.notes.size(), 1u);
+    EXPECT_NE(broker.notes[0].find("8 octets on 'a'"), std::string::npos) << broker.notes[0];
     robot.hears_publish("2", Qos::at_least_once);
     robot.hears_nothing();
     broker.expects_mirror_to_agree();  // no heir repeats it
@@ -168,6 +170,35 @@ TEST_F(Delivering, WhoComesBackIntoReachLosesNothing) {  // G5
     robot.hears_publish("1", Qos::at_least_once);
     EXPECT_EQ(broker.dropped(Drop::retries_exhausted), 0u);
     broker.expects_mirror_to_agree();
+}
+
+TEST_F(Delivering, WhoHasAllTopicIdsGetsNoMessageOfAnotherNameAndPeopleAreTold) {  // P8
+    BrokerOptions options = logging_options();
+    options.limits.topics_per_session = 2;
+    ScriptedBroker small{options};
+    ScriptedClient source{small, "source"};
+    ScriptedClient monitor{small, "monitor"};
+    source.connects();
+    monitor.connects();
+    monitor.subscribes("#");
+    const auto learns = [&monitor] {
+        const auto told = monitor.hears<Register>();
+        monitor.says(Regack{told.topic_id, told.msg_id, ReturnCode::accepted});
+    };
+    source.publishes(source.registers("m/1"), "1", Qos::at_least_once);
+    learns();
+    monitor.hears_publish("1", Qos::at_least_once);
+    source.publishes(source.registers("m/2"), "2", Qos::at_least_once);
+    learns();
+    monitor.hears_publish("2", Qos::at_least_once);
+    EXPECT_TRUE(small.notes.empty());
+    ScriptedClient another{small, "another"};
+    another.connects();
+    another.publishes(another.registers("m/3"), "3", Qos::at_least_once);
+    monitor.hears_nothing();
+    ASSERT_EQ(small.notes.size(), 1u);
+    EXPECT_NE(small.notes[0].find("'m/3'"), std::string::npos) << small.notes[0];
+    small.expects_mirror_to_agree();
 }
 
 TEST_F(Delivering, UnknownIdIsRegisteredAndPublishedOnceMore) {  // 6.10e, G21

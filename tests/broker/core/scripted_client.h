@@ -112,6 +112,8 @@ public:
                 log.push_back(std::move(*append->event));
             } else if (auto* observed = std::get_if<Observed>(&action)) {
                 observations.push_back(std::move(*observed->what));
+            } else if (auto* note = std::get_if<Note>(&action)) {
+                notes.push_back(std::move(*note->text));
             } else {
                 forwards.push_back(std::get<Forward>(action).message);
             }
@@ -151,6 +153,7 @@ public:
     std::vector<LogEvent> log;  // event n at n - 1
     std::vector<MessagePtr> forwards;
     std::vector<Observation> observations;
+    std::vector<std::string> notes;  // warnings for people
     Seq last_after = 0;
     Mirror mirror;
 };

@@ -202,6 +202,24 @@ TEST_F(MemberWithUplink, BringsAMessageToEveryBrokersSubscribersOnce) {
     EXPECT_THAT(acknowledged(2), ElementsAre(1, 2));
 }
 
+TEST_F(MemberWithUplink, AMessageTooLongForMqttSnIsDroppedToldAndAcknowledged) {
+    start({1});
+    brokers.uplink_up(1, false);
+    Robot& robot = subscriber(1);
+    const std::string longest(brokers.member(1).broker().limits().payload_octets, 'x');
+    brokers.uplink_brings(1, from_remote(longest + 'x', 7), 1);
+    brokers.uplink_brings(1, from_remote(longest + "xx", 8), 2);
+    brokers.uplink_brings(1, from_remote(longest, 9), 3);
+    brokers.run_for(500ms);
+    EXPECT_THAT(robot.received(), ElementsAre(longest));
+    EXPECT_THAT(acknowledged(1), ElementsAre(1, 2, 3)) << "the MQTT broker shall not repeat it";
+    ASSERT_EQ(brokers.warnings(1).size(), 1U) << "one in ten seconds";
+    EXPECT_THAT(brokers.warnings(1)[0], testing::HasSubstr("fleet/down"));
+    brokers.run_for(10s);
+    brokers.uplink_brings(1, from_remote(longest + 'x', 10), 4);
+    EXPECT_THAT(brokers.warnings(1).back(), testing::HasSubstr("3 so far"));
+}
+
 TEST_F(MemberWithUplink, AcknowledgesOnlyWhatAPeerHolds) {
     start({1, 2});
     brokers.uplink_up(2, false);
