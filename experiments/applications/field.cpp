@@ -88,6 +88,10 @@ void Field::turn() {
 }
 
 std::string Field::no_answer() const {
+    if (operator_.denial() == mqttsn::ReturnCode::congestion) {
+        return "the broker at " + broker_.address().to_string() + " port " +
+               std::to_string(broker_.port()) + " is full or overloaded (congestion)";
+    }
     return "no broker answers at " + broker_.address().to_string() + " port " +
            std::to_string(broker_.port()) + " (see -h and -p)";
 }

@@ -10,6 +10,7 @@
 
 #include "broker/net/clock.h"
 #include "experiments/cli/broker_options.h"
+#include "experiments/cli/denial.h"
 #include "experiments/report/summary_table.h"
 #include "experiments/watch/broker_watch.h"
 
@@ -57,7 +58,7 @@ void print_disagreements(const BrokerWatch& watch) {
 void print_table(const BrokerWatch& watch) {
     SummaryTable table{
         .head = {"broker", "state", "role", "rank", "sessions", "connected", "addresses"},
-        .units = std::vector<std::string>(7),
+        .units = {},
         .rows = {}};
     const BrokerStatus* newest = nullptr;
     for (const auto& [name, seen] : watch.brokers()) {
@@ -98,7 +99,7 @@ void show_brokers(const BrokerOptions& options, bool as_json) {
     while (!watch.is_subscribed()) {
         io.run_one_for(50ms);
         if (watch.has_failed()) {
-            throw CommandError(options.unreachable(watch.client().was_refused()));
+            throw CommandError(why_not(options, watch.denial(), watch.client().was_refused()));
         }
     }
     const Instant patience = net::now() + 2s;

@@ -16,6 +16,7 @@
 #include <thread>
 
 #include "experiments/cli/broker_options.h"
+#include "experiments/cli/denial.h"
 
 namespace romano::experiments {
 namespace {
@@ -42,20 +43,6 @@ struct PubOptions {
     unsigned repeat = 1;
     double repeat_delay_s = 0;
 };
-
-const char* words_for(mqttsn::ReturnCode code) {
-    switch (code) {
-        case mqttsn::ReturnCode::accepted:
-            return "accepted";
-        case mqttsn::ReturnCode::congestion:
-            return "congestion";
-        case mqttsn::ReturnCode::invalid_topic_id:
-            return "invalid topic id";
-        case mqttsn::ReturnCode::not_supported:
-            return "not supported";
-    }
-    return "rejected";
-}
 
 /// Lines of standard input as they come, without stopping the client while none does.
 class StandardInput {

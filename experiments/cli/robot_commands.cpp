@@ -1,14 +1,19 @@
+#include <unistd.h>
+
 #include <chrono>
 #include <cstdio>
 #include <functional>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <sstream>
 #include <stdexcept>
 
 #include "broker/net/clock.h"
 #include "experiments/cli/broker_options.h"
+#include "experiments/cli/denial.h"
 #include "experiments/cli/robots.h"
+#include "experiments/operator/message_text.h"
 #include "experiments/operator/node_watch.h"
 #include "experiments/operator/robot_message.h"
 
@@ -21,6 +26,7 @@ using server::NodeState;
 
 constexpr const char* move_examples = R"(Examples:
   romano move abcd1234 front 100mm
+  romano move abcd1234 front 100mm --wait 5             (until the robot says where it is)
   romano move abcd1234,00000002 rotate-left 90deg       (these two)
   romano move common back 0.5m                          (all: a topic that robots subscribe to)
   romano move abcd1234 0x8001 0a0b                      (the application's own, octets)
@@ -35,6 +41,7 @@ constexpr const char* unsubscribe_examples = R"(Example:
 )";
 constexpr const char* request_examples = R"(Examples:
   romano request abcd1234 telemetry location            (listen: romano sub -t telemetry)
+  romano request abcd1234 telemetry location --wait 5   (and print what the robot answers)
   romano request common telemetry battery
 )";
 
@@ -47,19 +54,16 @@ struct RobotCommandOptions {
     int legacy_speed = 30;
     int qos = 2;  // no robot carries a movement out twice
     bool as_json = false;
+    std::optional<double> wait_s;  // for the robot's own answer
+    bool asks_for_data = false;    // `first` is the topic of the answer
 };
 
 /// What is to be said, in the receiver's form.
 using Encode = std::function<Octets(const RobotCommandOptions&, Form)>;
 
-std::string hexadecimal(const Octets& octets) {
-    std::string text;
-    for (const std::uint8_t octet : octets) {
-        char digits[3];
-        std::snprintf(digits, sizeof digits, "%02x", unsigned{octet});
-        text += digits;
-    }
-    return text;
+/// Where answers come, at most 15 octets for the authors' firmware.
+std::string own_answer_topic() {
+    return "answer-" + std::to_string(::getpid());
 }
 
 class Commander {
@@ -71,6 +75,16 @@ public:
                  options.broker.id_or("romano-command"), options.broker.timing()) {}
 
     void run() {
+        if (options_.wait_s) {
+            const std::string topic = options_.asks_for_data ? options_.first : own_answer_topic();
+            watch_.set_on_message([this, topic](std::string_view heard, Bytes data) {
+                if (heard != topic) return;
+                const auto message = romano_message(heard, data);
+                answer_ = message ? to_line(*message) : std::string{as_text(data)};
+            });
+            watch_.subscribe(topic);
+            turn_until([this] { return watch_.is_connected() && watch_.is_idle(); });
+        }
         for (const std::string& receiver : receivers_in(options_.receivers)) command(receiver);
         watch_.leave();
         if (options_.as_json) std::puts(sent_.dump(2).c_str());
@@ -82,21 +96,46 @@ private:
         const std::optional<NodeEntry> node = id ? look_up(*id) : std::nullopt;
         const Form form = form_of(receiver, id.has_value(), node);
         const Octets octets = encode_(options_, form);
+        answer_.reset();
         watch_.publish(receiver, octets, static_cast<mqttsn::Qos>(options_.qos));
         turn_until([this] { return watch_.is_idle(); });
         const std::string_view state = node ? server::name_of(node->state) : "";
+        if (options_.wait_s) wait_for_answer(receiver, form);
         if (options_.as_json) {
             sent_.push_back({{"topic", receiver},
                              {"qos", options_.qos},
                              {"form", server::name_of(form)},
                              {"octets", hexadecimal(octets)},
                              {"state", state}});
+            if (answer_) sent_.back()["answer"] = *answer_;
+        } else if (answer_) {
+            std::printf("%s answered: %s\n", receiver.c_str(), answer_->c_str());
         } else if (node && node->state != NodeState::connected) {
             std::printf("%s is %.*s: the message waits for it\n", receiver.c_str(),
                         static_cast<int>(state.size()), state.data());
         } else {
-            std::printf("sent to %s\n", receiver.c_str());
+            std::printf(
+                "sent to %s: the broker %s; %s does not say whether it got it (--wait asks)\n",
+                receiver.c_str(), options_.qos > 0 ? "has it" : "did not confirm it",
+                id ? "the robot" : "who listens there");
         }
+    }
+
+    /// Messages of one publisher on one topic arrive in order: what a robot answers to a request
+    /// that follows the command says that the command has arrived.
+    void wait_for_answer(const std::string& receiver, Form form) {
+        if (!options_.asks_for_data) {
+            const Octets question = request_message(form, own_answer_topic(), "location");
+            watch_.publish(receiver, question, static_cast<mqttsn::Qos>(options_.qos));
+        }
+        const Instant end = net::now() + std::chrono::duration_cast<Duration>(
+                                             std::chrono::duration<double>{*options_.wait_s});
+        while (!answer_ && net::now() < end) turn();
+        if (answer_) return;
+        std::ostringstream seconds;
+        seconds << *options_.wait_s;
+        throw CommandError("the broker has the message, but " + receiver +
+                           " did not answer within " + seconds.str() + " s (see romano robots)");
     }
 
     std::optional<NodeEntry> look_up(const message::RomanoId& id) {
@@ -123,11 +162,8 @@ private:
 
     void turn() {
         io_.run_one_for(20ms);
-        if (watch_.was_denied()) {
-            throw CommandError("the broker at " + options_.broker.where() + " refused this");
-        }
         if (watch_.has_failed()) {
-            throw CommandError(options_.broker.unreachable(watch_.was_refused()));
+            throw CommandError(why_not(options_.broker, watch_.denial(), watch_.was_refused()));
         }
     }
     template <typename Done>
@@ -139,6 +175,7 @@ private:
     const Encode& encode_;
     boost::asio::io_context io_{1};
     NodeWatch watch_;
+    std::optional<std::string> answer_;
     nlohmann::ordered_json sent_ = nlohmann::ordered_json::array();
 };
 
@@ -157,6 +194,12 @@ CLI::App& add_command(CLI::App& program, int& exit_code, const char* name, const
     command.add_option("--form", options->form, "auto (as the robot speaks), binary or legacy")
         ->check(CLI::IsMember({"auto", "binary", "legacy"}))
         ->capture_default_str();
+    command
+        .add_option("--wait", options->wait_s,
+                    "Wait so many seconds for an answer of the robot itself, and print it; of a "
+                    "topic's listeners for the first")
+        ->type_name("SECONDS")
+        ->check(CLI::Range(0.1, 3600.0));
     command.add_flag("--json", options->as_json, "Print what was sent, as a JSON array");
     command.footer(examples);
     command.callback([options, encode = std::move(encode), &exit_code] {
@@ -207,6 +250,7 @@ void add_robot_commands(CLI::App& program, int& exit_code) {
         ->required();
 
     auto request = std::make_shared<RobotCommandOptions>();
+    request->asks_for_data = true;
     CLI::App& requesting = add_command(
         program, exit_code, "request", "Tell robots to publish a kind of data on a topic",
         request_examples, request, [](const RobotCommandOptions& o, Form form) {

@@ -8,14 +8,19 @@
 #include <csignal>
 #include <cstdio>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "experiments/cli/broker_options.h"
+#include "experiments/cli/denial.h"
+#include "experiments/operator/message_text.h"
 
 namespace romano::experiments {
 namespace {
+
+using namespace std::chrono_literals;
 
 constexpr int timed_out = 27;  // as mosquitto_sub says it
 
@@ -23,6 +28,8 @@ constexpr const char* examples = R"(Examples:
   romano sub -t 'robots/+/pose' -v
   romano sub -h 127.0.0.2 -t '#' -q 2
   romano sub -t init-info -C 1 -W 10                (one message, within 10 seconds)
+  romano sub -t common -t '+' -v                    (robots' heartbeats and commands, in words)
+  romano sub -t telemetry --json | jq .romano.x_mm
   romano sub -i dashboard -c -t alarms -q 1         (a session that is kept: run it again later)
 Exit code: 0; 2 when it cannot be done; 27 when -W ran out.
 )";
@@ -35,6 +42,8 @@ struct SubOptions {
     bool keep_session = false;
     bool verbose = false;
     bool no_retained = false;
+    bool raw = false;
+    bool as_json = false;
     std::uint64_t count = 0;
     double timeout_s = 0;
 };
@@ -86,11 +95,13 @@ private:
         if (finishing_) return;
         finishing_ = true;
         exit_code_ = exit_code;
-        if (client_.core().is_connected()) {
-            client_.disconnect();
-        } else {
-            io_.stop();
-        }
+        if (!client_.core().is_connected()) return io_.stop();
+        client_.disconnect();
+        // A broker that is there answers in a moment; nobody waits for one that is not.
+        timeout_.expires_after(300ms);
+        timeout_.async_wait([this](const auto& stopped) {
+            if (!stopped) io_.stop();
+        });
     }
 
     void fail(std::string sentence) {
@@ -108,12 +119,10 @@ private:
             print(*received);
         } else if (const auto* failed = std::get_if<client::Failed>(&event)) {
             fail("the broker at " + options_.broker.where() +
-                 " refused a subscription: return code " +
-                 std::to_string(static_cast<int>(failed->return_code)));
+                 " refused a subscription: " + words_for(failed->return_code));
         } else if (const auto* refused = std::get_if<client::Refused>(&event)) {
             fail("the broker at " + options_.broker.where() +
-                 " refused the connection: return code " +
-                 std::to_string(static_cast<int>(refused->return_code)));
+                 " refused the connection: " + words_for(refused->return_code));
         } else if (const auto* ended = std::get_if<client::Disconnected>(&event)) {
             if (finishing_ || !ended->by_broker) {
                 io_.stop();
@@ -134,17 +143,43 @@ private:
 
     void print(const client::Received& message) {
         if (finishing_ || (message.retain && options_.no_retained)) return;
-        if (options_.verbose) {
-            const std::string topic =
-                message.topic.type == mqttsn::TopicIdType::predefined
-                    ? "predefined:" + std::to_string(static_cast<int>(message.topic.id))
-                    : std::string{message.topic.name};
-            std::printf("%s ", topic.c_str());
-        }
-        std::fwrite(message.data.data(), 1, message.data.size(), stdout);
+        const std::string text = options_.as_json ? json_of(message) : line_of(message);
+        std::fwrite(text.data(), 1, text.size(), stdout);
         std::fputc('\n', stdout);
         std::fflush(stdout);
         if (++printed_ == options_.count) finish(0);
+    }
+
+    [[nodiscard]] std::string line_of(const client::Received& message) const {
+        std::string line;
+        if (options_.verbose) {
+            line = message.topic.type == mqttsn::TopicIdType::predefined
+                       ? "predefined:" + std::to_string(static_cast<int>(message.topic.id))
+                       : std::string{message.topic.name};
+            line += ' ';
+        }
+        const auto romano =
+            options_.raw ? std::nullopt : romano_message(message.topic.name, message.data);
+        return line + (romano ? to_line(*romano) : std::string{as_text(message.data)});
+    }
+
+    static std::string json_of(const client::Received& message) {
+        nlohmann::ordered_json out;
+        if (message.topic.type == mqttsn::TopicIdType::predefined) {
+            out["predefined"] = static_cast<int>(message.topic.id);
+        } else {
+            out["topic"] = message.topic.name;
+        }
+        out["qos"] = static_cast<int>(message.qos);
+        out["retain"] = message.retain;
+        if (const auto romano = romano_message(message.topic.name, message.data)) {
+            out["romano"] = to_json(*romano);
+        } else if (is_text(message.data)) {
+            out["text"] = as_text(message.data);
+        } else {
+            out["octets"] = hexadecimal(message.data);
+        }
+        return out.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
     }
 
     const SubOptions& options_;
@@ -181,6 +216,12 @@ void add_sub(CLI::App& program, int& exit_code) {
                      "Not a clean session: the broker keeps it, and messages, for the next time");
     command.add_flag("-v,--verbose", options->verbose, "Print the topic before each message");
     command.add_flag("-R,--no-retained", options->no_retained, "Leave out retained messages");
+    CLI::Option* raw = command.add_flag(
+        "--raw", options->raw, "Print the octets as they came; else ROMANO messages in words");
+    command
+        .add_flag("--json", options->as_json,
+                  "Print a JSON object a line: topic, qos, retain, and romano, text or octets")
+        ->excludes(raw);
     command.add_option("-C,--count", options->count, "End after so many messages");
     command.add_option("-W,--timeout", options->timeout_s, "End after so many seconds")
         ->check(CLI::NonNegativeNumber);

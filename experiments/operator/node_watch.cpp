@@ -25,14 +25,20 @@ void NodeWatch::publish(const std::string& topic, Bytes data, mqttsn::Qos qos) {
 void NodeWatch::on_event(const client::Event& event) {
     if (const auto* received = std::get_if<client::Received>(&event)) {
         ++heard_;
-        const auto entry = server::parse_entry(received->topic.name, as_text(received->data));
+        const std::string_view topic = received->topic.name;
+        if (on_message_) on_message_(topic, received->data);
+        const auto entry = server::parse_entry(topic, as_text(received->data));
         if (entry) nodes_.insert_or_assign(entry->id, *entry);
+        if (received->data.empty()) {  // the entry was deleted: the robot is gone
+            std::erase_if(
+                nodes_, [&](const auto& node) { return server::entry_topic(node.first) == topic; });
+        }
         return;
     }
+    if (const auto* refused = std::get_if<client::Refused>(&event)) denial_ = refused->return_code;
+    if (const auto* failed = std::get_if<client::Failed>(&event)) denial_ = failed->return_code;
     const auto* disconnected = std::get_if<client::Disconnected>(&event);
-    denied_ = denied_ || std::holds_alternative<client::Refused>(event) ||
-              std::holds_alternative<client::Failed>(event);
-    failed_ = failed_ || denied_ || std::holds_alternative<client::Lost>(event) ||
+    failed_ = failed_ || denial_ || std::holds_alternative<client::Lost>(event) ||
               (disconnected != nullptr && disconnected->by_broker);
 }
 

@@ -3,9 +3,12 @@
 #pragma once
 
 #include <boost/asio/io_context.hpp>
+#include <functional>
 #include <map>
 #include <optional>
 #include <string>
+#include <string_view>
+#include <utility>
 
 #include "experiments/robots/socket_client.h"
 #include "romano/message/romano_id.h"
@@ -17,6 +20,10 @@ class NodeWatch {
 public:
     NodeWatch(boost::asio::io_context& io, const BrokerAddress& broker,
               const std::string& client_id, const client::Timing& timing);
+
+    /// Told of each message besides, before it is heeded here.
+    using OnMessage = std::function<void(std::string_view topic, Bytes data)>;
+    void set_on_message(OnMessage on_message) { on_message_ = std::move(on_message); }
 
     void subscribe(const std::string& filter);
     void publish(const std::string& topic, Bytes data, mqttsn::Qos qos);
@@ -32,17 +39,18 @@ public:
     /// No answer after all repetitions, or a refusal.
     [[nodiscard]] bool has_failed() const { return failed_; }
     /// The broker answered, with a refusal.
-    [[nodiscard]] bool was_denied() const { return denied_; }
+    [[nodiscard]] std::optional<mqttsn::ReturnCode> denial() const { return denial_; }
     [[nodiscard]] bool was_refused() const { return client_.was_refused(); }
 
 private:
     void on_event(const client::Event& event);
 
     std::string client_id_;
+    OnMessage on_message_;
     std::map<message::RomanoId, server::NodeEntry> nodes_;
     std::size_t heard_ = 0;
     bool failed_ = false;
-    bool denied_ = false;
+    std::optional<mqttsn::ReturnCode> denial_;
     SocketClient client_;
 };
 

@@ -29,10 +29,14 @@ void BrokerWatch::on_event(const client::Event& event) {
         (void)client_.subscribe(client::topic_name(brokers_filter), mqttsn::Qos::at_least_once);
     } else if (std::holds_alternative<client::Subscribed>(event)) {
         subscribed_ = true;
-    } else if (std::holds_alternative<client::Lost>(event) ||
-               std::holds_alternative<client::Refused>(event) ||
-               std::holds_alternative<client::Failed>(event)) {
+    } else if (std::holds_alternative<client::Lost>(event)) {
         failed_ = true;
+    } else if (const auto* refused = std::get_if<client::Refused>(&event)) {
+        failed_ = true;
+        denial_ = refused->return_code;
+    } else if (const auto* denied = std::get_if<client::Failed>(&event)) {
+        failed_ = true;
+        denial_ = denied->return_code;
     } else if (std::holds_alternative<client::Disconnected>(event)) {
         // A broker that is asked while it starts may not know its clients a moment later.
         if (!leaving_) connect();

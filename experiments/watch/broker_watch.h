@@ -38,6 +38,8 @@ public:
     [[nodiscard]] bool is_subscribed() const { return subscribed_; }
     /// No answer after all repetitions, or a refusal: it watches no more.
     [[nodiscard]] bool has_failed() const { return failed_; }
+    /// The broker answered, with a refusal.
+    [[nodiscard]] std::optional<mqttsn::ReturnCode> denial() const { return denial_; }
     [[nodiscard]] const SocketClient& client() const { return client_; }
     void leave();
 
@@ -50,6 +52,7 @@ private:
     std::map<std::string, Seen> brokers_;
     bool subscribed_ = false;
     bool failed_ = false;
+    std::optional<mqttsn::ReturnCode> denial_;
     bool leaving_ = false;
     SocketClient client_;
 };

@@ -72,6 +72,65 @@ TEST_F(Cli, EndsWithItsOwnCodeWhenTimeRunsOut) {
     EXPECT_EQ(run_romano("sub " + at_ + "-t nothing -W 0.3").exit_code, 27);
 }
 
+TEST_F(Cli, SaysRomanoMessagesInWords) {
+    const tests::TemporaryFolder folder;
+    const std::string file = folder / "location";
+    const std::string octets("\x06\x10\0\x02\0\0\0\x01\0\0\0\x02\0\0\0\x03", 16);
+    std::ofstream(file, std::ios::binary) << octets;
+    EXPECT_EQ(run_romano("pub " + at_ + "-r -q 1 -t pose -f " + file).output, "");
+    const std::string sub = "sub " + at_ + "-C 1 -W 20 -q 1 -t pose ";
+    EXPECT_EQ(run_romano(sub + "-v").output,
+              "pose sensor-data sensor=location x_mm=1 y_mm=2 heading_mdeg=3\n");
+    EXPECT_EQ(run_romano(sub + "--raw").output, octets + "\n");
+    const auto json = nlohmann::json::parse(run_romano(sub + "--json").output);
+    EXPECT_EQ(json.at("topic"), "pose");
+    EXPECT_EQ(json.at("retain"), true);
+    EXPECT_EQ(json.at("romano").at("y_mm"), 2);
+}
+
+TEST_F(Cli, JsonHasTextsAsTextsAndOtherOctetsAsHexadecimalDigits) {
+    EXPECT_EQ(run_romano("pub " + at_ + "-r -q 1 -t kept/text -m 'x=1'").output, "");
+    EXPECT_EQ(run_romano("pub " + at_ + "-r -q 1 -t kept/octets -m $'\\xff\\x01'").output, "");
+    const std::string sub = "sub " + at_ + "-C 1 -W 20 -q 1 --json -t kept/";
+    EXPECT_EQ(nlohmann::json::parse(run_romano(sub + "text").output).at("text"), "x=1");
+    EXPECT_THAT(run_romano(sub + "octets").output, HasSubstr("\"octets\":\""));
+}
+
+// A subscriber whose time is up or who is interrupted does not wait for a broker that is dead.
+TEST_F(Cli, SubscriberEndsAtOnceThoughItsBrokerIsDead) {
+    auto broker = std::make_unique<ServingBroker>("127.50.250.2");
+    const std::string at = "-h 127.50.250.2 -p " + own_port();
+    EXPECT_EQ(run_romano("pub " + at + " -r -q 1 -t kept -m here").output, "");
+    const std::string command = std::string{ROMANO_PROGRAM} + " sub " + at + " -t kept -W 2";
+    std::FILE* output = ::popen(command.c_str(), "r");
+    ASSERT_NE(output, nullptr);
+    std::array<char, 64> line{};
+    ASSERT_NE(std::fgets(line.data(), line.size(), output), nullptr) << "it is connected";
+    broker.reset();
+    const auto began = std::chrono::steady_clock::now();
+    EXPECT_EQ(WEXITSTATUS(::pclose(output)), 27);
+    EXPECT_LT(std::chrono::steady_clock::now() - began, std::chrono::seconds{5});
+}
+
+struct FullBroker : ::testing::TestWithParam<const char*> {};
+
+TEST_P(FullBroker, IsSaidToBeFull) {
+    const ServingBroker broker("127.50.250.3", {"--max-sessions", "1"});
+    const std::string at = " -h 127.50.250.3 -p " + own_port();
+    // A kept session takes the only place.
+    EXPECT_EQ(run_romano("sub" + at + " -i keeper -c -t a -W 0.5").exit_code, 27);
+    const Ran ran = run_romano(GetParam() + at);
+    EXPECT_EQ(ran.exit_code, 2);
+    EXPECT_THAT(ran.output, HasSubstr("congestion"));
+    EXPECT_EQ(std::count(ran.output.begin(), ran.output.end(), '\n'), 1) << ran.output;
+}
+
+INSTANTIATE_TEST_SUITE_P(Commands, FullBroker,
+                         ::testing::Values("pub -t a -m b", "sub -t a", "brokers", "robots",
+                                           "robots --follow", "move common front 1m",
+                                           "request common t location", "load --rate 10",
+                                           "apply group-control"));
+
 TEST(Simulate, IsTheSameByteForByteForTheSameSeed) {
     const Ran once = run_romano("simulate --seeds 3 --fault crash --trace");
     EXPECT_EQ(once.exit_code, 0);

@@ -48,12 +48,12 @@ inline std::string own_port() {
 /// A lone broker that serves when the constructor returns.
 class ServingBroker {
 public:
-    explicit ServingBroker(const std::string& address) {
-        process_ = std::make_unique<BrokerProcess>(
-            "b1", BROKER_PROGRAM,
-            std::vector<std::string>{"--name", "b1", "--listen", address + ":" + own_port(),
-                                     "--metrics", address + ":" + own_port()},
-            trace_);
+    explicit ServingBroker(const std::string& address, const std::vector<std::string>& more = {}) {
+        std::vector<std::string> arguments = {"--name",    "b1",
+                                              "--listen",  address + ":" + own_port(),
+                                              "--metrics", address + ":" + own_port()};
+        arguments.insert(arguments.end(), more.begin(), more.end());
+        process_ = std::make_unique<BrokerProcess>("b1", BROKER_PROGRAM, arguments, trace_);
         // It prints a line when it serves.
         for (int i = 0; i < 2000 && !is_serving(); ++i) {
             std::this_thread::sleep_for(std::chrono::milliseconds{5});
