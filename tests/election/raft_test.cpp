@@ -130,13 +130,13 @@ TEST(RaftElector,
         {.self = {1, 0, n1}, .detection_time = detection_time, .voters = {n1, n2, n3}, .seed = 1});
     voter.on_tick(Instant{});
     constexpr std::uint8_t vote_request = 3;
-    voter.on_ballot(Instant{} + 10ms, n2, {vote_request, 1, 0});
+    voter.on_ballot(Instant{} + 10ms, n2, {vote_request, 1});
     for (const auto& answer : voter.take_ballots()) EXPECT_NE(answer.ballot.kind, vote_request + 1);
-    voter.on_ballot(Instant{} + 4 * detection_time, n2, {vote_request, 1, 0});
+    voter.on_ballot(Instant{} + 4 * detection_time, n2, {vote_request, 1});
     const auto answers = voter.take_ballots();
     ASSERT_EQ(answers.size(), 1U);
     EXPECT_EQ(answers[0].ballot.kind, vote_request + 1);
-    voter.on_ballot(Instant{} + 4 * detection_time, n3, {vote_request, 1, 0});
+    voter.on_ballot(Instant{} + 4 * detection_time, n3, {vote_request, 1});
     EXPECT_NE(voter.take_ballots().at(0).ballot.kind, vote_request + 1) << "one vote a term";
 }
 
