@@ -25,7 +25,10 @@ TEST(Leaderless, ALeaderMeanwhileBeginsTheTimeAnew) {
 }
 
 TEST(Leaderless, RaftWithoutAMajorityOfItsVotersIsWarnedOf) {
-    Cluster cluster{ClusterOptions{.elector = "raft", .voters = {"self", "r2", "r3"}}};
+    ClusterOptions options;
+    options.elector = "raft";
+    options.voters = {"self", "r2", "r3"};
+    Cluster cluster{options};
     for (int i = 0; i < 1'500; ++i, cluster.now += 10ms) cluster.tick();
     ASSERT_EQ(cluster.local.size(), 1U);
     const auto& notice = std::get<Notice>(cluster.local.front());
