@@ -158,7 +158,8 @@ nlohmann::ordered_json to_json(const message::Message& message) {
 
 std::string to_line(const message::Message& message) {
     std::string line;
-    for (const auto& [key, value] : to_json(message).items()) {
+    const nlohmann::ordered_json object = to_json(message);
+    for (const auto& [key, value] : object.items()) {
         if (key == "type") {
             line = value.get<std::string>();
             continue;
