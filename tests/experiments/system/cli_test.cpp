@@ -90,7 +90,9 @@ TEST_F(Cli, SaysRomanoMessagesInWords) {
 
 TEST_F(Cli, JsonHasTextsAsTextsAndOtherOctetsAsHexadecimalDigits) {
     EXPECT_EQ(run_romano("pub " + at_ + "-r -q 1 -t kept/text -m 'x=1'").output, "");
-    EXPECT_EQ(run_romano("pub " + at_ + "-r -q 1 -t kept/octets -m $'\\xff\\x01'").output, "");
+    EXPECT_EQ(
+        run_romano("pub " + at_ + "-r -q 1 -t kept/octets -m \"$(printf '\\377\\001')\"").output,
+        "");
     const std::string sub = "sub " + at_ + "-C 1 -W 20 -q 1 --json -t kept/";
     EXPECT_EQ(nlohmann::json::parse(run_romano(sub + "text").output).at("text"), "x=1");
     EXPECT_THAT(run_romano(sub + "octets").output, HasSubstr("\"octets\":\""));
