@@ -10,7 +10,6 @@
 #include <string_view>
 
 #include "broker/daemon/default_name.h"
-#include "broker/daemon/profile.h"
 #include "broker/daemon/refusal.h"
 #include "broker/daemon/uplink_settings.h"
 #include "broker/net/discovery_group.h"
@@ -18,6 +17,7 @@
 #include "broker/net/socket_address.h"
 #include "election/elector.h"
 #include "election/failure_detector.h"
+#include "election/profile.h"
 #include "romano/mqttsn/topic.h"
 
 namespace romano::daemon {
@@ -227,11 +227,12 @@ std::optional<std::uint32_t> check_acks(const std::string& text) {
     return static_cast<std::uint32_t>(*number);
 }
 
-Profile check_profile(const SettingTexts& texts) {
+election::Profile check_profile(const SettingTexts& texts) {
+    using election::profiles;
     std::array<std::string_view, profiles.size()> names{};
-    std::ranges::transform(profiles, names.begin(), &Profile::name);
+    std::ranges::transform(profiles, names.begin(), &election::Profile::name);
     const std::string name = one_of("profile", texts.profile, names);
-    Profile out = *std::ranges::find(profiles, name, &Profile::name);
+    election::Profile out = *std::ranges::find(profiles, name, &election::Profile::name);
     const auto time = [](std::string_view option, const auto& text, milliseconds& value,
                          std::uint32_t low, std::uint32_t high) {
         if (text) value = milliseconds(number_in<std::uint32_t>(option, *text, low, high));
@@ -287,7 +288,8 @@ void check_alone(const SettingTexts& texts) {
     if (texts.detector != defaults.detector) is_for_a_cluster("detector", texts.detector);
 }
 
-std::optional<ClusterSettings> check_cluster(const SettingTexts& texts, const Profile& profile) {
+std::optional<ClusterSettings> check_cluster(const SettingTexts& texts,
+                                             const election::Profile& profile) {
     ClusterSettings out;
     // Also without --domain: a setting that is wrong is wrong.
     out.rank =
@@ -329,7 +331,7 @@ Settings check(const SettingTexts& texts) {
     out.romano = !texts.no_romano;
     out.metrics = check_metrics(texts.metrics);
     out.limits = check_limits(texts.limits);
-    const Profile profile = check_profile(texts);
+    const election::Profile profile = check_profile(texts);
     out.t_retry = profile.t_retry;
     out.n_retry = profile.n_retry;
     out.realtime = texts.realtime;

@@ -5,16 +5,19 @@
 #include <charconv>
 #include <chrono>
 #include <cstdio>
+#include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <span>
 #include <string>
 #include <string_view>
+#include <tuple>
 #include <vector>
 
 #include "election/elector.h"
 #include "election/failure_detector.h"
+#include "election/profile.h"
 #include "experiments/report/summary_table.h"
 #include "experiments/sweep/progress_bar.h"
 #include "overlay/sim/run.h"
@@ -26,6 +29,7 @@ constexpr const char* examples = R"(Examples:
   romano simulate --seeds 1..1000                  (clusters of 2 to 5 brokers, every kind of fault)
   romano simulate --seeds 1..200 --fault crash --brokers 3 --acks 1
   romano simulate --seeds 1..100 --elector raft --json | jq .runs.bad
+  romano simulate --seeds 1..5000 --as-shipped --invariants      (profiles, detectors and electors, too)
   romano simulate --seeds 17 --trace | less        (one run, all that happens in it)
 A seed is one cluster with its robots, their traffic and its faults: the same seed and options are
 the same run, byte for byte. What is simulated and judged: overlay/sim/README.md.
@@ -65,12 +69,19 @@ std::vector<std::string> words(std::span<const std::string_view> names) {
     return {names.begin(), names.end()};
 }
 
+std::vector<std::string> profile_names() {
+    std::vector<std::string> names;
+    for (const auto& profile : election::profiles) names.emplace_back(profile.name);
+    return names;
+}
+
 struct SimulateOptions {
     std::string seeds = "1..100";
     std::string acks;
     std::vector<std::string> faults;
     bool as_json = false;
     bool trace = false;
+    bool invariants = false;
     sim::RunOptions run;
     std::int64_t faults_last_ms = 0;  // 0: as run says
 };
@@ -88,6 +99,14 @@ public:
         virtual_time_ += run.virtual_time;
         for (const auto& violation : run.violations) {
             ++broken_[static_cast<std::size_t>(violation.promise)];
+        }
+        Row& configuration = by_configuration_[{run.profile, run.detector, run.elector}];
+        configuration.add(run, 1);
+        for (std::size_t i = 0; i < sim::invariant_count; ++i) {
+            if (run.breaches[i].empty()) continue;
+            all_.add_breach(i);
+            configuration.add_breach(i);
+            examples_[i].try_emplace(run.seed, run.breaches[i]);
         }
         if (!run.is_good()) {
             failures_.push_back({{"seed", run.seed},
@@ -117,6 +136,33 @@ public:
         }
     }
 
+    /// In how many runs each invariant broke, by what was searched.
+    void print_invariants() const {
+        SummaryTable table{
+            .head = {"profile", "detector", "elector", "runs", "bad"}, .units = {}, .rows = {}};
+        for (const std::string_view name : sim::invariant_names) {
+            table.head.emplace_back(name.substr(0, name.find(' ')));
+        }
+        const auto add = [&](std::vector<std::string> row, const Row& counted) {
+            row.push_back(std::to_string(counted.runs));
+            row.push_back(std::to_string(counted.bad));
+            for (const std::uint32_t broken : counted.broken) row.push_back(std::to_string(broken));
+            table.rows.push_back(std::move(row));
+        };
+        for (const auto& [configuration, row] : by_configuration_) {
+            const auto& [profile, detector, elector] = configuration;
+            add({profile.empty() ? "-" : profile, detector, elector}, row);
+        }
+        add({"all", "", ""}, all_);
+        std::printf("\nRuns in which an invariant broke:\n%s", to_text(table).c_str());
+        for (std::size_t i = 0; i < sim::invariant_count; ++i) {
+            if (examples_[i].empty()) continue;
+            const auto& [seed, what] = *examples_[i].begin();
+            std::printf("%s: seed %llu, %s\n", std::string{sim::invariant_names[i]}.c_str(),
+                        static_cast<unsigned long long>(seed), what.c_str());
+        }
+    }
+
     void print_json() const {
         nlohmann::ordered_json faults = nlohmann::ordered_json::object();
         for (std::size_t kind = 0; kind < sim::fault_kinds; ++kind) {
@@ -130,6 +176,7 @@ public:
             {"faults", faults},
             {"messages", {{"acknowledged", acknowledged_}, {"received", received_}}},
             {"virtual_time_s", seconds()},
+            {"invariants", invariants()},
             {"failures", failures_}};
         std::puts(all.dump(2).c_str());
     }
@@ -139,14 +186,32 @@ private:
         std::uint64_t times = 0;
         std::uint32_t runs = 0;
         std::uint32_t bad = 0;
+        std::array<std::uint32_t, sim::invariant_count> broken{};  // runs
 
         void add(const sim::RunResult& run, std::uint32_t count) {
             times += count;
             ++runs;
             if (!run.is_good()) ++bad;
         }
+        void add_breach(std::size_t invariant) { ++broken[invariant]; }
     };
 
+    [[nodiscard]] nlohmann::ordered_json invariants() const {
+        nlohmann::ordered_json list = nlohmann::ordered_json::array();
+        for (const auto& [configuration, row] : by_configuration_) {
+            const auto& [profile, detector, elector] = configuration;
+            nlohmann::ordered_json entry{{"profile", profile},
+                                         {"detector", detector},
+                                         {"elector", elector},
+                                         {"runs", row.runs},
+                                         {"bad", row.bad}};
+            for (std::size_t i = 0; i < sim::invariant_count; ++i) {
+                entry["broken"][std::string{sim::invariant_names[i]}] = row.broken[i];
+            }
+            list.push_back(std::move(entry));
+        }
+        return list;
+    }
     static nlohmann::ordered_json violations_of(const sim::RunResult& run) {
         nlohmann::ordered_json list = nlohmann::ordered_json::array();
         for (const auto& violation : run.violations) {
@@ -161,6 +226,9 @@ private:
 
     Row all_;
     std::array<Row, sim::fault_kinds> by_fault_{};
+    using Configuration = std::tuple<std::string, std::string, std::string>;
+    std::map<Configuration, Row> by_configuration_;  // profile, detector, elector
+    std::array<std::map<std::uint64_t, std::string>, sim::invariant_count> examples_;  // by seed
     std::array<std::uint32_t, std::size(promises)> broken_{};
     std::uint64_t acknowledged_ = 0;
     std::uint64_t received_ = 0;
@@ -200,6 +268,7 @@ bool simulate(const SimulateOptions& options) {
     });
     bar.erase();
     options.as_json ? tally.print_json() : tally.print();
+    if (options.invariants && !options.as_json) tally.print_invariants();
     return good;
 }
 
@@ -240,10 +309,18 @@ void add_simulate(CLI::App& program, int& exit_code) {
         .add_option("--faults-last-ms", options->faults_last_ms,
                     "Milliseconds of virtual time in which faults happen (default: 10000)")
         ->check(CLI::Range(1, 3'600'000));
+    command.add_flag("--as-shipped", options->run.as_shipped,
+                     "Profile, detector, elector and machines are the seed's, too");
+    command
+        .add_option("--profile", options->run.profile,
+                    "Times of a profile (default: beacons every 10 ms, dead after 100)")
+        ->check(CLI::IsMember(profile_names()));
     command.add_option("--elector", options->run.elector, "Elector (default: component)")
         ->check(CLI::IsMember(words(election::elector_names())));
     command.add_option("--detector", options->run.detector, "Failure detector (default: fixed)")
         ->check(CLI::IsMember(words(election::detector_names())));
+    command.add_flag("--invariants", options->invariants,
+                     "Also print in how many runs which invariant of the cluster broke");
     command.add_flag("--json", options->as_json, "Print the result as JSON");
     command.add_flag("--trace", options->trace, "Print all that happens");
     command.footer(examples);

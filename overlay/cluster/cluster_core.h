@@ -134,6 +134,9 @@ public:
     /// they do not, we come back with our log, as in a heal.
     [[nodiscard]] bool was_replaced() const;
     [[nodiscard]] const View& view() const { return view_change_.view(); }
+    [[nodiscard]] const ViewNumber& promised() const { return view_change_.promised(); }
+    /// How far this broker says that it holds the log.
+    [[nodiscard]] Seq held_of(const LogId& id, const PeerLog& log) const;
     [[nodiscard]] election::Leadership leadership() const { return membership_.leadership(); }
     [[nodiscard]] Duration detection_time() const { return membership_.detection_time(); }
     [[nodiscard]] const Agreement& agreement() const { return agreement_; }
@@ -209,7 +212,6 @@ private:
     [[nodiscard]] Answer answer_to(const LogBatch& batch) const;
     void catch_up(Effects& effects);
     void acknowledge(Effects& effects, const LogId& id, const PeerLog& log) const;
-    [[nodiscard]] Seq held_of(const LogId& id, const PeerLog& log) const;
     [[nodiscard]] Acknowledgements::IsHeld is_held() const;
     void heed_handoffs(const Effects& effects);
     void apply_event(Effects& effects, const LogId& id, PeerLog& log);

@@ -79,6 +79,16 @@ public:
     void freeze();
     void thaw();
     [[nodiscard]] bool is_frozen() const { return frozen_; }
+    /// Where the members of a view said that it ends; none while they have not, or its writer was
+    /// heard in a later one.
+    struct AgreedEnd {
+        Seq seq = 0;
+        ViewNumber in;
+    };
+    [[nodiscard]] std::optional<AgreedEnd> agreed_end() const {
+        if (!frozen_ || lived_on_ || agreed_end_ == 0) return std::nullopt;
+        return AgreedEnd{agreed_end_, ended_in_};
+    }
     /// We were replaced, or are new: until its writer hears us, or is in one view with us, others
     /// know better what is left of it.
     void become_outdated() { outdated_ = true; }

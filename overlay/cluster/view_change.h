@@ -46,6 +46,8 @@ public:
 
     [[nodiscard]] const View& view() const { return view_; }
     [[nodiscard]] bool has_view() const { return !view_.members.empty(); }
+    /// The highest number that was promised: what is below it is never entered.
+    [[nodiscard]] const ViewNumber& promised() const { return promised_; }
     [[nodiscard]] bool contains(const LogId& log) const;
     /// Of the others in the view nobody is left whom we reach, and some were never met here: they
     /// may be about to go on without us.

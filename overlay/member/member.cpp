@@ -72,6 +72,13 @@ public:
     [[nodiscard]] bool may_announce(const Endpoint& address) const {
         return !cut_off_.is_in_doubt() && !cluster_.is_silent(address);
     }
+    [[nodiscard]] bool may_speak(Instant now) const {
+        return !has_left_ && cluster_.is_in_view() && !says_nothing(now) && !stood_still(now);
+    }
+    [[nodiscard]] bool may_speak_from(const Endpoint& address) const {
+        return cluster_.addresses().is_serving(address) && !cluster_.is_unheard(address) &&
+               !cluster_.is_taking(address);
+    }
     [[nodiscard]] MemberFacts facts() const;
     void check_invariants() const;
 
@@ -556,6 +563,9 @@ const broker::BrokerCore& Member::broker() const {
 const cluster::View& Member::view() const {
     return state_->cluster().view();
 }
+const cluster::ClusterCore& Member::cluster() const {
+    return state_->cluster();
+}
 election::Leadership Member::leadership() const {
     return state_->cluster().leadership();
 }
@@ -566,6 +576,12 @@ const broker::Mirror* Member::mirror(const broker::LogId& log) const {
 }
 bool Member::may_announce(const Endpoint& address) const {
     return state_->may_announce(address);
+}
+bool Member::may_speak(Instant now) const {
+    return state_->may_speak(now);
+}
+bool Member::may_speak_from(const Endpoint& address) const {
+    return state_->may_speak_from(address);
 }
 std::vector<Endpoint> Member::serving() const {
     const auto& serving = state_->cluster().addresses().serving();

@@ -25,6 +25,10 @@
 #include "romano/base/endpoint.h"
 #include "romano/base/time.h"
 
+namespace romano::cluster {
+class ClusterCore;
+}
+
 namespace romano::overlay {
 
 using cluster::AnnounceAddress;
@@ -106,12 +110,18 @@ public:
     [[nodiscard]] const broker::LogId& log() const;
     [[nodiscard]] const broker::BrokerCore& broker() const;
     [[nodiscard]] const cluster::View& view() const;
+    [[nodiscard]] const cluster::ClusterCore& cluster() const;
     [[nodiscard]] election::Leadership leadership() const;
     [[nodiscard]] MemberFacts facts() const;
     /// The copy of a peer's sessions, up to mirror()->applied(); null when there is none.
     [[nodiscard]] const broker::Mirror* mirror(const broker::LogId& log) const;
     /// The service addresses that are answered on now.
     [[nodiscard]] std::vector<Endpoint> serving() const;
+    /// What is said to clients would leave now, if it may_speak_from() there.
+    [[nodiscard]] bool may_speak(Instant now) const;
+    /// Clients are served there: neither does anything wait that they say, nor what is said to
+    /// them.
+    [[nodiscard]] bool may_speak_from(const Endpoint& address) const;
     /// Its clients may be told again that the address is here: nobody else is likely to serve it.
     [[nodiscard]] bool may_announce(const Endpoint& address) const;
     void check_invariants() const;

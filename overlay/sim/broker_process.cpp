@@ -11,22 +11,25 @@ namespace romano::sim {
 using namespace std::chrono_literals;
 
 namespace {
-LocalClock some_clock(std::uint64_t seed) {
+LocalClock some_clock(std::uint64_t seed, std::int64_t drift_ppm_max) {
     Random random(seed);
     const Duration offset = random.between(1s, 10h);
-    return {offset, static_cast<std::int64_t>(random.below(201)) - 100};
+    const auto drifts = static_cast<std::uint32_t>(2 * drift_ppm_max + 1);
+    return {offset, static_cast<std::int64_t>(random.below(drifts)) - drift_ppm_max};
 }
 }  // namespace
 
 BrokerProcess::BrokerProcess(std::string name, Node node, EventQueue& events,
-                             ClientNetwork& clients, Trace& trace, std::uint64_t seed)
+                             ClientNetwork& clients, Trace& trace, std::uint64_t seed,
+                             const Machine& machine)
     : events_(events),
       trace_(trace),
       random_(seed_of(seed, "process")),
       name_(std::move(name)),
       node_(node),
       clients_(clients),
-      clock_(some_clock(seed_of(seed, "clock"))) {}
+      clock_(some_clock(seed_of(seed, "clock"), machine.drift_ppm_max)),
+      turn_(machine.turn) {}
 
 void BrokerProcess::start() {
     if (up_) return;
@@ -158,7 +161,7 @@ void BrokerProcess::later(Duration delay, EventQueue::Event action) {
 
 void BrokerProcess::rearm() {
     if (!is_running()) return;
-    const Instant at_once = ticked_at_ == events_.now() ? ticked_at_ + turn : events_.now();
+    const Instant at_once = ticked_at_ == events_.now() ? ticked_at_ + turn_ : events_.now();
     const Instant wanted = std::max(clock_.when(next_wakeup()), at_once);
     if (wanted == never || wanted >= timer_) return;
     timer_ = wanted;

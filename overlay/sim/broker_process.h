@@ -22,10 +22,16 @@
 
 namespace romano::sim {
 
+/// How good a machine it is on.
+struct Machine {
+    std::int64_t drift_ppm_max = 100;             // of its clock, either way
+    Duration turn{std::chrono::milliseconds{1}};  // what a tick takes at least
+};
+
 class BrokerProcess {
 public:
     BrokerProcess(std::string name, Node node, EventQueue& events, ClientNetwork& clients,
-                  Trace& trace, std::uint64_t seed);
+                  Trace& trace, std::uint64_t seed, const Machine& machine = {});
     virtual ~BrokerProcess() = default;
     BrokerProcess(const BrokerProcess&) = delete;
     BrokerProcess& operator=(const BrokerProcess&) = delete;
@@ -89,12 +95,12 @@ private:
     void run_backlog();
 
     static constexpr std::size_t socket_buffer = 200;  // datagrams that a stopped process keeps
-    static constexpr Duration turn{std::chrono::milliseconds{1}};  // what a tick takes at least
 
     std::string name_;
     Node node_;
     ClientNetwork& clients_;
     LocalClock clock_;
+    Duration turn_;
     bool up_ = false;
     bool stopped_ = false;
     std::uint64_t incarnation_ = 0;

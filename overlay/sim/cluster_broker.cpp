@@ -13,7 +13,7 @@ using namespace std::chrono_literals;
 ClusterBroker::ClusterBroker(const ClusterBrokerOptions& options, EventQueue& events,
                              ClientNetwork& clients, BrokerNetwork& peers, Trace& trace,
                              std::uint64_t seed)
-    : BrokerProcess(options.name, options.node, events, clients, trace, seed),
+    : BrokerProcess(options.name, options.node, events, clients, trace, seed, options.machine),
       options_(options),
       seed_(seed),
       clients_(clients),

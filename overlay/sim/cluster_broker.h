@@ -23,6 +23,7 @@ struct ClusterBrokerOptions {
     cluster::ClusterOptions cluster;
     broker::BrokerOptions broker;
     Duration wall_clock_error{0};
+    Machine machine;
     Duration binding_takes_max{std::chrono::milliseconds{2}};
 };
 

@@ -22,11 +22,12 @@ ClusterBrokerOptions broker_options(const ClusterWorldOptions& world, std::size_
     options.node = World::broker_node(index);
     options.home_addresses = {World::service_address(index)};
     options.cluster = world.cluster;
+    options.machine = world.machine;
     for (std::size_t i = 0; i < world.brokers; ++i) options.cluster.voters.push_back(name_of(i));
     options.cluster.rank = world.cluster.rank + random.below(3);
     options.broker.t_retry = world.t_retry;
     options.broker.n_retry = 20;  // bad links must not make it drop a message
-    options.broker.t_wait = 1s;
+    options.broker.t_wait = world.t_wait;
     options.broker.limits.queued_per_session = 100'000;  // overload is another matter
     options.wall_clock_error =
         random.between(-world.wall_clock_error_max, world.wall_clock_error_max);
@@ -38,7 +39,9 @@ ClusterBrokerOptions broker_options(const ClusterWorldOptions& world, std::size_
 ClusterWorld::ClusterWorld(const ClusterWorldOptions& options)
     : World(options.seed),
       options_(options),
-      peers_(events(), trace(), options.peers, seed_of(options.seed, "broker network")) {
+      peers_(events(), trace(), options.peers, seed_of(options.seed, "broker network")),
+      sights_(options.brokers),
+      invariants_(options.cluster.log_events_kept) {
     for (std::size_t i = 0; i < options.brokers; ++i) {
         brokers_.push_back(std::make_unique<ClusterBroker>(broker_options(options, i), events(),
                                                            clients(), peers_, trace(),
@@ -48,15 +51,21 @@ ClusterWorld::ClusterWorld(const ClusterWorldOptions& options)
     }
 }
 
+Duration ClusterWorld::in_scale(Duration duration) const {
+    return duration * (options_.cluster.detection_timeout / 1ms) / 100;
+}
+
 void ClusterWorld::start_brokers() {
     Random random(seed_of(seed(), "start"));
+    const Duration within = in_scale(100ms);
     for (const auto& broker : brokers_) {
-        events().after(random.between(0ms, 100ms), [&broker = *broker] { broker.start(); });
+        events().after(random.between(0ms, within), [&broker = *broker] { broker.start(); });
     }
-    run_for(100ms);
+    run_for(within);
 }
 
 void ClusterWorld::observe(ClusterBroker& broker) {
+    judge_invariants(broker);
     if (options_.cluster.elector != "raft") return;
     const election::Leadership leadership = broker.member().leadership();
     if (!leadership.leader) return;
@@ -65,6 +74,26 @@ void ClusterWorld::observe(ClusterBroker& broker) {
     violations_.push_back(
         {Promise::one_leader,
          "two leaders in term " + std::to_string(leadership.term) + ", says " + broker.name()});
+}
+
+void ClusterWorld::judge_invariants(const ClusterBroker& acting) {
+    if (clients_.size() != robot_count()) {
+        clients_.clear();
+        for (std::size_t i = 0; i < robot_count(); ++i) clients_.push_back(robot(i).name());
+    }
+    std::size_t index = 0;
+    for (std::size_t i = 0; i < brokers_.size(); ++i) {
+        if (brokers_[i].get() == &acting) {
+            index = i;
+            look_at(acting, now(), clients_, sights_[i]);
+        } else {
+            look_again(*brokers_[i], now(), sights_[i]);
+        }
+    }
+    for (const Invariant broken : invariants_.judge(now(), sights_, index)) {
+        const auto which = static_cast<std::size_t>(broken);
+        trace().note(now(), invariant_names[which], invariants_.breaches()[which]);
+    }
 }
 
 std::optional<std::size_t> ClusterWorld::leader() {

@@ -1,6 +1,7 @@
 // A world with a cluster of brokers, their network, and the faults that befall them.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -9,6 +10,7 @@
 
 #include "overlay/sim/broker_network.h"
 #include "overlay/sim/cluster_broker.h"
+#include "overlay/sim/invariants.h"
 #include "overlay/sim/promises.h"
 #include "overlay/sim/world.h"
 
@@ -18,9 +20,12 @@ struct ClusterWorldOptions {
     std::uint64_t seed = 1;
     std::size_t brokers = 3;
     cluster::ClusterOptions cluster;
+    std::string profile{};  // its name, when the times are those of one
     BrokerNetworkOptions peers;
     Duration t_retry{std::chrono::milliseconds{500}};  // of the brokers
+    Duration t_wait{std::chrono::seconds{1}};
     Duration wall_clock_error_max{std::chrono::milliseconds{20}};
+    Machine machine;  // all of them
 };
 
 class ClusterWorld : public World {
@@ -34,6 +39,13 @@ public:
     [[nodiscard]] ClusterBroker& broker(std::size_t index) { return *brokers_.at(index); }
     [[nodiscard]] BrokerNetwork& peers() { return peers_; }
     [[nodiscard]] const ClusterWorldOptions& options() const { return options_; }
+    /// What lasts so long where silence of 100 ms means death, here: faults, and what may be waited
+    /// for after them.
+    [[nodiscard]] Duration in_scale(Duration duration) const;
+    /// No shorter than that: what does not end sooner because brokers are quick.
+    [[nodiscard]] Duration in_scale_at_least(Duration duration) const {
+        return std::max(in_scale(duration), duration);
+    }
     [[nodiscard]] const std::string& elector() const { return options_.cluster.elector; }
     /// Index of the broker that the others follow; empty while they do not agree.
     [[nodiscard]] std::optional<std::size_t> leader();
@@ -54,15 +66,22 @@ public:
 
     /// Violations that were seen while the run went on: more than one leader in a term of raft.
     [[nodiscard]] const Violations& violations() const { return violations_; }
+    [[nodiscard]] const Breaches& breaches() const { return invariants_.breaches(); }
+    /// After the last step of any broker.
+    [[nodiscard]] const Sight& sight(std::size_t broker) const { return sights_.at(broker); }
 
 private:
     void observe(ClusterBroker& broker);
+    void judge_invariants(const ClusterBroker& acting);
 
     ClusterWorldOptions options_;
     BrokerNetwork peers_;
     std::vector<std::unique_ptr<ClusterBroker>> brokers_;
     std::map<election::Term, election::NodeId> leader_of_term_;
     Violations violations_;
+    std::vector<std::string> clients_;  // names of all robots
+    std::vector<Sight> sights_;         // of the brokers
+    Invariants invariants_;
 };
 
 }  // namespace romano::sim

@@ -25,7 +25,12 @@ RandomFaults::RandomFaults(ClusterWorld& world, const RandomFaultsOptions& optio
       random_(seed_of(seed, "faults")),
       good_clients_(world.clients().quality()),
       good_peers_(world.peers().options().quality),
-      lives_(world, seed) {}
+      lives_(world, seed) {
+    for (Duration* length : {&options_.pause_min, &options_.pause_max, &options_.calm_before_loss,
+                             &options_.lasts_max}) {
+        *length = world_.in_scale(*length);
+    }
+}
 
 void RandomFaults::begin() {
     active_ = true;
@@ -56,7 +61,7 @@ void RandomFaults::next() {
 
 void RandomFaults::watch() {
     if (!active_) return;
-    world_.events().after(50ms, [this] { watch(); });
+    world_.events().after(world_.in_scale(50ms), [this] { watch(); });
     if (apart_ > 0 || disagreement(world_)) {
         calm_since_ = never;
         return;
@@ -97,7 +102,7 @@ bool RandomFaults::may_happen(Fault fault) const {
 
 void RandomFaults::happen(Fault fault) {
     if (!may_happen(fault)) {
-        world_.events().after(50ms, [this, fault] {
+        world_.events().after(world_.in_scale(50ms), [this, fault] {
             if (active_) happen(fault);
         });
         return;
@@ -156,9 +161,10 @@ void RandomFaults::lose(Fault fault) {
     const std::size_t count = 1 + random_.below(static_cast<std::uint32_t>(most));
     const bool at_once = random_.below(2) == 0;
     for (std::size_t i = 0; i < count; ++i) {
-        world_.events().after(at_once ? 0ms : random_.between(0ms, 500ms), [this, fault] {
-            if (active_ && may_lose_one()) lose_one(fault);
-        });
+        world_.events().after(at_once ? 0ms : random_.between(0ms, world_.in_scale(500ms)),
+                              [this, fault] {
+                                  if (active_ && may_lose_one()) lose_one(fault);
+                              });
     }
 }
 
@@ -188,7 +194,8 @@ void RandomFaults::relapse(ClusterBroker& broker, std::uint32_t times) {
     constexpr std::array ways{Fault::crash, Fault::stop, Fault::late};
     strike(broker, ways[random_.below(ways.size())], [this, &broker, times] {
         if (times == 0) return;
-        const Duration well = random_.between(0ms, random_.below(2) == 0 ? 30ms : 200ms);
+        const Duration well =
+            random_.between(0ms, world_.in_scale(random_.below(2) == 0 ? 30ms : 200ms));
         world_.events().after(well, [this, &broker, times] {
             if (active_ && broker.is_running()) relapse(broker, times - 1);
         });
@@ -219,13 +226,15 @@ void RandomFaults::starve_one() {
     if (broker.is_running()) {
         ++apart_;
         broker.stop();
-        world_.events().after(random_.between(5ms, 200ms), [this, &broker] {
+        const Duration still = random_.between(world_.in_scale(5ms), world_.in_scale(200ms));
+        world_.events().after(still, [this, &broker] {
             --apart_;
             calm_since_ = never;
             if (active_) broker.go_on();
         });
     }
-    world_.events().after(random_.between(5ms, 150ms), [this] { starve_one(); });
+    const Duration pause = random_.between(world_.in_scale(5ms), world_.in_scale(150ms));
+    world_.events().after(pause, [this] { starve_one(); });
 }
 
 void RandomFaults::part() {
@@ -241,7 +250,8 @@ void RandomFaults::part() {
 void RandomFaults::heal() {
     world_.peers().join_all();
     ++apart_;
-    const Duration brokers_meet = world_.peers().options().match_after_max + 100ms;
+    const Duration brokers_meet =
+        world_.peers().options().match_after_max + world_.in_scale_at_least(100ms);
     world_.events().after(brokers_meet, [this] {
         --apart_;
         world_.clients().cuts().join_all();
@@ -263,7 +273,7 @@ void RandomFaults::deafen() {
     world_.deafen(some_broker());
     ++apart_;
     const Duration detection_time = world_.options().cluster.detection_timeout;
-    world_.events().after(random_.between(5ms, 5 * detection_time / 2), [this] {
+    world_.events().after(random_.between(world_.in_scale(5ms), 5 * detection_time / 2), [this] {
         --apart_;
         calm_since_ = never;
         if (active_) heal();
@@ -282,7 +292,7 @@ void RandomFaults::spoil_links() {
     peers.delay_max += random_.between(0ms, 5ms);
     if (random_.below(2) == 0) world_.clients().set_quality(clients);
     if (random_.below(2) == 0) world_.peers().set_quality(peers);
-    world_.events().after(random_.between(100ms, options_.lasts_max), [this] {
+    world_.events().after(random_.between(world_.in_scale(100ms), options_.lasts_max), [this] {
         world_.clients().set_quality(good_clients_);
         world_.peers().set_quality(good_peers_);
     });

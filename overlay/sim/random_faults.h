@@ -55,7 +55,8 @@ struct RandomFaultsOptions {
     std::vector<Fault> kinds{Fault::crash,     Fault::stop,        Fault::leave,
                              Fault::partition, Fault::one_way_cut, Fault::bad_links,
                              Fault::roam,      Fault::sleep,       Fault::die};
-    std::size_t lost_at_once = 1;                        // at most
+    std::size_t lost_at_once = 1;  // at most
+    // Where silence of 100 ms means death; elsewhere in proportion (ClusterWorld::in_scale).
     Duration pause_min{std::chrono::milliseconds{200}};  // from one fault to the next
     Duration pause_max{std::chrono::seconds{2}};
     Duration calm_before_loss{std::chrono::milliseconds{500}};

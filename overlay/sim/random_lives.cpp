@@ -31,9 +31,9 @@ Robot* RandomLives::some_robot(IsFit&& is_fit) {
 }
 
 void RandomLives::roam() {
-    Robot* robot = some_robot([this](const Robot& candidate) {
-        return candidate.options().keep_alive <= roamer_keep_alive_max &&
-               !started_again_.contains(&candidate);
+    const Duration longest = world_.in_scale_at_least(roamer_keep_alive_max);
+    Robot* robot = some_robot([&](const Robot& candidate) {
+        return candidate.options().keep_alive <= longest && !started_again_.contains(&candidate);
     });
     if (robot != nullptr) robot->roam_to(some_broker_for(robot->options(), Others::all));
 }
@@ -57,8 +57,11 @@ void RandomLives::sleep() {
     Robot* robot =
         some_robot([](const Robot& candidate) { return !candidate.options().will_topic; });
     if (robot == nullptr) return;
-    robot->fall_asleep(std::chrono::seconds{1 + random_.below(2)});
-    world_.events().after(random_.between(200ms, 5s), [this, robot] {
+    const Duration sleep = world_.in_scale_at_least(std::chrono::seconds{1 + random_.below(2)});
+    robot->fall_asleep(std::chrono::duration_cast<std::chrono::seconds>(sleep));
+    const Duration back =
+        random_.between(world_.in_scale_at_least(200ms), world_.in_scale_at_least(5s));
+    world_.events().after(back, [this, robot] {
         if (active_) robot->come_back();
     });
 }

@@ -9,6 +9,7 @@
 
 #include "election/elector.h"
 #include "election/failure_detector.h"
+#include "election/profile.h"
 #include "overlay/sim/cluster_world.h"
 #include "overlay/sim/seed.h"
 #include "overlay/sim/settlement.h"
@@ -28,6 +29,27 @@ auto one_of(Random& random, const Choices& choices) {
     return choices[random.below(static_cast<std::uint32_t>(std::size(choices)))];
 }
 
+/// What ships: each profile with each detector and elector, on machines of several kinds.
+void choose_as_shipped(std::uint64_t seed, ClusterWorldOptions& options) {
+    static constexpr std::int64_t drifts[] = {50, 100, 1'000};
+    static constexpr Duration turns[] = {1ms, 1ms, 3ms, 8ms};
+    Random random(seed_of(seed, "as shipped"));
+    options.profile = one_of(random, election::profiles).name;
+    options.cluster.elector = one_of(random, election::elector_names());
+    options.cluster.detector = one_of(random, election::detector_names());
+    options.machine = {.drift_ppm_max = one_of(random, drifts), .turn = one_of(random, turns)};
+}
+
+void take_times_of(const election::Profile& profile, ClusterWorldOptions& options) {
+    options.profile = profile.name;
+    options.cluster.beacon_every = profile.beacon_every;
+    options.cluster.detection_timeout = profile.detection_timeout;
+    options.cluster.phi_threshold = profile.phi_threshold;
+    const auto slower = std::max<std::int64_t>(1, profile.detection_timeout / 100ms);
+    options.t_retry *= slower;
+    options.t_wait *= slower;
+}
+
 ClusterWorldOptions world_options(std::uint64_t seed, const RunOptions& run) {
     Random random(seed_of(seed, "setting"));
     Random turns(seed_of(seed, "turns"));
@@ -35,8 +57,8 @@ ClusterWorldOptions world_options(std::uint64_t seed, const RunOptions& run) {
     options.seed = seed;
     options.brokers = 2 + random.below(4);
     if (run.brokers > 0) options.brokers = run.brokers;
-    options.cluster.elector = run.elector.empty() ? "component" : run.elector;
-    options.cluster.detector = run.detector.empty() ? "fixed" : run.detector;
+    options.cluster.elector = "component";
+    options.cluster.detector = "fixed";
     static constexpr std::uint32_t some_acks[] = {1, 1, 2, cluster::all_peers};
     options.cluster.acks = one_of(random, some_acks);
     if (run.acks) options.cluster.acks = *run.acks;
@@ -44,7 +66,24 @@ ClusterWorldOptions world_options(std::uint64_t seed, const RunOptions& run) {
     static constexpr std::size_t some_events[] = {256, 256, 2, 1};
     options.cluster.events_per_turn = one_of(turns, some_events);
     options.cluster.sessions_per_turn = one_of(turns, some_events);
+    if (run.as_shipped) choose_as_shipped(seed, options);
+    if (!run.elector.empty()) options.cluster.elector = run.elector;
+    if (!run.detector.empty()) options.cluster.detector = run.detector;
+    if (!run.profile.empty()) options.profile = run.profile;
+    const auto& profiles = election::profiles;
+    const auto profile = std::ranges::find(profiles, options.profile, &election::Profile::name);
+    if (profile != profiles.end()) take_times_of(*profile, options);
     return options;
+}
+
+/// In all the time that a fault lasts no robot is lost for its silence, and about as much is said.
+void adapt_to_scale(RobotOptions& robot, const ClusterWorld& world) {
+    robot.publish_every_min = world.in_scale(robot.publish_every_min);
+    robot.publish_every_max = world.in_scale(robot.publish_every_max);
+    robot.timing.t_retry = world.in_scale_at_least(robot.timing.t_retry);
+    robot.timing.t_wait = world.in_scale_at_least(robot.timing.t_wait);
+    robot.keep_alive =
+        std::chrono::duration_cast<std::chrono::seconds>(world.in_scale_at_least(robot.keep_alive));
 }
 
 /// Robots of every kind of traffic: who publishes where, who listens to what, at which QoS.
@@ -87,6 +126,7 @@ void add_robots(ClusterWorld& world, std::uint64_t seed, const RunOptions& run) 
             const RobotOptions& other = world.robot(i - 1).options();
             if (other.broker != robot.broker) robot.address = other.address;
         }
+        adapt_to_scale(robot, world);
         world.add_robot(std::move(robot));
     }
 }
@@ -121,7 +161,7 @@ private:
         faults.lost_at_once = world_.options().cluster.acks;  // as many as P2 allows
         storm_.emplace(world_, faults, world_.seed());
         storm_->begin();
-        world_.run_for(options_.faults_last);
+        world_.run_for(world_.in_scale(options_.faults_last));
         storm_->end();
         result_.faults = storm_->counts();
         judgement_.parted = storm_->parted();
@@ -129,7 +169,7 @@ private:
     }
 
     void recover() {
-        world_.run_for(publish_on_after_faults);
+        world_.run_for(world_.in_scale_at_least(publish_on_after_faults));
         for (std::size_t i = 0; i < world_.robot_count(); ++i) world_.robot(i).end_publishing();
         expect_idle("after the faults");
         if (!result_.is_good()) return;
@@ -141,7 +181,7 @@ private:
                 judge_settlement(world_, missing);
                 return missing.empty();
             },
-            deliveries_within, 200ms);
+            world_.in_scale_at_least(deliveries_within), world_.in_scale(200ms));
         judge_safety(world_.ledger(), judgement_, result_.violations);
         judge_completeness(world_.ledger(), result_.violations);
         judge_settlement(world_, result_.violations);
@@ -149,9 +189,9 @@ private:
 
     /// Agreement, and no robot waits for a broker.
     void expect_idle(const std::string& when) {
-        const bool is_quiet =
-            world_.run_until([this] { return world_.robots_are_idle() && !disagreement(world_); },
-                             options_.settles_within);
+        const bool is_quiet = world_.run_until(
+            [this] { return world_.robots_are_idle() && !disagreement(world_); },
+            world_.in_scale_at_least(options_.settles_within), world_.in_scale(10ms));
         if (is_quiet) return;
         if (const auto reason = disagreement(world_)) {
             result_.violations.push_back({Promise::one_leader, *reason + ", still, " + when});
@@ -168,6 +208,7 @@ private:
         for (const Violation& violation : world_.violations()) {
             result_.violations.push_back(violation);
         }
+        result_.breaches = world_.breaches();
         result_.seed = world_.seed();
         result_.trace_hash = world_.trace().hash();
         result_.virtual_time = world_.now().time_since_epoch();
@@ -180,6 +221,12 @@ private:
         result_.setting = std::to_string(world_.broker_count()) + " brokers, " +
                           std::to_string(world_.robot_count()) + " robots, " + world_.elector() +
                           ", acks " + (acks == cluster::all_peers ? "all" : std::to_string(acks));
+        const cluster::ClusterOptions& cluster = world_.options().cluster;
+        result_.profile = world_.options().profile;
+        result_.detector = cluster.detector;
+        result_.elector = cluster.elector;
+        if (!result_.profile.empty()) result_.setting += ", " + result_.profile;
+        if (cluster.detector != "fixed") result_.setting += ", " + cluster.detector;
     }
 
     RunOptions options_;
@@ -233,6 +280,8 @@ bool run_seeds(const SeedRange& seeds, const RunOptions& options,
 
 std::string replay_command(std::uint64_t seed, const RunOptions& options) {
     std::string command = "romano simulate --seeds " + std::to_string(seed);
+    if (options.as_shipped) command += " --as-shipped";
+    if (!options.profile.empty()) command += " --profile " + options.profile;
     if (options.brokers > 0) command += " --brokers " + std::to_string(options.brokers);
     if (options.robots > 0) command += " --robots " + std::to_string(options.robots);
     if (!options.elector.empty()) command += " --elector " + options.elector;

@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "overlay/sim/invariants.h"
 #include "overlay/sim/promises.h"
 #include "overlay/sim/random_faults.h"
 #include "overlay/sim/trace.h"
@@ -18,27 +19,38 @@
 namespace romano::sim {
 
 /// What the seed does not decide. Empty or 0: it does.
+///
+/// Profile, elector, detector and machine are the seed's only when it shall search what ships; else
+/// they are those of the first searches (silence of 100 ms means death, component, fixed), so that
+/// a seed that was bad then is the same run today.
 struct RunOptions {
+    bool as_shipped = false;
+    std::string profile{};
     std::size_t brokers = 0;
     std::size_t robots = 0;
     std::string elector{};
     std::string detector{};
     std::optional<std::uint32_t> acks{};
     std::vector<Fault> faults{};
-    Duration faults_last{std::chrono::seconds{10}};  // whole milliseconds
-    Duration settles_within{std::chrono::seconds{30}};
-    Trace::Listener trace{};  // lines of what happens; slow
+    Duration faults_last{
+        std::chrono::seconds{10}};  // whole milliseconds; as ClusterWorld::in_scale
+    Duration settles_within{std::chrono::seconds{30}};  // no sooner with a quick profile
+    Trace::Listener trace{};                            // lines of what happens; slow
 };
 
 struct RunResult {
     std::uint64_t seed = 0;
     std::uint64_t trace_hash = 0;
     std::string setting;  // "3 brokers, 5 robots, component, acks 1"
+    std::string profile;  // empty: the times of the first searches
+    std::string detector;
+    std::string elector;
     std::uint64_t acknowledged = 0;
     std::uint64_t received = 0;
     FaultCounts faults{};  // how often each kind happened
     Duration virtual_time{0};
     Violations violations;
+    Breaches breaches;  // of invariants; no failure by themselves
 
     [[nodiscard]] bool is_good() const { return violations.empty(); }
 };

@@ -1,9 +1,11 @@
 // Random clusters, robots and faults by seed: every promise of the design is kept in each of them.
 // A failure prints the seed and the command that repeats it.
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <ostream>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -90,6 +92,8 @@ TEST(Simulation, IsTheSameByteForByteForTheSameSeed) {
 TEST(Simulation, TheCommandThatRepeatsARunSaysAllThatTheSeedDoesNotDecide) {
     EXPECT_EQ(replay_command(7, {}), "romano simulate --seeds 7 --trace");
     RunOptions options;
+    options.as_shipped = true;
+    options.profile = "wifi";
     options.brokers = 3;
     options.robots = 4;
     options.elector = "raft";
@@ -98,8 +102,34 @@ TEST(Simulation, TheCommandThatRepeatsARunSaysAllThatTheSeedDoesNotDecide) {
     options.faults = {Fault::crash, Fault::one_way_cut};
     options.faults_last = 2500ms;
     EXPECT_EQ(replay_command(7, options),
-              "romano simulate --seeds 7 --brokers 3 --robots 4 --elector raft --detector link "
+              "romano simulate --seeds 7 --as-shipped --profile wifi --brokers 3 --robots 4 "
+              "--elector raft --detector link "
               "--acks all --fault crash --fault one-way-cut --faults-last-ms 2500 --trace");
+}
+
+TEST(Simulation, TakesTheTimesOfAProfile) {
+    RunOptions options;
+    options.faults_last = 2s;
+    options.profile = "mesh";
+    const RunResult run = run_seed(3, options);
+    EXPECT_EQ(run.profile, "mesh");
+    EXPECT_EQ(run.detector, "fixed");
+    EXPECT_GE(run.virtual_time, 60s) << "as much happens in it: silence of 3 s means death";
+}
+
+TEST(Simulation, DrawsWhatShipsFromTheSeed) {
+    RunOptions options;
+    options.as_shipped = true;
+    options.faults_last = 500ms;
+    std::set<std::string> seen;
+    for (std::uint64_t seed = 1; seed <= 12; ++seed) {
+        const RunResult run = run_seed(seed, options);
+        seen.insert({run.profile, run.detector, run.elector});
+    }
+    EXPECT_THAT(seen, testing::IsSupersetOf({"lan", "wifi", "mesh", "fixed", "phi-accrual", "link",
+                                             "component", "raft", "bully"}));
+    options.elector = "raft";
+    EXPECT_EQ(run_seed(1, options).elector, "raft") << "what is said counts";
 }
 
 TEST(Simulation, IsTheSameWhetherOrNotSomebodyListens) {

@@ -1,11 +1,12 @@
-// The times that suit a kind of network; `profile` in the settings. README.md has the table.
+// The times that suit a kind of network: `profile` in the settings of a broker, whose README has
+// the table, and what the simulator searches.
 #pragma once
 
 #include <array>
 #include <chrono>
 #include <string_view>
 
-namespace romano::daemon {
+namespace romano::election {
 
 struct Profile {
     std::string_view name;
@@ -27,4 +28,4 @@ inline constexpr std::array profiles = {
             std::chrono::milliseconds{10'000}, 4},
 };
 
-}  // namespace romano::daemon
+}  // namespace romano::election

@@ -1,0 +1,80 @@
+#include "overlay/sim/sight.h"
+
+#include <algorithm>
+#include <utility>
+#include <variant>
+
+#include "broker/core/log_event.h"
+#include "overlay/cluster/cluster_core.h"
+#include "overlay/sim/cluster_broker.h"
+
+namespace romano::sim {
+
+namespace {
+
+/// The messages that a home says it routes, of those events that were acknowledged since.
+void find_references(const LogCopy& copy, broker::Seq before, const cluster::LogHistory& history,
+                     std::vector<Reference>& found) {
+    if (copy.acknowledged <= before || !history.reaches_back_to(before)) return;
+    for (const broker::LogEvent& event : history.events_after(before, copy.acknowledged - before)) {
+        const auto* routed = std::get_if<broker::Routed>(&event);
+        if (routed != nullptr) found.push_back({copy.log, routed->message});
+    }
+}
+
+void look_at_copies(const cluster::ClusterCore& cluster, Sight& sight) {
+    sight.references.clear();
+    std::vector<LogCopy> copies;
+    copies.reserve(cluster.peer_logs().size());
+    for (const auto& [id, log] : cluster.peer_logs()) {
+        LogCopy copy{id, log.applied(), cluster.held_of(id, log)};
+        if (const auto end = log.agreed_end()) copy.end = LogCopy::End{end->seq, end->in};
+        const LogCopy* before = sight.copy_of(id);
+        if (before != nullptr && !log.is_frozen()) {
+            find_references(copy, before->acknowledged, log.history(), sight.references);
+        }
+        copies.push_back(copy);
+    }
+    sight.copies = std::move(copies);
+}
+
+}  // namespace
+
+const LogCopy* Sight::copy_of(const broker::LogId& wanted) const {
+    const auto found = std::ranges::lower_bound(copies, wanted, {}, &LogCopy::log);
+    return found == copies.end() || found->log != wanted ? nullptr : &*found;
+}
+
+void look_at(const ClusterBroker& broker, Instant now, const std::vector<std::string>& clients,
+             Sight& sight) {
+    const overlay::Member& member = broker.member();
+    const cluster::ClusterCore& cluster = member.cluster();
+    if (sight.log != member.log()) sight = {};  // a new life
+    sight.name = broker.name();
+    sight.log = member.log();
+    sight.view = cluster.view();
+    sight.promised = cluster.promised();
+    sight.shown = cluster.watermark().safe();
+    sight.holders =
+        std::min<std::size_t>(broker.options().cluster.acks, cluster.live_peers().size());
+    sight.own_events = cluster.own_log().history().events_kept();
+    sight.speaks_from.clear();
+    for (const Endpoint& address : cluster.addresses().serving()) {
+        if (member.may_speak_from(address)) sight.speaks_from.push_back(address);
+    }
+    sight.speaks_to.clear();
+    for (const std::string& client : clients) {
+        const broker::SessionHeader* session = member.broker().header(client);
+        if (session != nullptr && std::ranges::count(sight.speaks_from, session->via) > 0) {
+            sight.speaks_to.push_back(client);
+        }
+    }
+    look_at_copies(cluster, sight);
+    look_again(broker, now, sight);
+}
+
+void look_again(const ClusterBroker& broker, Instant now, Sight& sight) {
+    sight.is_speaking = broker.is_running() && broker.member().may_speak(broker.clock().at(now));
+}
+
+}  // namespace romano::sim
