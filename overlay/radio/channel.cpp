@@ -59,6 +59,7 @@ struct Channel::Ns3 {
         ns3::Ipv6Address address;
         ns3::Ptr<ns3::Socket> socket;
         std::size_t frames_waiting = 0;
+        Air sent;
         std::map<ns3::Mac16Address, std::uint8_t> last_sequence;
     };
 
@@ -77,13 +78,14 @@ struct Channel::Ns3 {
     void on_indication(Radio& radio, const ns3::McpsDataIndicationParams& params,
                        ns3::Ptr<ns3::Packet> frame);
     void on_datagram(Radio& radio, ns3::Ptr<ns3::Socket> socket);
+    void send(Radio& radio, ns3::Ipv6Address to, const std::vector<std::uint8_t>& datagram);
 
     Owner owner;
     Counters counters;
     std::map<unsigned, ns3::Ptr<ns3::SingleModelSpectrumChannel>> media;
     std::map<Device, Radio> radios;
     std::map<const ns3::MobilityModel*, Device> placed;
-    std::map<ns3::Ipv6Address, Device> addressed;
+    std::map<std::pair<std::size_t, ns3::Ipv6Address>, Device> addressed;  // cells have the same
 };
 
 void Channel::Ns3::add_medium(unsigned number) {
@@ -140,11 +142,14 @@ void Channel::Ns3::add_radio(const Device& device, const CellPlan& cell, double 
     mac->TraceConnectWithoutContext(
         "MacTxEnqueue", ns3::Callback<void, ns3::Ptr<const ns3::Packet>>(
                             [&radio](ns3::Ptr<const ns3::Packet>) { ++radio.frames_waiting; }));
-    phy->TraceConnectWithoutContext("PhyTxBegin", ns3::Callback<void, ns3::Ptr<const ns3::Packet>>(
-                                                      [this](ns3::Ptr<const ns3::Packet> frame) {
-                                                          ++counters.frames;
-                                                          counters.air_octets += frame->GetSize();
-                                                      }));
+    phy->TraceConnectWithoutContext("PhyTxBegin",
+                                    ns3::Callback<void, ns3::Ptr<const ns3::Packet>>(
+                                        [this, &radio](ns3::Ptr<const ns3::Packet> frame) {
+                                            ++counters.frames;
+                                            counters.air_octets += frame->GetSize();
+                                            ++radio.sent.frames;
+                                            radio.sent.octets += frame->GetSize();
+                                        }));
 
     const auto lowpan = ns3::CreateObject<ns3::SixLowPanNetDevice>();
     radio.node->AddDevice(lowpan);
@@ -160,7 +165,7 @@ void Channel::Ns3::add_radio(const Device& device, const CellPlan& cell, double 
     ip->SetForwarding(interface, true);  // a router solicits no routers
     ip->SetUp(interface);
     radio.address = ip->GetInterface(interface)->GetLinkLocalAddress().GetAddress();
-    addressed.emplace(radio.address, device);
+    addressed.emplace(std::pair{device.cell, radio.address}, device);
     radio.neighbours = ip->GetInterface(interface)->GetNdiscCache();
 
     radio.socket = ns3::Socket::CreateSocket(radio.node, ns3::UdpSocketFactory::GetTypeId());
@@ -208,7 +213,8 @@ void Channel::Ns3::on_datagram(Radio& radio, ns3::Ptr<ns3::Socket> socket) {
     while (const auto packet = socket->RecvFrom(from)) {
         std::vector<std::uint8_t> octets(packet->GetSize());
         packet->CopyData(octets.data(), packet->GetSize());
-        const auto sender = addressed.find(ns3::Inet6SocketAddress::ConvertFrom(from).GetIpv6());
+        const auto sender = addressed.find(
+            {radio.device.cell, ns3::Inet6SocketAddress::ConvertFrom(from).GetIpv6()});
         if (sender != addressed.end()) owner.received(radio.device, sender->second, octets);
     }
 }
@@ -237,14 +243,24 @@ Channel::Channel(const std::vector<CellPlan>& cells, double transmit_dbm, double
 
 Channel::~Channel() = default;
 
+void Channel::Ns3::send(Radio& radio, ns3::Ipv6Address to,
+                        const std::vector<std::uint8_t>& datagram) {
+    const auto packet =
+        ns3::Create<ns3::Packet>(datagram.data(), static_cast<std::uint32_t>(datagram.size()));
+    radio.socket->SendTo(packet, 0, ns3::Inet6SocketAddress(to, port));
+    if (radio.frames_waiting == 0) owner.ready(radio.device);  // longer than 6LoWPAN takes
+}
+
 void Channel::send(std::int64_t now_ns, Device from, Device to,
                    const std::vector<std::uint8_t>& datagram) {
     run_until(now_ns);
-    auto& radio = ns3_->radios.at(from);
-    const auto packet =
-        ns3::Create<ns3::Packet>(datagram.data(), static_cast<std::uint32_t>(datagram.size()));
-    radio.socket->SendTo(packet, 0, ns3::Inet6SocketAddress(ns3_->radios.at(to).address, port));
-    if (radio.frames_waiting == 0) ns3_->owner.ready(from);  // longer than 6LoWPAN takes
+    ns3_->send(ns3_->radios.at(from), ns3_->radios.at(to).address, datagram);
+}
+
+void Channel::broadcast(std::int64_t now_ns, Device from,
+                        const std::vector<std::uint8_t>& datagram) {
+    run_until(now_ns);
+    ns3_->send(ns3_->radios.at(from), ns3::Ipv6Address::GetAllNodesMulticast(), datagram);
 }
 
 void Channel::run_until(std::int64_t now_ns) {
@@ -258,6 +274,17 @@ std::int64_t Channel::next_wakeup_ns() const {
 
 const Counters& Channel::counters() const {
     return ns3_->counters;
+}
+
+const Air& Channel::sent_by(Device device) const {
+    return ns3_->radios.at(device).sent;
+}
+
+std::int64_t air_time_ns(const Air& air) {
+    constexpr std::uint64_t octets_before_a_frame = 6;
+    constexpr std::uint64_t ns_an_octet = 32'000;
+    return static_cast<std::int64_t>((air.octets + octets_before_a_frame * air.frames) *
+                                     ns_an_octet);
 }
 
 }  // namespace romano::lowpan

@@ -40,6 +40,15 @@ struct Counters {
     std::uint64_t duplicates = 0;  // repeated though received: their acknowledgement was lost
 };
 
+/// What a radio sent.
+struct Air {
+    std::uint64_t frames = 0;
+    std::uint64_t octets = 0;  // from the MAC header to the FCS
+};
+/// How long that takes: 32 us an octet, and six octets of preamble, SFD and length before each
+/// frame (IEEE 802.15.4-2011 section 10.1).
+[[nodiscard]] std::int64_t air_time_ns(const Air& air);
+
 class Channel {
 public:
     struct Owner {
@@ -62,9 +71,13 @@ public:
     void send(std::int64_t now_ns, Device from, Device to,
               const std::vector<std::uint8_t>& datagram);
 
+    /// From any device to all others of its cell that hear it: once, without acknowledgement.
+    void broadcast(std::int64_t now_ns, Device from, const std::vector<std::uint8_t>& datagram);
+
     void run_until(std::int64_t now_ns);
     [[nodiscard]] std::int64_t next_wakeup_ns() const;  // INT64_MAX: nothing is due
     [[nodiscard]] const Counters& counters() const;
+    [[nodiscard]] const Air& sent_by(Device device) const;
 
 private:
     struct Ns3;

@@ -12,8 +12,13 @@ namespace {
 
 using lowpan::Device;
 
+constexpr double nothing_dbm = -200;  // of a radio that is off
+
 /// ns-3's O-QPSK receiver loses half of the frames of 60 octets at this ratio of signal to noise.
 constexpr double half_lost_snr_db = -1.13;
+
+constexpr std::uint32_t slowest_baud = 1'200;
+constexpr std::uint32_t fastest_baud = 10'000'000;
 
 Device router_of(const Device& device) {
     return {device.cell, 0};
@@ -37,8 +42,10 @@ std::optional<std::string> problem_with(const RadioOptions& options) {
                    std::to_string(lowpan::most_robots);
         }
     }
-    if (options.router_baud == 0U || options.robot_baud == 0U) {
-        return "a UART of 0 baud carries nothing: give 1200 baud or more, or none";
+    for (const auto baud : {options.router_baud, options.robot_baud}) {
+        if (!baud || (*baud >= slowest_baud && *baud <= fastest_baud)) continue;
+        return "a UART of " + std::to_string(*baud) +
+               " baud cannot be: give 1200 to 10000000 baud, or none";
     }
     return std::nullopt;
 }
@@ -49,6 +56,7 @@ struct RadioNetwork::Station {
     Place place;
     std::deque<Carried> queue;  // the first one is with the radio, unless that is ready
     bool ready = true;
+    bool is_on = true;
     std::unique_ptr<SerialLine> to_radio;
     std::unique_ptr<SerialLine> to_host;
 };
@@ -62,8 +70,10 @@ RadioNetwork::RadioNetwork(sim::World& world, const RadioOptions& options)
         for (const RadioRobot& robot : cell.robots) {
             ++device.number;
             add_station(device, robot.place);
-            robots_.emplace(world_.robot(robot.robot).options().address, device);
-            device_of_robot_.emplace(robot.robot, device);
+            Radios& radios = radios_of(robot.robot);
+            if (radios.all.empty()) radios.joined = device;
+            stations_.at(device)->is_on = radios.all.empty();
+            radios.all.push_back(device);
         }
         plan.push_back({cell.channel, cell.robots.size()});
     }
@@ -108,8 +118,10 @@ bool RadioNetwork::carry(const Carried& datagram) {
     const auto sender = robots_.find(datagram.from);
     const auto receiver = robots_.find(datagram.to);
     if (sender == robots_.end() && receiver == robots_.end()) return false;
-    const Device enters = sender != robots_.end() ? sender->second : router_of(receiver->second);
+    const Device enters =
+        sender != robots_.end() ? sender->second.joined : router_of(receiver->second.joined);
     Station& station = *stations_.at(enters);
+    if (!station.is_on) return true;  // lost
     if (!station.to_radio->send(datagram) && enters.number == 0 && !first_overflow_) {
         first_overflow_ = world_.now();
     }
@@ -127,8 +139,9 @@ bool RadioNetwork::queue_for_radio(Station& station, const Carried& datagram) {
 void RadioNetwork::transmit(Station& station) {
     if (!station.ready || station.queue.empty()) return;
     const Carried& datagram = station.queue.front();
-    const Device to =
-        station.device.number == 0 ? robots_.at(datagram.to) : router_of(station.device);
+    // A router goes on calling a robot that has left: nobody tells it.
+    const Device to = station.device.number == 0 ? *robots_.at(datagram.to).in(station.device.cell)
+                                                 : router_of(station.device);
     station.ready = false;
     channel_->send(to_ns(world_.now()), station.device, to, datagram.octets);
     rearm();
@@ -175,6 +188,11 @@ void RadioNetwork::rearm() {
 }
 
 double RadioNetwork::dbm(const Device& from, const Device& to) {
+    const bool are_on = stations_.at(from)->is_on && stations_.at(to)->is_on;
+    return are_on ? link_dbm(from, to) : nothing_dbm;
+}
+
+double RadioNetwork::link_dbm(const Device& from, const Device& to) {
     const auto [a, b] = std::minmax(from, to);
     auto link = links_.find({a, b});
     if (link == links_.end()) {
@@ -189,8 +207,45 @@ double RadioNetwork::dbm(const Device& from, const Device& to) {
     return link->second.packet_dbm(stations_.at(a)->place, stations_.at(b)->place);
 }
 
+std::optional<Device> RadioNetwork::Radios::in(std::size_t cell) const {
+    const auto radio = std::ranges::find(all, cell, &Device::cell);
+    return radio == all.end() ? std::nullopt : std::optional{*radio};
+}
+
+RadioNetwork::Radios& RadioNetwork::radios_of(std::size_t robot) {
+    return robots_[world_.robot(robot).options().address];
+}
+
 void RadioNetwork::move(std::size_t robot, const Place& place) {
-    stations_.at(device_of_robot_.at(robot))->place = place;
+    for (const Device& device : radios_of(robot).all) stations_.at(device)->place = place;
+}
+
+void RadioNetwork::join(std::size_t robot, std::size_t cell) {
+    Radios& radios = radios_of(robot);
+    stations_.at(radios.joined)->is_on = false;
+    radios.joined = radios.in(cell).value();
+    stations_.at(radios.joined)->is_on = true;
+}
+
+void RadioNetwork::switch_off_router(std::size_t cell) {
+    stations_.at({cell, 0})->is_on = false;
+}
+
+double RadioNetwork::hears_dbm(std::size_t robot, std::size_t cell) {
+    const Device router{cell, 0};
+    const auto radio = radios_of(robot).in(cell);
+    return radio && stations_.at(router)->is_on ? link_dbm(router, *radio) : nothing_dbm;
+}
+
+lowpan::Air RadioNetwork::sent_by_robots(std::size_t cell) const {
+    lowpan::Air sum;
+    for (const auto& [device, station] : stations_) {
+        if (device.cell != cell || device.number == 0) continue;
+        const lowpan::Air& sent = channel_->sent_by(device);
+        sum.frames += sent.frames;
+        sum.octets += sent.octets;
+    }
+    return sum;
 }
 
 std::uint64_t RadioNetwork::lost() const {

@@ -31,6 +31,8 @@ struct RadioRobot {
     Place place;
 };
 
+/// A robot that stands in several cells can join each of them; it begins in the first. Its radio
+/// hears the cell that it has joined, and nothing else.
 struct RadioCell {
     unsigned channel = lowpan::last_channel;
     Place router;
@@ -59,8 +61,18 @@ public:
     RadioNetwork& operator=(const RadioNetwork&) = delete;
 
     void move(std::size_t robot, const Place& place);
+    /// From now on it is in this cell, with its channel. What waits for it elsewhere is lost.
+    void join(std::size_t robot, std::size_t cell);
+    /// The border router loses its power, for good.
+    void switch_off_router(std::size_t cell);
+    /// The strength of a frame that the robot would hear from the cell's router now.
+    [[nodiscard]] double hears_dbm(std::size_t robot, std::size_t cell);
 
     [[nodiscard]] const lowpan::Counters& counters() const { return channel_->counters(); }
+    [[nodiscard]] const lowpan::Air& sent_by_router(std::size_t cell) const {
+        return channel_->sent_by({cell, 0});
+    }
+    [[nodiscard]] lowpan::Air sent_by_robots(std::size_t cell) const;
     /// When a host's queue first was full: the paper's "buffer overflow".
     [[nodiscard]] std::optional<Instant> first_overflow() const { return first_overflow_; }
     /// For want of room, anywhere.
@@ -68,23 +80,30 @@ public:
 
 private:
     struct Station;  // a radio with its queue and its line to the host
+    /// Of a robot: one in each cell that it can join.
+    struct Radios {
+        lowpan::Device joined;
+        std::vector<lowpan::Device> all;
+        [[nodiscard]] std::optional<lowpan::Device> in(std::size_t cell) const;
+    };
 
     bool carry(const Carried& datagram);
     void add_station(const lowpan::Device& device, const Place& place);
     bool queue_for_radio(Station& station, const Carried& datagram);
     bool hand_over(const Carried& datagram);
     void transmit(Station& station);
+    [[nodiscard]] Radios& radios_of(std::size_t robot);
     void on_ready(const lowpan::Device& device);
     void on_received(const lowpan::Device& at, const lowpan::Device& from,
                      const std::vector<std::uint8_t>& octets);
     void rearm();
     [[nodiscard]] double dbm(const lowpan::Device& from, const lowpan::Device& to);
+    [[nodiscard]] double link_dbm(const lowpan::Device& from, const lowpan::Device& to);
 
     sim::World& world_;
     RadioOptions options_;
     std::map<lowpan::Device, std::unique_ptr<Station>> stations_;
-    std::map<Endpoint, lowpan::Device> robots_;
-    std::map<std::size_t, lowpan::Device> device_of_robot_;
+    std::map<Endpoint, Radios> robots_;
     std::map<std::pair<lowpan::Device, lowpan::Device>, RadioLink> links_;
     std::optional<Instant> first_overflow_;
     Instant timer_ = never;

@@ -14,6 +14,7 @@ constexpr std::int64_t ms = 1'000'000;
 constexpr std::int64_t s = 1'000 * ms;
 constexpr std::size_t publish = 39;  // octets of an MQTT-SN PUBLISH with the paper's 32
 constexpr double quiet_dbm = -93;
+constexpr Device everybody{0, most_robots + 1};
 
 /// Senders with queues on one channel, driven by hand.
 class Air {
@@ -70,7 +71,12 @@ private:
         std::size_t octets;
     };
     void begin(const Send& send) {
-        channel_.send(now_, send.from, send.to, std::vector<std::uint8_t>(send.octets, 'x'));
+        const std::vector<std::uint8_t> datagram(send.octets, 'x');
+        if (send.to == everybody) {
+            channel_.broadcast(now_, send.from, datagram);
+        } else {
+            channel_.send(now_, send.from, send.to, datagram);
+        }
     }
 
     std::int64_t now_ = 0;
@@ -97,6 +103,20 @@ TEST(Channel, AFrameIsTheDatagramAnd21OctetsAndItsAcknowledgement5) {
     air.run_until(2 * s);
     EXPECT_EQ(air.counters().frames, 2U);
     EXPECT_EQ(air.counters().air_octets, publish + 21 + 5);
+}
+
+TEST(Channel, AFrameOf60OctetsIsOnTheAirFor2Point1Ms) {
+    EXPECT_EQ(air_time_ns({1, 60}), 66 * 32'000);
+}
+
+TEST(Channel, ABroadcastIsOneFrameThatEverybodyOfTheCellHearsAndNobodyAcknowledges) {
+    Air air({{26, 5}, {26, 1}});
+    air.at(s, {0, 1}, everybody);
+    air.run_until(2 * s);
+    EXPECT_EQ(air.counters().frames, 1U);
+    EXPECT_EQ(air.received_in_all(), 5U);
+    EXPECT_TRUE(air.received({0, 1}).empty());
+    EXPECT_TRUE(air.received({1, 1}).empty());
 }
 
 TEST(Channel, OneFrameTakes100OctetsAndTwoTake200) {
@@ -137,8 +157,14 @@ TEST(Channel, ABurstToFiveRobotsComesOneAfterTheOther) {
         }
     }
     air.run_until(s + bursts * 100 * ms);
-    constexpr double relay_ms = 1.3;  // what sockets and real time added to the measurement
-    const double expected[] = {4.4, 8.9, 13.8, 18.7, 23.6};
+    // Measured between sockets in real time: 4.4, 8.9, 13.8, 18.7, 23.6 ms, but 3.7 for a message
+    // alone. What a burst's first has more than that, all of it has; this channel knows no cause
+    // for it, so the first is held against a message alone, and the others by their steps. A
+    // backoff is 0 to 7 times 0.32 ms: over 100 bursts here and there a step differs by 0.1 ms (1
+    // sigma).
+    constexpr double measured_single_ms = 3.7;
+    constexpr double measured_step_ms = (23.6 - 4.4) / 4;
+    double before_ms = measured_single_ms - measured_step_ms;
     for (std::size_t robot = 1; robot <= 5; ++robot) {
         const auto& times = air.received({0, robot});
         ASSERT_EQ(times.size(), bursts);
@@ -147,7 +173,8 @@ TEST(Channel, ABurstToFiveRobotsComesOneAfterTheOther) {
             mean_ms += static_cast<double>(times[i] - s - static_cast<std::int64_t>(i) * 100 * ms);
         }
         mean_ms /= static_cast<double>(bursts * ms);
-        EXPECT_NEAR(mean_ms, expected[robot - 1], relay_ms) << "robot " << robot;
+        EXPECT_NEAR(mean_ms - before_ms, measured_step_ms, 0.25) << "robot " << robot;
+        before_ms = mean_ms;
     }
 }
 

@@ -123,6 +123,42 @@ TEST(RadioNetwork, RobotsThatLeaveTheCellHearNothingUntilTheyAreBack) {
     EXPECT_EQ(cell.world().ledger().receptions.size(), 30U);
 }
 
+TEST(RadioNetwork, ARobotHearsTheCellThatItHasJoinedAndIsCalledInVainInTheOneThatItLeft) {
+    sim::LoneWorld world(1);
+    sim::RobotOptions robot;
+    robot.name = "robot";
+    robot.subscriptions = {{"common", Qos::at_most_once}};
+    world.add_robot(robot);
+    RadioOptions options;
+    options.router_baud.reset();
+    options.robot_baud.reset();
+    options.cells = {{.channel = 11, .router = {0, 0}, .robots = {{0, {2, 0}}}},
+                     {.channel = 26, .router = {4, 0}, .robots = {{0, {2, 0}}}}};
+    RadioNetwork network(world, options);
+    world.robot(0).start();
+    ASSERT_TRUE(world.run_until([&] { return world.ledger().subscriptions.size() == 1; }, 20s));
+    const auto comes = [&] {
+        const std::size_t before = world.ledger().receptions.size();
+        (void)world.robot(0).publish("common", Qos::at_most_once);
+        world.run_for(1s);
+        return world.ledger().receptions.size() > before;
+    };
+    const auto frames = [&](std::size_t cell) { return network.sent_by_router(cell).frames; };
+    EXPECT_TRUE(comes());
+    EXPECT_EQ(frames(1), 0U);
+    network.join(0, 1);
+    const std::uint64_t before = frames(0);
+    EXPECT_TRUE(comes());
+    EXPECT_GT(frames(1), 0U);
+    EXPECT_EQ(frames(0), before);
+    network.switch_off_router(1);
+    EXPECT_LT(network.hears_dbm(0, 1), -100);
+    EXPECT_GT(network.hears_dbm(0, 0), -80);
+    EXPECT_FALSE(comes());
+    network.join(0, 0);
+    EXPECT_TRUE(comes());
+}
+
 TEST(RadioNetwork, OneSeedIsOneRun) {
     const auto hash_of = [](std::uint64_t seed) {
         Cell cell(5, 230'400, seed);
@@ -145,7 +181,7 @@ TEST(RadioOptions, ImpossibleChannelsAndBaudRatesGetOneSentence) {
     options.cells[0].channel = 11;
     options.robot_baud = 0;
     EXPECT_EQ(problem_with(options),
-              "a UART of 0 baud carries nothing: give 1200 baud or more, or none");
+              "a UART of 0 baud cannot be: give 1200 to 10000000 baud, or none");
 }
 
 }  // namespace
