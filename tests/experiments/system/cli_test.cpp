@@ -152,6 +152,21 @@ TEST(Simulate, CountsRunsByFault) {
     EXPECT_FALSE(json.at("faults").contains("crash"));
 }
 
+TEST(Simulate, CountsInHowManyRunsOfEachConfigurationAnInvariantBroke) {
+    const std::string command = "simulate --seeds 1..3 --as-shipped --profile wifi --invariants";
+    const Ran table = run_romano(command);
+    EXPECT_THAT(table.output, HasSubstr("Runs in which an invariant broke"));
+    EXPECT_THAT(table.output, HasSubstr("wifi"));
+    const auto json = nlohmann::json::parse(run_romano(command + " --json").output);
+    int runs = 0;
+    for (const auto& configuration : json.at("invariants")) {
+        EXPECT_EQ(configuration.at("profile"), "wifi");
+        EXPECT_TRUE(configuration.at("broken").contains("I1 one speaker"));
+        runs += configuration.at("runs").get<int>();
+    }
+    EXPECT_EQ(runs, 3);
+}
+
 TEST(Cost, LeavesNumbersAndPictureOfEachCountOfBrokers) {
     const tests::TemporaryFolder folder;
     const std::string to = folder / "cost";
@@ -213,6 +228,7 @@ INSTANTIATE_TEST_SUITE_P(
         Refused{"simulate --acks many", "'many' is not 0 to 99 or all"},
         Refused{"cost --output /proc/none", "cannot write into --output `/proc/none`"},
         Refused{"cost --brokers 0", "--brokers: Value 0 not in range 1 to 100"},
+        Refused{"simulate --profile air", "--profile: air not in {lan,wifi,mesh}"},
         Refused{"simulate --fault fire", "--fault: fire not in {crash,stop,leave"},
         Refused{"swep", "The following argument was not expected: swep"},
         Refused{"", "a subcommand is needed: pub, sub, brokers, status"},
