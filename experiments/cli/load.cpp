@@ -122,7 +122,9 @@ int run(const LoadOptions& options) {
     mqttsn.timing.t_wait = 1s;
     MqttsnClients clients{options.plan, mqttsn};
     Progress progress{::isatty(STDERR_FILENO) != 0};
-    std::signal(SIGINT, [](int) { interrupted = 1; });
+    for (const int signal : {SIGINT, SIGTERM}) {
+        std::signal(signal, [](int) { interrupted = 1; });
+    }
     LoadRun run{options.plan,
                 clients,
                 {.on_progress = [&](const std::string& phase,

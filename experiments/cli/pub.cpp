@@ -17,6 +17,7 @@
 
 #include "experiments/cli/broker_options.h"
 #include "experiments/cli/denial.h"
+#include "experiments/cli/interrupt.h"
 
 namespace romano::experiments {
 namespace {
@@ -130,6 +131,8 @@ private:
     }
 
     void publish(const std::string& message) {
+        io_.poll();  // at QoS 0 and -1 nothing is waited for below
+        heed_trouble();
         published_ = false;
         const auto qos = options_.qos < 0 ? mqttsn::Qos::without_connection
                                           : static_cast<mqttsn::Qos>(options_.qos);
@@ -164,7 +167,15 @@ private:
 
     void turn() {
         io_.run_one_for(20ms);
+        heed_trouble();
+    }
+
+    void heed_trouble() {
         if (!error_.empty()) throw CommandError(error_);
+        if (interrupt_.has_come()) {
+            client_.disconnect();
+            throw CommandError("interrupted before all was published");
+        }
     }
 
     template <typename Done>
@@ -195,6 +206,7 @@ private:
     mqttsn::TopicRef topic_;
     std::string client_id_;
     boost::asio::io_context io_{1};
+    const Interrupt interrupt_{io_};
     bool published_ = false;
     bool disconnected_ = false;
     std::string error_;

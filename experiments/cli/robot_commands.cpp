@@ -12,6 +12,7 @@
 #include "broker/net/clock.h"
 #include "experiments/cli/broker_options.h"
 #include "experiments/cli/denial.h"
+#include "experiments/cli/interrupt.h"
 #include "experiments/cli/robots.h"
 #include "experiments/operator/message_text.h"
 #include "experiments/operator/node_watch.h"
@@ -165,6 +166,10 @@ private:
         if (watch_.has_failed()) {
             throw CommandError(why_not(options_.broker, watch_.denial(), watch_.was_refused()));
         }
+        if (interrupt_.has_come()) {
+            watch_.leave();
+            throw CommandError("interrupted before all was said and answered");
+        }
     }
     template <typename Done>
     void turn_until(const Done& done) {
@@ -174,6 +179,7 @@ private:
     const RobotCommandOptions& options_;
     const Encode& encode_;
     boost::asio::io_context io_{1};
+    const Interrupt interrupt_{io_};
     NodeWatch watch_;
     std::optional<std::string> answer_;
     nlohmann::ordered_json sent_ = nlohmann::ordered_json::array();

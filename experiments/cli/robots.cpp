@@ -1,8 +1,6 @@
 #include "experiments/cli/robots.h"
 
-#include <boost/asio/signal_set.hpp>
 #include <chrono>
-#include <csignal>
 #include <cstdio>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -10,6 +8,7 @@
 #include "broker/net/clock.h"
 #include "experiments/cli/broker_options.h"
 #include "experiments/cli/denial.h"
+#include "experiments/cli/interrupt.h"
 #include "experiments/operator/message_text.h"
 #include "experiments/operator/node_watch.h"
 #include "experiments/report/summary_table.h"
@@ -96,9 +95,7 @@ std::string news_of(const NodeWatch& watch, std::string_view topic, Bytes data) 
 
 void follow_robots(const BrokerOptions& options) {
     boost::asio::io_context io{1};
-    boost::asio::signal_set interrupts(io, SIGINT, SIGTERM);
-    bool stopped = false;
-    interrupts.async_wait([&](const auto&, int) { stopped = true; });
+    const Interrupt interrupt{io};
     NodeWatch watch{io, resolve_broker(io, options.host, options.port),
                     options.id_or("romano-robots"), options.timing()};
     watch.set_on_message([&](std::string_view topic, Bytes data) {
@@ -109,7 +106,7 @@ void follow_robots(const BrokerOptions& options) {
     });
     watch.subscribe(std::string{server::entries_filter});
     watch.subscribe(std::string{server::common_topic});
-    while (!stopped) {
+    while (!interrupt.has_come()) {
         io.run_one_for(100ms);
         if (watch.has_failed()) {
             throw CommandError(why_not(options, watch.denial(), watch.was_refused()));

@@ -48,6 +48,7 @@ int main(int argc, char** argv) {
         if (left != 0) romano_udp_wait(&udp, ms);
     }
     romano_run(&robot); /* acknowledges the last one */
+    romano_leave(&robot);
     romano_udp_close(&udp);
     return 0;
 }

@@ -70,5 +70,6 @@ int main(int argc, char** argv) {
         }
     }
     robot.run();  // acknowledges the last one
+    robot.leave();
     romano_udp_close(&udp);
 }

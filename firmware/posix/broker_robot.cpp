@@ -90,7 +90,8 @@ void run(const Settings& settings) {
     signals.async_wait([&](const auto& error, int) {
         if (error || !broker) return;
         manager.ending();
-        broker->leave();
+        if (!robot) return broker->leave();
+        robot->leave([&] { broker->leave(); });
     });
     broker = start_broker(io, settings.broker, [&](const std::string& where) {
         std::printf("romano-broker-robot %s: serving %s\n", settings.broker.name.c_str(),

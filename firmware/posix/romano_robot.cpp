@@ -193,6 +193,15 @@ void sum_up(const Settings& settings, const std::vector<std::unique_ptr<Simulate
     std::fflush(stdout);
 }
 
+/// So that they are known to be gone at once, and not when their keep-alive ends.
+void leave(boost::asio::io_context& io,
+           const std::vector<std::unique_ptr<SimulatedRobot>>& robots) {
+    std::size_t here = robots.size();
+    for (const auto& robot : robots) robot->leave([&here] { --here; });
+    io.restart();
+    while (here > 0) io.run_one();
+}
+
 void run(const Settings& settings) {
     SimulatedRobotOptions options = check(settings);
     std::vector<Endpoint> brokers;
@@ -223,6 +232,7 @@ void run(const Settings& settings) {
         io.run();
     }
     sum_up(settings, robots);
+    leave(io, robots);
 }
 
 }  // namespace

@@ -106,7 +106,19 @@ void SimulatedRobot::run() {
         publish_telemetry();
         next = robot_.run();
     }
-    timer_.arm(std::min(next, telemetry_at_));
+    if (left_ && (robot_.has_left() || leaves_at_ <= robot_.now())) {
+        leaves_at_ = never;
+        std::exchange(left_, nullptr)();
+    }
+    timer_.arm(std::min({next, telemetry_at_, leaves_at_}));
+}
+
+void SimulatedRobot::leave(std::function<void()> left) {
+    left_ = std::move(left);
+    leaves_at_ = robot_.now() + std::chrono::milliseconds{1500};
+    telemetry_at_ = never;
+    robot_.leave();
+    run();
 }
 
 bool SimulatedRobot::publish(std::string_view topic, const message::Message& message,

@@ -49,6 +49,9 @@ public:
 
     /// As of RobotCore, at once. Not to be called from `hears` or `say`.
     bool publish(std::string_view topic, const message::Message& message, mqttsn::Qos qos);
+    /// Says goodbye to the broker. `left` is called when it has confirmed that, or has not within
+    /// 1.5 seconds, in which a lost goodbye is said once more.
+    void leave(std::function<void()> left);
     /// Moves by itself.
     void carry_out(const romano_command& command) { body_.carry_out(command); }
 
@@ -79,6 +82,8 @@ private:
     Body body_;
     RobotCounters counters_;
     Instant telemetry_at_ = never;
+    std::function<void()> left_;    // empty: it stays
+    Instant leaves_at_ = never;     // at the latest
     std::optional<Pose> followed_;  // where the one ahead was last
 };
 

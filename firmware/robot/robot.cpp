@@ -35,6 +35,10 @@ std::optional<int> RobotCore::link_dbm(const romano_address& peer) const {
 Instant RobotCore::run() {
     now_ = now();
     receive_all();
+    if (is_leaving_) {
+        if (node_.next_wakeup() <= now_) node_.on_tick(now_, *this);
+        return node_.next_wakeup();
+    }
     if (discovers_) choose_broker();
     if (!broker_) return std::min(choice_.next_wakeup(), choice_.decides_at());
     if (node_.phase() == node::Phase::stopped) node_.start(now_, *this);
@@ -43,6 +47,12 @@ Instant RobotCore::run() {
     const Instant next =
         std::min(std::min(node_.next_wakeup(), choice_.next_wakeup()), silence_ends_at());
     return choice_.decides_at() > now_ ? std::min(next, choice_.decides_at()) : next;
+}
+
+void RobotCore::leave() {
+    now_ = now();
+    is_leaving_ = true;
+    node_.leave(now_, *this);
 }
 
 void RobotCore::receive_all() {

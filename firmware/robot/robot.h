@@ -53,6 +53,11 @@ public:
     /// earlier when a datagram has come.
     Instant run();
 
+    /// Says goodbye, at once and for good; run() repeats it until the broker confirms.
+    void leave();
+    /// The broker confirmed the goodbye, or there is none to confirm it.
+    [[nodiscard]] bool has_left() const { return is_leaving_ && (!broker_ || node_.has_left()); }
+
     /// The oldest movement command; false when there is none.
     bool next_command(romano_command& command) { return romano_mailbox_get(&mailbox_, &command); }
 
@@ -100,6 +105,7 @@ private:
     Instant unanswered_since_ = never;  // the oldest datagram to the broker since it was heard
     bool is_probing_ = false;
     bool is_broker_silent_ = false;
+    bool is_leaving_ = false;
     Instant now_{};
 };
 

@@ -107,6 +107,10 @@ bool romano_subscribe(romano_robot* robot, const char* topic) {
     return robot_of(robot).robot.subscribe(topic);
 }
 
+void romano_leave(romano_robot* robot) {
+    robot_of(robot).robot.leave();
+}
+
 bool romano_is_established(const romano_robot* robot) {
     return robot_of(const_cast<romano_robot*>(robot)).robot.node().phase() ==
            node::Phase::established;

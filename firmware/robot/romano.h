@@ -73,6 +73,10 @@ bool romano_publish(struct romano_robot* robot, const char* topic, uint8_t type,
                     const uint8_t* data, uint32_t size, int qos);
 bool romano_subscribe(struct romano_robot* robot, const char* topic);
 
+/* Says goodbye, so that the robot is known to be gone at once. romano_run() repeats it until the
+ * broker confirms; nothing else happens any more until romano_start(). */
+void romano_leave(struct romano_robot* robot);
+
 /* A ROMANO server knows the robot, and it hears its topics. */
 bool romano_is_established(const struct romano_robot* robot);
 

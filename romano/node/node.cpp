@@ -17,6 +17,15 @@ void Node::start(Instant now, Port& port) {
     connect(now, port);
 }
 
+void Node::leave(Instant now, Port& port) {
+    phase_ = Phase::stopped;
+    subscription_.reset();
+    due_ = never;
+    heartbeat_due_ = never;
+    client_.disconnect(now, scratch_);
+    flush(now, port);
+}
+
 void Node::on_datagram(Instant now, Bytes datagram, Port& port) {
     client_.on_datagram(now, datagram, scratch_);
     flush(now, port);

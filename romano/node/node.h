@@ -96,6 +96,14 @@ public:
     void on_tick(Instant now, Port& port);
     [[nodiscard]] Instant next_wakeup() const;
 
+    /// Says goodbye: the broker need not miss the node first. What is on its way may
+    /// still come until then; start() begins anew.
+    void leave(Instant now, Port& port);
+    /// The broker confirmed the goodbye, or does not answer.
+    [[nodiscard]] bool has_left() const {
+        return phase_ == Phase::stopped && client_.state() == client::State::disconnected;
+    }
+
     /// The owner talks to another broker of the same cluster from now on.
     void on_broker_changed(Instant now) { client_.on_broker_changed(now); }
 

@@ -205,6 +205,68 @@ TEST_F(Robots, CommandsWaitForARobotThatStandsStill) {
     EXPECT_THAT(robot.wait_for("front"), HasSubstr("front 2 mm"));
 }
 
+TEST_F(Robots, WhoIsStoppedIsGoneAtOnceAndWithAKeptSessionAway) {
+    start_broker(1);
+    Process& robot = start_robot("abcd1234", 1, {"--keepalive", "600"});
+    Process& keeping = start_robot("00000002", 1, {"--keepalive", "600", "--keep-session"});
+    ASSERT_NE(robot.wait_for("established"), "");
+    ASSERT_NE(keeping.wait_for("established"), "");
+    robot.signal(SIGTERM);
+    keeping.signal(SIGINT);
+    EXPECT_EQ(robot.wait_for_exit(), 0);
+    EXPECT_EQ(keeping.wait_for_exit(), 0);
+    // The server looks at its entries once a second; the keep-alive would end in ten minutes.
+    said = "abcd1234";
+    for (int i = 0; i < 50 && said.find("abcd1234") != std::string::npos; ++i) {
+        ASSERT_EQ(romano(1, {"robots"}), 0);
+    }
+    EXPECT_THAT(said, HasSubstr("00000002 away r1"));
+    EXPECT_THAT(said, testing::Not(HasSubstr("abcd1234")));
+}
+
+TEST_F(Robots, WhoIsStoppedWhileItsBrokerIsDeadEndsSoon) {
+    BrokerProcess& broker = start_broker(1);
+    Process& robot = start_robot("abcd1234", 1, {"--keepalive", "600"});
+    ASSERT_NE(robot.wait_for("established"), "");
+    broker.kill_9();
+    robot.signal(SIGTERM);
+    EXPECT_EQ(robot.wait_for_exit(10s), 0);
+}
+
+class Interrupted : public Robots, public testing::WithParamInterface<std::vector<std::string>> {};
+
+TEST_P(Interrupted, CommandsSayGoodbye) {
+    start_broker(1);
+    Process& robot = start_robot("abcd1234", 1);
+    ASSERT_NE(robot.wait_for("established"), "");
+    const std::string service = addresses.service(1);
+    const auto colon = service.find(':');
+    std::vector<std::string> arguments = GetParam();
+    arguments.insert(arguments.begin() + 1, {"-h", service.substr(0, colon), "-p",
+                                             service.substr(colon + 1), "--keepalive", "600"});
+    Process command(ROMANO_PROGRAM, arguments);
+    const auto connected = [&] {  // the robot and `romano brokers` itself are two
+        EXPECT_EQ(romano(1, {"brokers", "--json"}), 0) << said;
+        const auto at = said.find("\"connected\": ");
+        return at == std::string::npos ? 0 : std::stoi(said.substr(at + 13));
+    };
+    for (int i = 0; i < 100 && connected() != 3; ++i) continue;
+    ASSERT_THAT(said, HasSubstr("\"connected\": 3"));
+    command.signal(SIGTERM);
+    command.wait_for_exit();
+    for (int i = 0; i < 50 && connected() != 2; ++i) continue;
+    EXPECT_THAT(said, HasSubstr("\"connected\": 2"));
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    On, Interrupted,
+    testing::Values(std::vector<std::string>{"sub", "-t", "a"},
+                    std::vector<std::string>{"pub", "-t", "a", "-m", "b", "--repeat", "1000",
+                                             "--repeat-delay", "1"},
+                    std::vector<std::string>{"robots", "--follow"},
+                    std::vector<std::string>{"move", "--wait", "600", "nobody", "front", "1mm"}),
+    [](const auto& test) { return test.param[0]; });
+
 TEST_F(Robots, HundredsLiveInOneProcess) {
     start_member(1);
     start_member(2);

@@ -255,6 +255,37 @@ TEST_F(NodeTest, WithAKeptSessionItGetsWhatWasSentWhileItWasAway) {
     EXPECT_EQ(keeping.established, 2);
 }
 
+TEST_F(NodeTest, WhoLeavesSaysSoAndHearsNothingAnyMore) {
+    NodeOptions options;
+    options.keep_session = true;
+    options.heartbeat_every = 1s;
+    Robot leaving{cell, "00000001", 1003, options};
+    leaving.start();
+    other.start();
+    leaving.node().leave(cell.now(), leaving);
+    EXPECT_FALSE(leaving.node().has_left()) << "the broker has not confirmed it yet";
+    cell.settle();
+    EXPECT_TRUE(leaving.node().has_left());
+    const int heard = other.heartbeats;
+    other.publish("00000001", message::NormalData{as_octets("one")});
+    cell.run_for(120s);
+    EXPECT_EQ(leaving.data_received, Texts{});
+    EXPECT_EQ(other.heartbeats, heard);
+    EXPECT_EQ(leaving.node().counters().connections_lost, 0U);
+    leaving.start();  // the session was kept: it was a goodbye and no loss
+    EXPECT_EQ(leaving.data_received, (Texts{{"00000001", "one"}}));
+}
+
+TEST_F(NodeTest, WhoLeavesABrokerThatIsDeafEndsAllTheSame) {
+    robot.start();
+    robot.dumb = true;
+    robot.node().leave(cell.now(), robot);
+    cell.run_for(10min);
+    EXPECT_TRUE(robot.node().has_left());
+    EXPECT_EQ(robot.established, 1);
+    EXPECT_EQ(robot.node().next_wakeup(), never);
+}
+
 TEST_F(NodeTest, ConnectsAgainWhenTheBrokerHasForgottenIt) {
     robot.start();
     cell.replace_broker();
