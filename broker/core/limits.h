@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <map>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "broker/core/log_position.h"
@@ -56,7 +57,7 @@ struct BrokerOptions {
     std::vector<std::string> observed_topics;  // what clients publish there is told as Observed
     /// What must not come to a later subscriber: delivered, but never kept as retained. Null: all
     /// is.
-    bool (*never_retained)(Bytes payload) = nullptr;
+    bool (*never_retained)(std::string_view topic, Bytes payload) = nullptr;
     std::string read_by_owner;  // client id of the session whose queue the owner reads; or none
     Limits limits;
 };

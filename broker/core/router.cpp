@@ -31,7 +31,8 @@ bool waits_with_qos0(const Session& session) {
 
 Publication Router::admitted(Publication publication) {
     const auto never_retained = tables_.options.never_retained;
-    if (publication.retain && never_retained != nullptr && never_retained(publication.payload)) {
+    if (publication.retain && never_retained != nullptr &&
+        never_retained(publication.topic, publication.payload)) {
         tables_.count(Drop::never_retained);
         publication.retain = false;
     }
@@ -40,7 +41,7 @@ Publication Router::admitted(Publication publication) {
 
 void Router::retain(const MessagePtr& message) {
     const auto never_retained = tables_.options.never_retained;
-    if (never_retained != nullptr && never_retained(message->payload)) {
+    if (never_retained != nullptr && never_retained(message->topic, message->payload)) {
         tables_.count(Drop::never_retained);
     } else {
         tables_.retained.put(message);

@@ -56,8 +56,8 @@ std::vector<std::string> CarriedServer::observed_topics() {
     return {server::observed_topics.begin(), server::observed_topics.end()};
 }
 
-bool CarriedServer::is_never_retained(Bytes payload) {
-    return server::is_never_retained(payload);
+bool CarriedServer::is_never_retained(std::string_view topic, Bytes payload) {
+    return server::is_never_retained(topic, payload);
 }
 
 void CarriedServer::answer(Instant now, BrokerCore& broker, Actions& actions) {

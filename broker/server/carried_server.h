@@ -4,6 +4,7 @@
 
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "broker/core/broker_core.h"
@@ -19,7 +20,7 @@ public:
     [[nodiscard]] static std::vector<std::string> observed_topics();
 
     /// What it must not keep for later subscribers: BrokerOptions::never_retained.
-    [[nodiscard]] static bool is_never_retained(Bytes payload);
+    [[nodiscard]] static bool is_never_retained(std::string_view topic, Bytes payload);
 
     CarriedServer(const std::string& name, Duration unix_time_at_zero)
         : core_({.name = name, .unix_time_at_zero = unix_time_at_zero}) {}

@@ -35,6 +35,11 @@ enum class DataType : std::uint8_t {
     first_of_application = 0x13,
 };
 
+/// Whoever takes such a message moves.
+constexpr bool is_movement(DataType type) {
+    return type == DataType::movement_control || type == DataType::remote_control;
+}
+
 inline constexpr std::size_t max_message = 255;  // octets, header included
 inline constexpr std::size_t max_ids_in_message = 31;
 

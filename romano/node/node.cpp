@@ -153,12 +153,13 @@ void Node::on_received(Instant now, const client::Received& received, Port& port
         return;
     }
     ++counters_.received;
-    switch (static_cast<DataType>(message[0])) {
+    const auto type = static_cast<DataType>(message[0]);
+    if (received.retain && message::is_movement(type)) {  // said to whoever heard it then
+        ++counters_.retained_commands;
+        return;
+    }
+    switch (type) {
         case DataType::movement_control: {
-            if (received.retain) {  // said to whoever heard it then
-                ++counters_.retained_movements;
-                return;
-            }
             const auto movement = message::movement_in(message);
             (void)romano_mailbox_put(&mailbox_, static_cast<std::uint16_t>(movement.type),
                                      movement.arguments.data(),

@@ -77,9 +77,9 @@ enum class Phase : std::uint8_t {
 };
 
 struct NodeCounters {
-    std::uint32_t received = 0;            // ROMANO messages
-    std::uint32_t malformed = 0;           // PUBLISHes whose data is none
-    std::uint32_t retained_movements = 0;  // movements of the past, which are not carried out
+    std::uint32_t received = 0;           // ROMANO messages
+    std::uint32_t malformed = 0;          // PUBLISHes whose data is none
+    std::uint32_t retained_commands = 0;  // to move, of the past; they are not carried out
     std::uint32_t connections_lost = 0;
     std::uint32_t requests_sent = 0;  // connection requests
 };

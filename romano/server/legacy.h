@@ -23,6 +23,10 @@ struct Request {
 /// Empty when the data is none of `0`+id, `1`, `2`+id.
 [[nodiscard]] std::optional<Request> parse(Bytes data);
 
+/// MOVE_CMD, `7` and twelve hexadecimal digits, or RMT_CTRL, `8` and a key. The firmware reads no
+/// further.
+[[nodiscard]] bool is_movement(Bytes data);
+
 inline constexpr std::string_view acknowledgement = "ACK";
 
 /// `3` and one digit: how many nodes there are; the digit ends at 9.

@@ -26,9 +26,12 @@ void publish(Host& host, std::string_view topic, const message::Message& message
 
 }  // namespace
 
-bool is_never_retained(Bytes data) {
-    return !message::flaw_of(data) &&
-           message::DataType{data[0]} == message::DataType::movement_control;
+bool is_never_retained(std::string_view topic, Bytes data) {
+    if (message::flaw_of(data)) {
+        const bool is_robots = topic == common_topic || RomanoId::parse(topic);
+        return is_robots && legacy::is_movement(data);
+    }
+    return message::is_movement(message::DataType{data[0]});
 }
 
 void ServerCore::on_publish(Instant now, std::string_view client, std::string_view topic,

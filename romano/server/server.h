@@ -31,9 +31,10 @@ inline constexpr std::string_view common_topic = "common";
 inline constexpr std::array<std::string_view, 3> observed_topics = {init_topic, legacy_init_topic,
                                                                     common_topic};
 
-/// A movement command is for whoever hears it now. Retained, it would drive each robot that
-/// subscribes later, on whatever topic: robots subscribe to more than their own.
-[[nodiscard]] bool is_never_retained(Bytes data);
+/// What moves a robot is for whoever hears it now. Retained, it would drive each robot that
+/// subscribes later, on whatever topic: robots subscribe to more than their own. The authors' text
+/// form could be anybody's text, so it is refused on the robots' own topics and `common` alone.
+[[nodiscard]] bool is_never_retained(std::string_view topic, Bytes data);
 
 struct ServerOptions {
     std::string name;                              // the broker's

@@ -52,7 +52,9 @@ TEST_F(Beside, WhatAClientPublishesOnAnObservedTopicIsToldOnceWithItsPublisher) 
 
 TEST(NeverRetained, IsDeliveredButKeptForNobodyWhoeverSendsIt) {
     BrokerOptions options = logging_options();
-    options.never_retained = [](Bytes payload) { return as_text(payload) == "drive"; };
+    options.never_retained = [](std::string_view topic, Bytes payload) {
+        return topic == "common" && as_text(payload) == "drive";
+    };
     ScriptedBroker broker{options};
     ScriptedClient commander{broker, "commander"};
     ScriptedClient robot{broker, "robot"};
@@ -61,6 +63,7 @@ TEST(NeverRetained, IsDeliveredButKeptForNobodyWhoeverSendsIt) {
     robot.subscribes("common");
     const TopicId common = commander.registers("common");
     commander.publishes(common, "stand", Qos::at_least_once, true);
+    commander.publishes(commander.registers("words"), "drive", Qos::at_least_once, true);
     robot.hears_publish("stand", Qos::at_least_once);
     for (const Qos qos : {Qos::at_most_once, Qos::at_least_once, Qos::exactly_once}) {
         commander.publishes(common, "drive", qos, true);
@@ -84,8 +87,9 @@ TEST(NeverRetained, IsDeliveredButKeptForNobodyWhoeverSendsIt) {
     broker.core.put_retained(old);
     broker.core.on_peer_message(broker.now, old, broker.actions);
     EXPECT_EQ(broker.dropped(Drop::never_retained), 6u);
-    ASSERT_EQ(broker.core.retained().size(), 1u);
+    ASSERT_EQ(broker.core.retained().size(), 2u);
     EXPECT_EQ(as_text(broker.core.retained()[0]->payload), "stand") << "what was kept before stays";
+    EXPECT_EQ(broker.core.retained()[1]->topic, "words") << "it goes by the topic too";
 }
 
 TEST_F(Beside, ARepeatedQos2PublishIsNotToldAgain) {

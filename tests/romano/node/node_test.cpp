@@ -181,12 +181,18 @@ TEST_F(NodeTest, ARetainedMovementIsOfThePastAndNotCarriedOut) {
     const std::vector<std::uint8_t> front_100mm{0x07, 0x08, 0, 0, 0, 0, 0, 100};
     server.publish("common", front_100mm, true);
     server.publish("abcd1234", front_100mm, true);
+    server.publish("0433ed81", std::vector<std::uint8_t>{0x08, 0x03, 'w'}, true);
     cell.settle();
     EXPECT_EQ(other.next_amount(), 100U) << "it was said to robots that were there";
     robot.start();
     EXPECT_EQ(robot.node().phase(), Phase::established);
     EXPECT_EQ(robot.next_amount(), 0U);
-    EXPECT_EQ(robot.node().counters().retained_movements, 2U);
+    EXPECT_EQ(robot.node().counters().retained_commands, 2U);
+    const std::uint32_t before = robot.node().counters().received;
+    ASSERT_TRUE(robot.node().subscribe(cell.now(), "0433ed81", robot));
+    cell.settle();
+    EXPECT_EQ(robot.node().counters().received, before + 1);
+    EXPECT_EQ(robot.node().counters().retained_commands, 3U);
 }
 
 TEST_F(NodeTest, AMovementAtQos2IsCarriedOutOnceThoughItsAnswerIsLost) {

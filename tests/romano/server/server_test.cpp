@@ -295,5 +295,35 @@ TEST_F(RomanoServer, GarbageIsCountedAndDropped) {
     EXPECT_EQ(b1.core.counters().malformed, 8U);
 }
 
+TEST(NeverRetained, IsWhatMovesARobotInWhateverForm) {
+    const std::string movement =
+        encoded(message::MovementControl{message::MovementType::front, as_octets("\1\1\1\1")});
+    const std::string key = encoded(message::RemoteControl{as_octets("w")});
+    for (const std::string_view topic : {"abcd1234", "common", "team/red"}) {
+        EXPECT_TRUE(is_never_retained(topic, as_octets(movement))) << topic;
+        EXPECT_TRUE(is_never_retained(topic, as_octets(key))) << topic;
+    }
+    for (const std::string_view topic : {"0433ed81", "common"}) {
+        for (const std::string_view text :
+             {"70401f400001e", "70401F400001E", "8w", "8a", "8s", "8d"}) {
+            EXPECT_TRUE(is_never_retained(topic, as_octets(text))) << topic << ' ' << text;
+        }
+    }
+}
+
+TEST(NeverRetained, IsNobodysInnocentText) {
+    for (const std::string_view text : {"70401f400001e", "8s"}) {
+        for (const std::string_view topic : {"uptime", "0433ed8", "0433ED81", "a/common"}) {
+            EXPECT_FALSE(is_never_retained(topic, as_octets(text))) << topic << ' ' << text;
+        }
+    }
+    for (const std::string_view text : {"", "8", "8x", "80", "7", "70401f400001", "70401f40000zz",
+                                        "0hello", "1line", "6 0.10 0.10 7", "ACK"}) {
+        EXPECT_FALSE(is_never_retained("0433ed81", as_octets(text))) << text;
+    }
+    EXPECT_FALSE(
+        is_never_retained("0433ed81", as_octets(encoded(message::NormalData{as_octets("8w")}))));
+}
+
 }  // namespace
 }  // namespace romano::server
