@@ -1,11 +1,11 @@
 #include "broker/net/machine_address.h"
 
 #include <ifaddrs.h>
+#include <libmnl/libmnl.h>
 #include <linux/capability.h>
 #include <linux/if_addr.h>
 #include <linux/ip.h>
 #include <linux/neighbour.h>
-#include <linux/netlink.h>
 #include <linux/rtnetlink.h>
 #include <net/if.h>
 #include <sys/syscall.h>
@@ -16,7 +16,6 @@
 #include <cstddef>
 #include <cstring>
 #include <memory>
-#include <string_view>
 
 #include "broker/net/socket_address.h"
 
@@ -51,146 +50,99 @@ bool is_in_network_of(const ifaddrs& entry, const Endpoint& address) {
     return any;
 }
 
-/// One request to the kernel: header, body, attributes, without gaps.
-template <typename Body>
+/// One request to the kernel, which answers at once.
 class RouteRequest {
 public:
+    template <typename Body>
     RouteRequest(std::uint16_t type, unsigned flags, const Body& body) {
-        request_.header.nlmsg_len = offsetof(Request, attributes);
-        request_.header.nlmsg_type = type;
-        request_.header.nlmsg_flags = static_cast<std::uint16_t>(NLM_F_REQUEST | NLM_F_ACK | flags);
-        request_.body = body;
+        nlmsghdr& start = *mnl_nlmsg_put_header(octets_.data());
+        start.nlmsg_type = type;
+        start.nlmsg_flags = static_cast<std::uint16_t>(NLM_F_REQUEST | flags);
+        std::memcpy(mnl_nlmsg_put_extra_header(&start, sizeof body), &body, sizeof body);
     }
+    /// For mnl_attr_put() and its kin.
+    [[nodiscard]] nlmsghdr* header() { return reinterpret_cast<nlmsghdr*>(octets_.data()); }
 
-    void add(std::uint16_t type, const void* data, std::size_t size) {
-        const rtattr head{.rta_len = static_cast<std::uint16_t>(sizeof(rtattr) + size),
-                          .rta_type = type};
-        const std::size_t at = request_.header.nlmsg_len - offsetof(Request, attributes);
-        std::memcpy(&request_.attributes[at], &head, sizeof head);
-        std::memcpy(&request_.attributes[at + sizeof head], data, size);
-        request_.header.nlmsg_len += RTA_ALIGN(head.rta_len);
-    }
-
-    /// Asks, and waits for the kernel's answer, which comes at once.
-    [[nodiscard]] error_code carry_out() const {
-        const int fd = ::socket(AF_NETLINK, SOCK_RAW | SOCK_CLOEXEC, NETLINK_ROUTE);
-        if (fd < 0) return error_of(errno);
-        const error_code error = exchange(fd);
-        ::close(fd);
-        return error;
+    /// `on_entry` is called for each entry of an answer that is a list.
+    [[nodiscard]] error_code carry_out(mnl_cb_t on_entry = nullptr, void* data = nullptr) {
+        const std::unique_ptr<mnl_socket, int (*)(mnl_socket*)> socket{
+            mnl_socket_open2(NETLINK_ROUTE, SOCK_CLOEXEC), mnl_socket_close};
+        if (!socket || mnl_socket_sendto(socket.get(), header(), header()->nlmsg_len) < 0) {
+            return error_of(errno);
+        }
+        alignas(nlmsghdr) std::array<char, 16'384> answer;
+        for (int state = MNL_CB_OK; state != MNL_CB_STOP;) {
+            const auto size = mnl_socket_recvfrom(socket.get(), answer.data(), answer.size());
+            if (size < 0) return error_of(errno);
+            state = mnl_cb_run(answer.data(), static_cast<std::size_t>(size), 0, 0, on_entry, data);
+            if (state < MNL_CB_STOP) return error_of(errno);
+        }
+        return {};
     }
 
 private:
-    struct Request {
-        nlmsghdr header;
-        Body body;
-        std::array<char, 128> attributes;
-    };
-    struct Answer {
-        nlmsghdr header;
-        nlmsgerr body;
-        std::array<char, 512> request;  // the kernel may send it back
-    };
-
-    [[nodiscard]] error_code exchange(int fd) const {
-        if (::send(fd, &request_, request_.header.nlmsg_len, 0) < 0) return error_of(errno);
-        Answer answer{};
-        const auto size = ::recv(fd, &answer, sizeof answer, 0);
-        if (size < 0) return error_of(errno);
-        if (static_cast<std::size_t>(size) < offsetof(Answer, request) ||
-            answer.header.nlmsg_type != NLMSG_ERROR) {
-            return error_of(EPROTO);
-        }
-        return error_of(-answer.body.error);
-    }
-
-    Request request_{};
+    alignas(nlmsghdr) std::array<char, 256> octets_;
 };
 
-RouteRequest<ifaddrmsg> about(const Endpoint& endpoint, InterfaceIndex interface,
-                              std::uint16_t type, unsigned flags) {
+int family_of(const Endpoint& endpoint) {
+    return endpoint.family == Endpoint::Family::ipv6 ? AF_INET6 : AF_INET;
+}
+
+RouteRequest about(const Endpoint& endpoint, InterfaceIndex interface, std::uint16_t type,
+                   unsigned flags) {
     ifaddrmsg body{};
-    body.ifa_family = endpoint.family == Endpoint::Family::ipv6 ? AF_INET6 : AF_INET;
+    body.ifa_family = static_cast<std::uint8_t>(family_of(endpoint));
     body.ifa_prefixlen = static_cast<std::uint8_t>(8 * octets_of(endpoint));
     body.ifa_index = static_cast<unsigned>(interface);
-    RouteRequest<ifaddrmsg> request(type, flags, body);
-    request.add(IFA_LOCAL, endpoint.address.data(), octets_of(endpoint));
-    request.add(IFA_ADDRESS, endpoint.address.data(), octets_of(endpoint));
+    RouteRequest request(type, NLM_F_ACK | flags, body);
+    for (const std::uint16_t name : {IFA_LOCAL, IFA_ADDRESS}) {
+        mnl_attr_put(request.header(), name, octets_of(endpoint), endpoint.address.data());
+    }
     return request;
 }
 
+struct LeaseSearch {
+    const Endpoint& endpoint;
+    bool found = false;
+};
+
+int compare_attribute(const nlattr* attribute, void* data) {
+    auto& search = *static_cast<LeaseSearch*>(data);
+    const std::size_t size = octets_of(search.endpoint);
+    search.found =
+        mnl_attr_get_type(attribute) == IFA_ADDRESS &&
+        mnl_attr_get_payload_len(attribute) == size &&
+        std::memcmp(mnl_attr_get_payload(attribute), search.endpoint.address.data(), size) == 0;
+    return search.found ? MNL_CB_STOP : MNL_CB_OK;
+}
+
 /// One entry of the kernel's list: is it this very address, alone and for a while?
-bool is_lease_of(const nlmsghdr& header, const char* octets, const Endpoint& endpoint) {
-    ifaddrmsg body{};
-    if (header.nlmsg_type != RTM_NEWADDR || header.nlmsg_len < sizeof header + sizeof body) {
-        return false;
-    }
-    std::memcpy(&body, octets + sizeof header, sizeof body);
-    if ((body.ifa_flags & IFA_F_PERMANENT) != 0) return false;
-    if (body.ifa_prefixlen != 8 * octets_of(endpoint)) return false;
-    for (std::size_t at = sizeof header + sizeof body; at + sizeof(rtattr) <= header.nlmsg_len;) {
-        rtattr attribute{};
-        std::memcpy(&attribute, octets + at, sizeof attribute);
-        if (attribute.rta_len < sizeof attribute || at + attribute.rta_len > header.nlmsg_len)
-            break;
-        const std::size_t size = attribute.rta_len - sizeof attribute;
-        if (attribute.rta_type == IFA_ADDRESS && size == octets_of(endpoint) &&
-            std::memcmp(octets + at + sizeof attribute, endpoint.address.data(), size) == 0) {
-            return true;
-        }
-        at += (attribute.rta_len + 3U) & ~3U;
-    }
-    return false;
-}
-
-/// Asks for all addresses of the family.
-bool ask_for_list(int fd, const Endpoint& endpoint) {
-    struct {
-        nlmsghdr header;
-        ifaddrmsg body;
-    } request{};
-    request.header.nlmsg_len = sizeof request;
-    request.header.nlmsg_type = RTM_GETADDR;
-    request.header.nlmsg_flags = NLM_F_REQUEST | NLM_F_DUMP;
-    request.body.ifa_family = endpoint.family == Endpoint::Family::ipv6 ? AF_INET6 : AF_INET;
-    return ::send(fd, &request, sizeof request, 0) > 0;
-}
-
-bool is_in_list(int fd, const Endpoint& endpoint) {
-    std::array<char, 16'384> octets{};
-    for (;;) {
-        const auto received = ::recv(fd, octets.data(), octets.size(), 0);
-        if (received <= 0) return false;
-        const auto size = static_cast<std::size_t>(received);
-        for (std::size_t at = 0; at + sizeof(nlmsghdr) <= size;) {
-            nlmsghdr header{};
-            std::memcpy(&header, octets.data() + at, sizeof header);
-            if (header.nlmsg_len < sizeof header || at + header.nlmsg_len > size) return false;
-            if (header.nlmsg_type == NLMSG_DONE || header.nlmsg_type == NLMSG_ERROR) return false;
-            if (is_lease_of(header, octets.data() + at, endpoint)) return true;
-            at += (header.nlmsg_len + 3U) & ~3U;
-        }
-    }
+int compare_entry(const nlmsghdr* header, void* data) {
+    const auto& search = *static_cast<LeaseSearch*>(data);
+    if (mnl_nlmsg_get_payload_len(header) < sizeof(ifaddrmsg)) return MNL_CB_OK;
+    const auto& entry = *static_cast<const ifaddrmsg*>(mnl_nlmsg_get_payload(header));
+    const bool may_be = (entry.ifa_flags & IFA_F_PERMANENT) == 0 &&
+                        entry.ifa_prefixlen == 8 * octets_of(search.endpoint);
+    return may_be ? mnl_attr_parse(header, sizeof entry, compare_attribute, data) : MNL_CB_OK;
 }
 
 }  // namespace
 
 bool is_leased(const Endpoint& endpoint) {
-    const int fd = ::socket(AF_NETLINK, SOCK_RAW | SOCK_CLOEXEC, NETLINK_ROUTE);
-    if (fd < 0) return false;
-    const bool found = ask_for_list(fd, endpoint) && is_in_list(fd, endpoint);
-    ::close(fd);
-    return found;
+    ifaddrmsg body{};
+    body.ifa_family = static_cast<std::uint8_t>(family_of(endpoint));
+    LeaseSearch search{endpoint};
+    RouteRequest all(RTM_GETADDR, NLM_F_DUMP, body);
+    return !all.carry_out(compare_entry, &search) && search.found;
 }
 
 std::optional<InterfaceIndex> interface_towards(const Endpoint& address) {
     ifaddrs* all = nullptr;
     if (getifaddrs(&all) != 0) return std::nullopt;
     const std::unique_ptr<ifaddrs, void (*)(ifaddrs*)> list(all, freeifaddrs);
-    const int family = address.family == Endpoint::Family::ipv6 ? AF_INET6 : AF_INET;
     for (const ifaddrs* entry = all; entry != nullptr; entry = entry->ifa_next) {
         if (entry->ifa_addr == nullptr || entry->ifa_netmask == nullptr) continue;
-        if (entry->ifa_addr->sa_family != family) continue;
+        if (entry->ifa_addr->sa_family != family_of(address)) continue;
         if ((entry->ifa_flags & IFF_UP) == 0 || (entry->ifa_flags & IFF_LOOPBACK) != 0) continue;
         if (is_in_network_of(*entry, address))
             return InterfaceIndex{if_nametoindex(entry->ifa_name)};
@@ -213,10 +165,9 @@ error_code add_address(const Endpoint& endpoint, InterfaceIndex interface,
                                  .ifa_valid = static_cast<std::uint32_t>(lease.count()),
                                  .cstamp = 0,
                                  .tstamp = 0};
-    request.add(IFA_CACHEINFO, &lifetime, sizeof lifetime);
+    mnl_attr_put(request.header(), IFA_CACHEINFO, sizeof lifetime, &lifetime);
     // Usable at once, without asking around whether somebody has it: its broker is dead.
-    const std::uint32_t flags = IFA_F_NODAD | IFA_F_NOPREFIXROUTE;
-    request.add(IFA_FLAGS, &flags, sizeof flags);
+    mnl_attr_put_u32(request.header(), IFA_FLAGS, IFA_F_NODAD | IFA_F_NOPREFIXROUTE);
     return request.carry_out();
 }
 
@@ -225,43 +176,31 @@ error_code remove_address(const Endpoint& endpoint, InterfaceIndex interface) {
 }
 
 error_code ask_neighbours_as_itself(InterfaceIndex interface) {
-    struct {
-        rtattr family;
-        rtattr settings;
-        rtattr arp_announce;
-        std::uint32_t best_own_address;
-    } ipv4{.family = {.rta_len = sizeof ipv4, .rta_type = AF_INET},
-           .settings = {.rta_len = sizeof ipv4 - sizeof(rtattr), .rta_type = IFLA_INET_CONF},
-           .arp_announce = {.rta_len = sizeof ipv4 - 2 * sizeof(rtattr),
-                            .rta_type = IPV4_DEVCONF_ARP_ANNOUNCE},
-           .best_own_address = 2};
+    constexpr std::uint32_t best_own_address = 2;
     ifinfomsg body{};
     body.ifi_index = static_cast<int>(interface);
-    RouteRequest<ifinfomsg> request(RTM_SETLINK, 0, body);
-    request.add(IFLA_AF_SPEC, &ipv4, sizeof ipv4);
+    RouteRequest request(RTM_SETLINK, NLM_F_ACK, body);
+    nlmsghdr* header = request.header();
+    nlattr* families = mnl_attr_nest_start(header, IFLA_AF_SPEC);
+    nlattr* ipv4 = mnl_attr_nest_start(header, AF_INET);
+    nlattr* settings = mnl_attr_nest_start(header, IFLA_INET_CONF);
+    mnl_attr_put_u32(header, IPV4_DEVCONF_ARP_ANNOUNCE, best_own_address);
+    for (nlattr* nest : {settings, ipv4, families}) mnl_attr_nest_end(header, nest);
     return request.carry_out();
 }
 
 error_code ask_neighbours_again_after(std::chrono::milliseconds time, Endpoint::Family family,
                                       InterfaceIndex interface) {
     const bool v6 = family == Endpoint::Family::ipv6;
-    struct {
-        rtattr index_head;
-        std::uint32_t index;
-        rtattr time_head;
-        std::array<std::uint32_t, 2> time_ms;  // 64 bits that stand where 32 may
-    } settings{.index_head = {.rta_len = 8, .rta_type = NDTPA_IFINDEX},
-               .index = static_cast<std::uint32_t>(interface),
-               .time_head = {.rta_len = 12, .rta_type = NDTPA_RETRANS_TIME},
-               .time_ms = {}};
-    const auto time_ms = static_cast<std::uint64_t>(time.count());
-    std::memcpy(settings.time_ms.data(), &time_ms, sizeof time_ms);
     ndtmsg body{};
     body.ndtm_family = v6 ? AF_INET6 : AF_INET;
-    RouteRequest<ndtmsg> request(RTM_SETNEIGHTBL, 0, body);
-    const std::string_view table = v6 ? "ndisc_cache" : "arp_cache";
-    request.add(NDTA_NAME, table.data(), table.size() + 1);
-    request.add(NDTA_PARMS, &settings, sizeof settings);
+    RouteRequest request(RTM_SETNEIGHTBL, NLM_F_ACK, body);
+    nlmsghdr* header = request.header();
+    mnl_attr_put_strz(header, NDTA_NAME, v6 ? "ndisc_cache" : "arp_cache");
+    nlattr* settings = mnl_attr_nest_start(header, NDTA_PARMS);
+    mnl_attr_put_u32(header, NDTPA_IFINDEX, static_cast<std::uint32_t>(interface));
+    mnl_attr_put_u64(header, NDTPA_RETRANS_TIME, static_cast<std::uint64_t>(time.count()));
+    mnl_attr_nest_end(header, settings);
     return request.carry_out();
 }
 

@@ -1,4 +1,5 @@
-// Addresses of this machine's interfaces, added and removed by rtnetlink (rtnetlink(7)).
+// Addresses of this machine's interfaces, added and removed by rtnetlink (rtnetlink(7)), which
+// libmnl speaks.
 //
 // An address that is added here is a lease: the kernel removes it by itself when it is not added
 // again in time, so that a broker that is killed leaves none behind.
