@@ -105,7 +105,7 @@ struct SessionImage {
     std::optional<Will> will;
     std::vector<Subscription> subscriptions;
     std::vector<TopicBinding> topics;
-    std::vector<Delivery> deliveries;       // in order; the first may be in flight
+    std::vector<Delivery> deliveries;       // in order; one of the first is in flight, if any
     std::vector<mqttsn::MsgId> unreleased;  // QoS 2 msgIds received, PUBREL not yet seen
     /// How far the home had worked through each log, its own included, sorted by log: what was
     /// published up to there is in `deliveries`, done, or was not for this session.

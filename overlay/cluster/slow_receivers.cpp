@@ -12,6 +12,13 @@ bool is_sent_messages(broker::SessionState state) {
     return state == broker::SessionState::active || state == broker::SessionState::awake;
 }
 
+/// While a topic is held up, what waits for that stands before what is on its way.
+bool is_any_on_its_way(const broker::SessionImage& image) {
+    return std::ranges::any_of(image.deliveries, [](const broker::Delivery& delivery) {
+        return delivery.stage != broker::DeliveryStage::queued;
+    });
+}
+
 }  // namespace
 
 void SlowReceivers::on_event(Instant now, const broker::Mirror& sessions,
@@ -52,8 +59,7 @@ void SlowReceivers::on_event(Instant now, const broker::Mirror& sessions,
 void SlowReceivers::look_at(Instant now, BrokerId home, const broker::SessionImage& image,
                             std::size_t many) {
     const broker::ClientId& client = image.header.client_id;
-    const bool is_slow = image.deliveries.size() > many &&
-                         image.deliveries.front().stage != broker::DeliveryStage::queued;
+    const bool is_slow = image.deliveries.size() > many && is_any_on_its_way(image);
     if (!is_slow) {
         if (find(home, client) != nullptr) forget(client);
         return;

@@ -94,6 +94,17 @@ TEST_F(SlowReceiversTest, OneThatWasSentNothingYetHoldsUpNobody) {  // a sleeper
     EXPECT_EQ(longest(), 0U);
 }
 
+TEST_F(SlowReceiversTest, OneThatTakesOtherTopicsWhileTheFirstIsHeldUpCounts) {
+    comes();  // its REGISTER was answered with "congestion"
+    comes();
+    happens(broker::DeliveryStarted{"slow", {publisher, 2}, mqttsn::MsgId{1}, {}});
+    for (std::size_t n = 0; n <= many; ++n) comes();
+    EXPECT_GT(longest(), many);
+    happens(broker::DeliveryEnded{"slow", {publisher, 2}});
+    comes();
+    EXPECT_EQ(longest(), 0U) << "nothing is on its way";
+}
+
 TEST_F(SlowReceiversTest, WhatItSubscribesToLaterCounts) {
     falls_behind();
     subscribes("map", Qos::at_least_once);
