@@ -302,16 +302,21 @@ void ClusterCore::on_view(Effects& effects, const ViewAnnouncement& announcement
     settlement_.compare(effects, logs_, view());
 }
 
-/// Nobody goes on for those whom only brokers with other predefined topics survive.
-void ClusterCore::warn_of_foreign_sessions(Effects& effects,
-                                           const ViewAnnouncement& announcement) const {
+/// Nobody goes on for those whom only brokers with other predefined topics survive. Told once, and
+/// not in each view.
+void ClusterCore::warn_of_foreign_sessions(Effects& effects, const ViewAnnouncement& announcement) {
+    std::erase_if(without_heir_, [this](const LogId& id) { return !logs_.contains(id); });
     for (const LogPosition& end : announcement.ends) {
         const auto log = logs_.find(end.log);
         if (log == logs_.end() || !log->second.is_foreign()) continue;
         const bool has_heir = std::ranges::any_of(
             announcement.assignments,
             [&](const Assignment& assignment) { return assignment.end.log == end.log; });
-        if (has_heir || log->second.addresses_left().empty()) continue;
+        if (has_heir || log->second.addresses_left().empty()) {
+            without_heir_.erase(end.log);
+            continue;
+        }
+        if (!without_heir_.insert(end.log).second) continue;
         effects.local.push_back(Notice{.text = "nobody goes on for the clients of " +
                                                membership_.name_of(end.log.broker) +
                                                ": no broker with its predefined topics is left",

@@ -225,7 +225,7 @@ private:
     /// Tries again for addresses that should be served here and are served by nobody.
     void seek_addresses(Effects& effects);
     void warn_when_leaderless(Effects& effects);
-    void warn_of_foreign_sessions(Effects& effects, const ViewAnnouncement& announcement) const;
+    void warn_of_foreign_sessions(Effects& effects, const ViewAnnouncement& announcement);
     void ask_for_gaps(Effects& effects);
     void trim(Effects& effects);
     void forget_old_lives(Effects& effects);
@@ -246,6 +246,7 @@ private:
     ServiceAddresses addresses_;
     std::vector<Endpoint> claimed_;       // addresses_.claimed(), for the surroundings
     std::vector<Endpoint> cannot_take_;   // addresses_.cannot_take(), as well
+    std::set<LogId> without_heir_;        // nobody goes on for their clients, and people know
     std::vector<LogPosition> told_ends_;  // ended_.list(), as well
     PeerLogs logs_;
     Acknowledgements acknowledgements_;

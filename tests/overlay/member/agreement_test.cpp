@@ -84,9 +84,12 @@ TEST_F(OtherMeanings, NobodyAnswersAtAnAddressWhoseBrokerHadOnesThatNobodyElseHa
     brokers.run_for(1s);
     EXPECT_EQ(brokers.server_of(1), 0);
     EXPECT_THAT(at_stop->received(), IsEmpty()) << "the pose arrives as stop";
-    EXPECT_THAT(brokers.warnings(3),
-                testing::Contains("nobody goes on for the clients of b1: no broker with its "
-                                  "predefined topics is left"));
+    const std::string told =
+        "nobody goes on for the clients of b1: no broker with its predefined topics is left";
+    EXPECT_THAT(brokers.warnings(3), testing::Contains(told));
+    brokers.kill(2);  // a further view
+    brokers.run_for(45s);
+    EXPECT_EQ(std::ranges::count(brokers.warnings(3), told), 1);
 }
 
 TEST_F(OtherMeanings, ABrokerThatComesBackWithOthersTakesNoSessionBack) {
