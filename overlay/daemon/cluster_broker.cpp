@@ -359,7 +359,9 @@ void ClusterBroker::add_metrics(metrics::Page& page) const {
     if (!member_) return;
     metrics::add_messages(page, member_->broker().counters());
     metrics::add_census(page, member_->broker().census());
-    add_cluster(page, member_->facts());
+    const overlay::MemberFacts facts = member_->facts();
+    add_cluster(page, facts);
+    if (facts.uplink) add_uplink(page, *facts.uplink);
 }
 
 void ClusterBroker::leave() {

@@ -48,6 +48,29 @@ void add_cluster(metrics::Page& page, const overlay::MemberFacts& facts) {
                  facts.waiting_input_dropped);
 }
 
+void add_uplink(metrics::Page& page, const overlay::UplinkFacts& facts) {
+    const uplink::UplinkCounters& counters = facts.counters;
+    page.gauge("romano_uplink_is_up", "1 when this broker holds the link to the MQTT broker.",
+               facts.is_up ? 1 : 0);
+    page.counter("romano_uplink_sent_total", "Messages to the MQTT broker, repetitions included.",
+                 counters.sent);
+    page.counter("romano_uplink_confirmed_total",
+                 "Messages of QoS 1 and 2 that the MQTT broker answered for.", counters.confirmed);
+    page.counter("romano_uplink_refused_total",
+                 "Messages that the MQTT broker did not take; they are sent again.", counters.busy);
+    page.counter("romano_uplink_received_total", "Messages from the MQTT broker.",
+                 counters.received + facts.too_long);
+    const auto drop = [&page](const char* reason, std::uint64_t value) {
+        page.counter("romano_uplink_drops_total", "Messages of either way that went no further.",
+                     value, {{"reason", reason}});
+    };
+    drop("duplicate", counters.duplicates);
+    drop("own", counters.own);
+    drop("unwanted", counters.unwanted);
+    drop("too_long", facts.too_long);
+    drop("link_down", counters.dropped);
+}
+
 void add_transport(metrics::Page& page, const dds::DdsTransport& transport) {
     const dds::TransportCounters& counters = transport.counters();
     page.counter("romano_cluster_transport_bytes_total", "Octets between brokers.",

@@ -8,6 +8,7 @@
 namespace romano::daemon {
 
 void add_cluster(metrics::Page& page, const overlay::MemberFacts& facts);
+void add_uplink(metrics::Page& page, const overlay::UplinkFacts& facts);
 void add_transport(metrics::Page& page, const dds::DdsTransport& transport);
 
 }  // namespace romano::daemon

@@ -13,6 +13,7 @@
 #include "broker/core/broker_core.h"
 #include "broker/uplink/uplink_core.h"
 #include "overlay/cluster/cluster_core.h"
+#include "overlay/member/member_facts.h"
 #include "romano/base/time.h"
 
 namespace romano::overlay {
@@ -25,6 +26,9 @@ public:
         : core_(options, unique) {}
 
     [[nodiscard]] const uplink::UplinkCore& core() const { return core_; }
+    [[nodiscard]] UplinkFacts facts() const {
+        return {.is_up = core_.is_up(), .counters = core_.counters(), .too_long = too_long_};
+    }
 
     /// What its session must say to the broker now: datagrams from owner_endpoint.
     [[nodiscard]] std::vector<std::vector<std::uint8_t>> requests(

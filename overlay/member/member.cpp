@@ -483,6 +483,7 @@ MemberFacts Member::State::facts() const {
     out.late_output_dropped = late_output_dropped_;
     out.waiting_input = waiting_.size();
     out.waiting_input_dropped = waiting_.dropped();
+    if (uplink_) out.uplink = uplink_->facts();
     return out;
 }
 

@@ -3,9 +3,11 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "broker/uplink/uplink_core.h"
 #include "overlay/cluster/messages.h"
 
 namespace romano::cluster {
@@ -19,6 +21,12 @@ struct PeerFacts {
     bool alive = false;
     broker::Seq applied = 0;  // how far its log is applied here
     broker::Seq holds = 0;    // how far it holds ours
+};
+
+struct UplinkFacts {
+    bool is_up = false;  // this broker holds the link, and the MQTT broker answers
+    uplink::UplinkCounters counters;
+    std::uint64_t too_long = 0;  // messages of the MQTT broker that no MQTT-SN client can be sent
 };
 
 struct MemberFacts {
@@ -37,6 +45,7 @@ struct MemberFacts {
     std::size_t waiting_input = 0;          // datagrams that wait for their sessions
     std::uint64_t waiting_input_dropped = 0;
     std::vector<PeerFacts> peers;  // by name
+    std::optional<UplinkFacts> uplink;
 };
 
 /// All but what only the member itself knows: replacements, and what waits.

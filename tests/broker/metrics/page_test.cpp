@@ -5,12 +5,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <regex>
-#include <set>
-#include <sstream>
-
 #include "broker/metrics/broker_metrics.h"
 #include "broker/metrics/process_metrics.h"
+#include "tests/broker/metrics/names.h"
 
 namespace romano::metrics {
 namespace {
@@ -55,22 +52,7 @@ TEST(Page, GivesHistogramsCumulatively) {
 }
 
 TEST(Page, NamesFollowTheConventions) {
-    std::istringstream lines(whole_page());
-    std::set<std::string> families;
-    std::string line;
-    const std::regex type_line(R"(# TYPE (\S+) (\S+))");
-    const std::regex sample(R"(([a-z_][a-z0-9_]*)(\{[^}]*\})? [-+0-9.e]+)");
-    while (std::getline(lines, line)) {
-        std::smatch match;
-        if (std::regex_match(line, match, type_line)) {
-            const std::string name = match[1];
-            EXPECT_TRUE(families.insert(name).second) << name << " comes twice";
-            EXPECT_TRUE(name.starts_with("romano_") || name.starts_with("process_")) << name;
-            EXPECT_TRUE(match[2] != "counter" || name.ends_with("_total")) << name;
-        } else if (!line.starts_with("# HELP ")) {
-            EXPECT_TRUE(std::regex_match(line, sample)) << line;
-        }
-    }
+    expect_conventional_names(whole_page());
 }
 
 TEST(Page, AHostileNameStaysWithinItsLabel) {
