@@ -55,6 +55,15 @@ void print_disagreements(const BrokerWatch& watch) {
     }
 }
 
+/// Whose machine would not let it go on for others; its own trace says what to do.
+void print_inability(const BrokerWatch& watch) {
+    for (const auto& [name, seen] : watch.brokers()) {
+        if (!seen.status.alive || seen.status.cannot_take == 0) continue;
+        std::printf("\n%s cannot take over %llu of the other brokers' addresses (see its log)\n",
+                    name.c_str(), static_cast<unsigned long long>(seen.status.cannot_take));
+    }
+}
+
 void print_table(const BrokerWatch& watch) {
     SummaryTable table{
         .head = {"broker", "state", "role", "rank", "sessions", "connected", "addresses"},
@@ -78,6 +87,7 @@ void print_table(const BrokerWatch& watch) {
                     newest->view_leader.empty() ? "nobody" : newest->view_leader.c_str(),
                     joined(newest->view_members).c_str());
     }
+    print_inability(watch);
     print_disagreements(watch);
 }
 

@@ -27,6 +27,7 @@ std::optional<BrokerStatus> parse_broker_status(std::string_view text) {
         read(object, "sessions", status.sessions);
         read(object, "connected", status.connected);
         read(object, "addresses", status.addresses);
+        read(object, "cannot_take", status.cannot_take);
         read(object, "incarnation", status.incarnation);
         read(object, "transport_octets_sent", status.transport_octets_sent);
         read(object, "disagrees", status.disagrees);

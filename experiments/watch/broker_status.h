@@ -21,6 +21,7 @@ struct BrokerStatus {
     std::uint64_t sessions = 0;
     std::uint64_t connected = 0;
     std::vector<std::string> addresses;  // "127.0.0.1:1883"
+    std::uint64_t cannot_take = 0;       // so many of its peers' addresses, were they to die
     std::uint64_t incarnation = 0;       // higher at each start
     std::uint64_t view_term = 0;
     std::string view_leader;

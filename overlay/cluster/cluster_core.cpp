@@ -391,6 +391,7 @@ Beacon ClusterCore::beacon(const broker::BrokerCore& broker) const {
                   .serving = addresses_.claimed(),
                   .sessions = static_cast<std::uint32_t>(broker.session_count()),
                   .connected = static_cast<std::uint32_t>(broker.connected_count()),
+                  .cannot_take = static_cast<std::uint32_t>(addresses_.cannot_take().size()),
                   .transport_octets_sent = octets_sent_,
                   .transport_octets_received = octets_received_,
                   .link = link_,

@@ -69,6 +69,7 @@ struct Beacon {
     std::vector<Endpoint> serving{};  // the service addresses that it answers on now
     std::uint32_t sessions = 0;
     std::uint32_t connected = 0;
+    std::uint32_t cannot_take = 0;  // so many of the peers' home addresses, were they to die
     std::uint64_t transport_octets_sent = 0;  // between brokers, since the start
     std::uint64_t transport_octets_received = 0;
     bool leaving = false;  // the last beacon of an orderly stop

@@ -119,6 +119,7 @@ struct Writer {
         all_to_proto(m.serving, *to.mutable_serving());
         to.set_sessions(m.sessions);
         to.set_connected(m.connected);
+        to.set_cannot_take(m.cannot_take);
         to.set_transport_octets_sent(m.transport_octets_sent);
         to.set_transport_octets_received(m.transport_octets_received);
         to.set_leaving(m.leaving);
@@ -244,6 +245,7 @@ Maybe read_beacon(const Beacon& in) {
     out.claim = claim_from(in.claim());
     out.sessions = in.sessions();
     out.connected = in.connected();
+    out.cannot_take = in.cannot_take();
     out.transport_octets_sent = in.transport_octets_sent();
     out.transport_octets_received = in.transport_octets_received();
     out.leaving = in.leaving();

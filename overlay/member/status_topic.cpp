@@ -131,7 +131,8 @@ std::string to_json(const BrokerStatus& status) {
            field("rank", number(beacon.claim.rank.capability)) + ',' +
            field("sessions", number(beacon.sessions)) + ',' +
            field("connected", number(beacon.connected)) + ',' +
-           field("addresses", list_of(beacon.serving, to_text)) + ',' + field("view", view) + ',' +
+           field("addresses", list_of(beacon.serving, to_text)) + ',' +
+           field("cannot_take", number(beacon.cannot_take)) + ',' + field("view", view) + ',' +
            field("incarnation", number(beacon.log.incarnation)) + ',' +
            field("transport_octets_sent", number(beacon.transport_octets_sent)) + ',' +
            field("transport_octets_received", number(beacon.transport_octets_received)) +

@@ -11,7 +11,7 @@ using ::testing::ElementsAre;
 TEST(BrokerStatus, ReadsWhatABrokerPublishes) {
     const auto status = parse_broker_status(R"({
         "name": "b1", "alive": true, "leader": true, "rank": 7, "sessions": 12, "connected": 11,
-        "addresses": ["127.0.0.1:1883", "[::1]:1883"], "incarnation": 1767225600000000000,
+        "addresses": ["127.0.0.1:1883", "[::1]:1883"], "cannot_take": 2, "incarnation": 1767225600000000000,
         "view": {"term": 3, "leader": "b1", "count": 2, "members": ["b1", "b2"]},
         "transport_octets_sent": 123456,
         "disagrees": {"predefined": {"b1": "1=robots/pose", "b2": "1=robots/stop"}}})");
@@ -23,6 +23,7 @@ TEST(BrokerStatus, ReadsWhatABrokerPublishes) {
     EXPECT_EQ(status->sessions, 12u);
     EXPECT_EQ(status->connected, 11u);
     EXPECT_THAT(status->addresses, ElementsAre("127.0.0.1:1883", "[::1]:1883"));
+    EXPECT_EQ(status->cannot_take, 2u);
     EXPECT_EQ(status->incarnation, 1767225600000000000u);
     EXPECT_EQ(status->view_term, 3u);
     EXPECT_THAT(status->view_members, ElementsAre("b1", "b2"));

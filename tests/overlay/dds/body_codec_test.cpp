@@ -40,7 +40,7 @@ static_assert(field_count<election::Claim>() == 3);
 static_assert(field_count<election::Ballot>() == 2);
 static_assert(field_count<cluster::ViewNumber>() == 3);
 static_assert(field_count<cluster::View>() == 2);
-static_assert(field_count<cluster::Beacon>() == 19);
+static_assert(field_count<cluster::Beacon>() == 20);
 static_assert(field_count<cluster::Pulse>() == 2);
 static_assert(field_count<cluster::LogBatch>() == 4);
 static_assert(field_count<cluster::LogAck>() == 2);
@@ -99,6 +99,7 @@ TEST(BodyCodec, ABeaconKeepsItsFields) {
     EXPECT_EQ(out.serving, in.serving);
     EXPECT_EQ(out.sessions, in.sessions);
     EXPECT_EQ(out.connected, in.connected);
+    EXPECT_EQ(out.cannot_take, in.cannot_take);
     EXPECT_EQ(out.transport_octets_sent, in.transport_octets_sent);
     EXPECT_EQ(out.transport_octets_received, in.transport_octets_received);
     EXPECT_EQ(out.leaving, in.leaving);

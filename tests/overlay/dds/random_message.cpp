@@ -199,6 +199,7 @@ cluster::Beacon beacon(Random& r) {
     out.serving = some(r, endpoint);
     out.sessions = r.next();
     out.connected = r.next();
+    out.cannot_take = r.next();
     out.transport_octets_sent = wide(r);
     out.transport_octets_received = wide(r);
     out.leaving = flag(r);

@@ -29,6 +29,7 @@ TEST(StatusTopic, AddressesReadAsPeopleWriteThem) {
 TEST(StatusTopic, IsAJsonObjectWithQuotesAndControlsEscaped) {
     cluster::Beacon beacon{.name = "r\"1\\\n", .log = {{}, 7}};
     beacon.sessions = 3;
+    beacon.cannot_take = 2;
     const cluster::View view{.number = {.term = 2, .leader = {}, .count = 4}, .members = {}};
     const std::vector<std::string> names{"a", "b"};
     const std::string json = to_json({.beacon = beacon,
@@ -40,6 +41,7 @@ TEST(StatusTopic, IsAJsonObjectWithQuotesAndControlsEscaped) {
     EXPECT_THAT(json, HasSubstr(R"("name":"r\"1\\\u000a")"));
     EXPECT_THAT(json, HasSubstr(R"("alive":true,"leader":false)"));
     EXPECT_THAT(json, HasSubstr(R"("sessions":3)"));
+    EXPECT_THAT(json, HasSubstr(R"("cannot_take":2)"));
     EXPECT_THAT(json, HasSubstr(R"("view":{"term":2,"leader":"a","count":4,"members":["a","b"]})"));
     EXPECT_THAT(json, HasSubstr(R"("incarnation":7)"));
     EXPECT_EQ(json.front(), '{');
