@@ -82,8 +82,16 @@ void append(std::vector<PlotSeries>& series, std::vector<PlotSeries> more) {
                   std::make_move_iterator(more.end()));
 }
 
-/// A mark a run, with a bar from `low` to `high` where the run has them. Kinds of fault stand
-/// beside each other, not on top of each other.
+/// Not on top of each other, where one would cover the others. The last is still nearer to its own
+/// x than to the next.
+void set_beside_each_other(std::vector<PlotSeries>& series) {
+    const double step = std::min(0.06, 0.4 / static_cast<double>(series.size()));
+    for (std::size_t i = 0; i < series.size(); ++i) {
+        for (PlotPoint& point : series[i].points) point.x += step * static_cast<double>(i);
+    }
+}
+
+/// A mark a run, with a bar from `low` to `high` where the run has them.
 std::vector<PlotSeries> marks_over_brokers(Configurations struck, Value y, Value low, Value high) {
     constexpr std::array given = {Axis::brokers};
     std::vector<PlotSeries> series;
@@ -93,15 +101,15 @@ std::vector<PlotSeries> marks_over_brokers(Configurations struck, Value y, Value
         if (found == series.end()) {
             found = series.insert(found, {.label = label, .points = {}, .line = false});
         }
-        const double shift = 0.06 * static_cast<double>(found - series.begin());
         for (const RunRow& run : each.runs) {
             if (!(run.*y)) continue;
-            found->points.push_back({.x = run.cell.brokers + shift,
+            found->points.push_back({.x = brokers_of(run.cell),
                                      .y = *(run.*y),
                                      .low = low == nullptr ? std::nullopt : run.*low,
                                      .high = high == nullptr ? std::nullopt : run.*high});
         }
     }
+    set_beside_each_other(series);
     return series;
 }
 
@@ -223,21 +231,25 @@ std::optional<Figure> delay_figure(Configurations all) {
     if (calm.empty()) return std::nullopt;
     // Where only the rate varies, the figure of the rate shows the delay.
     if (distinct(calm, robots_of) < 2 && distinct(calm, rate_of) > 1) return std::nullopt;
-    constexpr std::array given = {Axis::robots, Axis::fault};
+    const bool over_brokers = distinct(calm, robots_of) < 2;
+    const Number x = over_brokers ? brokers_of : robots_of;
+    const std::string x_name = over_brokers ? "brokers" : "robots";
+    const std::array given = {over_brokers ? Axis::brokers : Axis::robots, Axis::fault};
     const auto panel = [&](const char* title, Value middle, Value tail) {
         PlotPanel made{.title = title,
-                       .x_label = "robots",
+                       .x_label = x_name,
                        .y_label = "ms",
-                       .series = series_over(robots_of, calm, middle, given),
+                       .series = series_over(x, calm, middle, given),
                        .y_from = 0};
         prefix_labels(made.series, "median");
-        auto tails = series_over(robots_of, calm, tail, given);
+        auto tails = series_over(x, calm, tail, given);
         prefix_labels(tails, "99 %");
         append(made.series, std::move(tails));
+        if (distinct(calm, x) < 2) set_beside_each_other(made.series);
         return made;
     };
     return Figure{
-        .title = "Delay against the number of robots",
+        .title = "Delay against the number of " + x_name,
         .plot = {.name = "delay",
                  .panels = {panel("To each receiver", &RunRow::delay_p50_ms, &RunRow::delay_p99_ms),
                             panel("To the last of a group", &RunRow::fan_out_p50_ms,
@@ -251,10 +263,27 @@ std::optional<Figure> delay_figure(Configurations all) {
             "wait until a peer holds the event (<code>acks</code>)."};
 }
 
-std::optional<Figure> delivery_figure(Configurations all) {
-    constexpr std::array given = {Axis::brokers, Axis::fault};
-    std::vector<PlotPanel> panels;
+/// One scale for all: down to 99 %, or to the lowest; nothing is delivered beyond 100 %.
+void set_ratio_scale(std::span<PlotPanel> panels) {
     double lowest = 100;
+    for (const PlotPanel& panel : panels) {
+        for (const PlotSeries& one : panel.series) {
+            for (const PlotPoint& point : one.points) lowest = std::min(lowest, point.y);
+        }
+    }
+    for (PlotPanel& panel : panels) {
+        panel.y_from = std::min(99.0, lowest - (100 - lowest) * 0.2);
+        panel.y_to = 100 + (100 - *panel.y_from) * 0.04;  // so that 100 % is not the frame
+    }
+}
+
+std::optional<Figure> delivery_figure(Configurations all) {
+    // A level is its own name; a mix is told apart from other mixes.
+    const bool has_mixes = std::ranges::any_of(
+        all, [](const Configuration& each) { return each.cell().qos.text().size() > 1; });
+    std::vector<Axis> given = {Axis::brokers, Axis::fault};
+    if (!has_mixes) given.push_back(Axis::qos);
+    std::vector<PlotPanel> panels;
     std::set<Fault> faults;
     for (const Configuration& each : all) faults.insert(each.cell().fault);
     for (const Fault fault : faults) {
@@ -272,18 +301,13 @@ std::optional<Figure> delivery_figure(Configurations all) {
         for (const auto& [name, value] : levels) {
             auto series = series_over(brokers_of, some, value, given, 100);
             prefix_labels(series, name);
-            for (const PlotSeries& one : series) {
-                for (const PlotPoint& point : one.points) lowest = std::min(lowest, point.y);
-            }
             append(panel.series, std::move(series));
         }
+        set_beside_each_other(panel.series);
         panels.push_back(std::move(panel));
     }
     if (panels.empty()) return std::nullopt;
-    for (PlotPanel& panel : panels) {
-        panel.y_from = std::min(99.0, lowest - (100 - lowest) * 0.2);
-        panel.y_to = 100 + (100 - *panel.y_from) * 0.04;  // so that 100 % is not the frame
-    }
+    set_ratio_scale(panels);
     return Figure{
         .title = "Delivery ratio",
         .plot = {.name = "delivery", .panels = std::move(panels)},
@@ -303,8 +327,8 @@ std::optional<Figure> rate_figure(Configurations all) {
     PlotPanel ratio{.title = "Delivery ratio",
                     .x_label = "messages per second and publisher",
                     .y_label = "delivered of expected (%)",
-                    .series = series_over(rate_of, calm, &RunRow::delivery_ratio, given, 100),
-                    .y_to = 100.5};
+                    .series = series_over(rate_of, calm, &RunRow::delivery_ratio, given, 100)};
+    set_ratio_scale({&ratio, 1});
     PlotPanel delay{.title = "Delay, 99 %",
                     .x_label = "messages per second and publisher",
                     .y_label = "ms",

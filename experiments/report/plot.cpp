@@ -55,7 +55,11 @@ std::vector<PlotPanel> with_points(const std::vector<PlotPanel>& panels) {
 constexpr std::size_t panel_width = 480;
 constexpr std::size_t panel_height = 370;  // without its key
 constexpr std::size_t line_height = 21;
-constexpr std::size_t character_width = 8;
+// In characters of the key: what fits below a panel, and what an entry takes beside its label.
+// Found by drawing, as gnuplot does not say how many columns it will make; a column more than it
+// makes, and the key covers the axis.
+constexpr double key_width = 42.5;
+constexpr double beside_label = 4.5;
 
 /// The key stands below its panel, and gets the room that it needs there: of a panel with many
 /// series, gnuplot would draw it over the axis. One layout for all, so that the axes are level.
@@ -76,8 +80,8 @@ KeyLayout key_of(const std::vector<PlotPanel>& panels) {
         }
         entries = std::max(entries, labelled);
     }
-    const std::size_t entry_width = (longest + 5) * character_width;
-    const std::size_t columns = std::max<std::size_t>((panel_width - 80) / entry_width, 1);
+    const double fit = key_width / (static_cast<double>(longest) + beside_label);
+    const std::size_t columns = std::max<std::size_t>(static_cast<std::size_t>(fit), 1);
     return {.columns = columns, .rows = (entries + columns - 1) / columns};
 }
 

@@ -29,7 +29,7 @@ figcaption { border-left: 3px solid var(--line); padding: .1rem 0 .1rem .9rem; m
 figcaption p { margin: .3rem 0; } .how { color: var(--soft); font-size: .92rem; }
 .wide { overflow-x: auto; }
 table { border-collapse: collapse; font-size: .9rem; font-variant-numeric: tabular-nums; }
-th, td { padding: .32rem .6rem; text-align: right; border-bottom: 1px solid var(--line);
+th, td { padding: .32rem .45rem; text-align: right; border-bottom: 1px solid var(--line);
          white-space: nowrap; } th { vertical-align: bottom; } th small { color: var(--soft);
          font-weight: normal; } tbody tr:hover { background: #f5f7fa; }
 pre { background: #f5f7fa; border: 1px solid var(--line); border-radius: 8px; padding: .8rem 1rem;

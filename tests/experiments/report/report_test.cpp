@@ -6,10 +6,12 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <set>
 
 #include "experiments/report/configuration.h"
 #include "experiments/report/figures.h"
@@ -158,6 +160,25 @@ TEST_F(Reports, DrawTheKeyBelowTheAxisHoweverManySeriesThereAre) {
     }
 }
 
+TEST_F(Reports, DrawTheKeyBelowTheAxisHoweverLongItsLabelsAre) {
+    for (const std::size_t length : {6U, 7U, 9U, 10U, 16U, 17U}) {  // where a column goes
+        PlotPanel panel{.title = "t", .x_label = "x axis", .y_label = "y", .series = {}};
+        std::vector<std::string> labels;
+        for (char letter = 'a'; letter <= 'g'; ++letter) {
+            labels.push_back(std::string(length, letter));
+            const double y = letter;
+            panel.series.push_back({.label = labels.back(),
+                                    .points = {{.x = 1, .y = y, .low = y - 1, .high = y + 1}}});
+        }
+        const auto svg = draw({.name = "keys", .panels = {panel}}, folder_ / "plots");
+        ASSERT_TRUE(svg);
+        const double axis = y_of(*svg, "x axis");
+        for (const std::string& label : labels) {
+            EXPECT_GT(y_of(*svg, '>' + label + '<'), axis + 8) << length;
+        }
+    }
+}
+
 TEST_F(Reports, LeaveOutPanelsWithoutAPoint) {
     const PlotPanel empty{
         .title = "e", .x_label = "x", .y_label = "y", .series = {{.label = "a", .points = {}}}};
@@ -185,6 +206,41 @@ TEST_F(Reports, ShowTheDelayAgainstWhatVaries) {
     const auto configurations = configurations_of(rows);
     for (const Figure& figure : figures_of(configurations, rates.settings, folder_)) {
         EXPECT_NE(figure.plot.name, "delay") << "forty series above one number of robots";
+    }
+    EXPECT_THAT(report(), HasSubstr("Delay against the number of robots"));
+    const auto figures = figures_of(configurations, rates.settings, folder_);
+    const auto rate = std::ranges::find(figures, "Against the message rate", &Figure::title);
+    ASSERT_NE(rate, figures.end());
+    EXPECT_LT(rate->plot.panels[0].y_to, 100.1) << "of what was expected no more can be delivered";
+    EXPECT_LE(rate->plot.panels[0].y_from, 99.0);
+    sweep_ = parse_sweep("[axes]\nbrokers = [1, 3]\nrobots = 20\n", "try.toml");
+    rows_.clear();
+    for (const Cell& cell : sweep_.cells) rows_.push_back(made_up(cell));
+    EXPECT_THAT(report(), HasSubstr("Delay against the number of brokers"));
+}
+
+TEST_F(Reports, SetMarksOfOnePlaceBesideEachOtherAndNameALevelOnce) {
+    const Sweep levels =
+        parse_sweep("[axes]\nbrokers = 3\nqos = [1, 2]\nacks = [0, 1, 2]\n", "try.toml");
+    std::vector<RunRow> rows;
+    for (const Cell& cell : levels.cells) {
+        rows.push_back(made_up(cell));
+        auto& other = cell.qos.text() == "1" ? rows.back().delivery_ratio_qos2
+                                             : rows.back().delivery_ratio_qos1;
+        rows.back().delivery_ratio_qos0 = other = std::nullopt;
+    }
+    const auto configurations = configurations_of(rows);
+    for (const Figure& figure : figures_of(configurations, levels.settings, folder_)) {
+        if (figure.plot.name != "delivery" && figure.plot.name != "delay") continue;
+        for (const PlotPanel& panel : figure.plot.panels) {
+            std::set<double> places;
+            for (const PlotSeries& series : panel.series) {
+                EXPECT_TRUE(places.insert(series.points.at(0).x).second) << series.label;
+                EXPECT_NEAR(series.points.at(0).x, 3, 0.49) << "it would get a tick of its own";
+                EXPECT_THAT(series.label, Not(HasSubstr("QoS 1, QoS 1")));
+            }
+            EXPECT_EQ(places.size(), figure.plot.name == "delay" ? 12U : 6U) << figure.title;
+        }
     }
 }
 
