@@ -61,6 +61,7 @@ public:
     std::vector<std::uint32_t> to_register;
     std::size_t set_up = 0;  // of both, in order
     bool joined = false;
+    int congested = 0;  // times that the broker had no room, while joining
 
 private:
     static Storage cut(const ClientLayout& layout, std::uint8_t* at) {

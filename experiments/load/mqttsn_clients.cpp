@@ -43,6 +43,9 @@ std::string texts_of(const std::vector<Endpoint>& brokers) {
     return text;
 }
 
+/// A client asks again after T_WAIT, for ever; a load does not begin without it.
+constexpr int most_congested = 5;
+
 std::string words_for(mqttsn::ReturnCode code) {
     const std::string number = "return code " + std::to_string(static_cast<int>(code));
     switch (code) {
@@ -181,6 +184,11 @@ void MqttsnClients::on_event(Number number, const client::Event& event) {
                                               clients_[number].id + ": " +
                                               words_for(failed->return_code));
         }
+    } else if (std::holds_alternative<client::Congested>(event)) {
+        if (clients_[number].joined || ++clients_[number].congested < most_congested) return;
+        listener_->on_trouble(number, "the broker has no room for a subscription or a topic of " +
+                                          clients_[number].id + " (congestion, " +
+                                          std::to_string(most_congested) + " times)");
     } else if (const auto* refused = std::get_if<client::Refused>(&event)) {
         listener_->on_trouble(number, "the broker refused the connection of " +
                                           clients_[number].id + ": " +

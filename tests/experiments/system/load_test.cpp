@@ -59,6 +59,14 @@ TEST_F(Load, TellsPeopleTheSameInAFewLines) {
     }
 }
 
+TEST(LoadOnABrokerWithoutRoom, SaysSoAndEnds) {
+    const ServingBroker broker("127.40.250.2", {"--max-topics", "1"});
+    const Ran ran = run_romano("load -h 127.40.250.2 -p " + own_port() +
+                               " --publishers 1 --subscribers 1 --topics 3 --rate 10");
+    EXPECT_EQ(ran.exit_code, 2);
+    EXPECT_THAT(ran.output, HasSubstr("the broker has no room for a subscription or a topic of"));
+}
+
 TEST(LoadThatMakesNoSense, IsRefusedInOneSentence) {
     const Ran endless = run_romano("load --subscribers 0");
     EXPECT_EQ(endless.exit_code, 2);
