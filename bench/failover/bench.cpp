@@ -26,10 +26,6 @@ constexpr Duration rest_most = 150ms;
 constexpr std::size_t clients_a_broker = 20;
 constexpr std::uint32_t messages_a_publisher = 4;
 
-double ms_between(Instant from, Instant to) {
-    return std::chrono::duration<double, std::milli>(to - from).count();
-}
-
 }  // namespace
 
 Bench::Bench(boost::asio::io_context& io, const Options& options,

@@ -57,17 +57,17 @@ double false_failovers_per_hour(const Point& point) {
     return static_cast<double>(point.watched.take_overs) * 3600 / point.watched.seconds;
 }
 
-const experiments::CsvRow& head() {
-    static const experiments::CsvRow columns = {
+const experiments::CsvRow& trade_head() {
+    static const experiments::CsvRow row = {
         "detection_timeout_ms", "trials",         "failover_p50_ms", "failover_p99_ms",
         "failover_max_ms",      "watch_s",        "messages",        "lost",
         "suspicions",           "false_failovers"};
-    return columns;
+    return row;
 }
 
 void write_csv(const std::vector<Point>& points, const std::filesystem::path& file) {
     std::ofstream csv(file);
-    csv << experiments::csv_line(head());
+    csv << experiments::csv_line(trade_head());
     for (const Point& point : points) {
         const experiments::Percentiles p{point.failovers_ms};
         const auto number = [](double value) { return experiments::csv_number(value); };
@@ -86,7 +86,7 @@ std::vector<Point> read_points(const Options& options) {
     const std::string text{std::istreambuf_iterator<char>(stream), {}};
     std::vector<Point> points;
     for (const auto& row : experiments::parse_csv(text)) {
-        if (row.size() != head().size() || row == head()) continue;
+        if (row.size() != trade_head().size() || row == trade_head()) continue;
         const auto number = [&](std::size_t at) {
             return experiments::parse_csv_number(row[at]).value_or(0);
         };
@@ -107,7 +107,7 @@ std::vector<Point> read_points(const Options& options) {
     return points;
 }
 
-experiments::Plot figure(const std::vector<Point>& points) {
+experiments::Plot trade_figure(const std::vector<Point>& points) {
     experiments::PlotPanel speed{.title = "A silent broker is replaced",
                                  .x_label = "detection timeout (ms)",
                                  .y_label = "failover (ms)",
@@ -152,7 +152,7 @@ bool run_trade(const Options& options, const std::function<bool()>& is_over) {
         std::fflush(stdout);
         std::ranges::sort(points, {}, &Point::timeout_ms);
         write_csv(points, options.output / "trade.csv");
-        if (const auto svg = experiments::draw(figure(points), options.output)) {
+        if (const auto svg = experiments::draw(trade_figure(points), options.output)) {
             std::ofstream(options.output / "trade.svg") << *svg << '\n';
         }
     }

@@ -3,13 +3,10 @@
 #include <chrono>
 
 namespace romano::bench {
-namespace {
 
 double ms_between(Instant from, Instant to) {
     return std::chrono::duration<double, std::milli>(to - from).count();
 }
-
-}  // namespace
 
 void read_parts(const Cluster& cluster, std::size_t victim, Instant fault, Instant arrival,
                 Trial& trial) {

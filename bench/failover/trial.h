@@ -33,6 +33,8 @@ struct Trial {
     std::uint64_t subscribes = 0;
 };
 
+[[nodiscard]] double ms_between(Instant from, Instant to);
+
 /// What the survivors' traces say about the time from `fault` to `arrival`.
 void read_parts(const Cluster& cluster, std::size_t victim, Instant fault, Instant arrival,
                 Trial& trial);

@@ -7,7 +7,7 @@ namespace {
 
 using broker::Limits;
 
-constexpr std::array<LimitSetting, 15> settings{{
+constexpr std::array<LimitSetting, 15> limit_table{{
     {"max-sessions", &Limits::sessions, 1, 1'000'000,
      "Sessions; then clean ones left behind go, then kept ones of whichever IP address left most "
      "of them behind, but for its last one; then CONNECT hears \"congestion\""},
@@ -47,12 +47,12 @@ constexpr std::array<LimitSetting, 15> settings{{
 }  // namespace
 
 std::span<const LimitSetting> limit_settings() {
-    return settings;
+    return limit_table;
 }
 
 std::map<std::string, std::string> default_limit_texts() {
     std::map<std::string, std::string> texts;
-    for (const LimitSetting& setting : settings) {
+    for (const LimitSetting& setting : limit_table) {
         texts.emplace(setting.key, std::to_string(Limits{}.*setting.limit));
     }
     return texts;

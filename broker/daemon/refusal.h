@@ -3,6 +3,8 @@
 #pragma once
 
 #include <stdexcept>
+#include <string>
+#include <string_view>
 
 namespace romano::daemon {
 
@@ -10,5 +12,12 @@ class Refusal : public std::runtime_error {
 public:
     using std::runtime_error::runtime_error;
 };
+
+/// "--option 'value': why"
+[[noreturn]] inline void refuse_option(std::string_view option, std::string_view value,
+                                       std::string_view why) {
+    throw Refusal("--" + std::string(option) + " '" + std::string(value) +
+                  "': " + std::string(why));
+}
 
 }  // namespace romano::daemon

@@ -27,11 +27,6 @@ using std::chrono::milliseconds;
 
 constexpr std::uint32_t highest_domain = 230;  // DDSI's port numbers end there
 
-[[noreturn]] void refuse(std::string_view option, std::string_view value, std::string_view why) {
-    throw Refusal("--" + std::string(option) + " '" + std::string(value) +
-                  "': " + std::string(why));
-}
-
 std::optional<std::uint64_t> parse_number(std::string_view text) {
     std::uint64_t number = 0;
     const char* end = text.data() + text.size();
@@ -44,7 +39,7 @@ template <typename Number>
 Number number_in(std::string_view option, std::string_view text, Number low, Number high) {
     const auto number = parse_number(text);
     if (!number || *number < low || *number > high) {
-        refuse(
+        refuse_option(
             option, text,
             "must be a whole number from " + std::to_string(low) + " to " + std::to_string(high));
     }
@@ -58,15 +53,15 @@ std::string one_of(std::string_view option, const std::string& text, const Names
     for (const std::string_view name : known) {
         list += (list.empty() ? "" : ", ") + std::string(name);
     }
-    refuse(option, text, "is not known; choose one of: " + list);
+    refuse_option(option, text, "is not known; choose one of: " + list);
 }
 
 Endpoint address_and_port(std::string_view option, const std::string& text) {
     const auto endpoint = net::parse_endpoint(text);
     if (!endpoint) {
-        refuse(option, text,
-               "is no address and port; write ADDR:PORT, for example 127.0.0.1:1883 or "
-               "[::1]:1883");
+        refuse_option(option, text,
+                      "is no address and port; write ADDR:PORT, for example 127.0.0.1:1883 or "
+                      "[::1]:1883");
     }
     return *endpoint;
 }
@@ -77,10 +72,11 @@ std::vector<Endpoint> check_listen(const std::vector<std::string>& texts) {
     for (const std::string& text : texts) {
         const Endpoint endpoint = address_and_port("listen", text);
         if (net::is_multicast(endpoint)) {
-            refuse("listen", text, "is a multicast group; clients need an address of this machine");
+            refuse_option("listen", text,
+                          "is a multicast group; clients need an address of this machine");
         }
         if (endpoint.port != 0 && std::ranges::count(out, endpoint) > 0) {
-            refuse("listen", text, "is given twice; once is enough");
+            refuse_option("listen", text, "is given twice; once is enough");
         }
         out.push_back(endpoint);
     }
@@ -91,7 +87,8 @@ std::optional<Endpoint> check_metrics(const std::optional<std::string>& text) {
     if (!text) return std::nullopt;
     const Endpoint endpoint = address_and_port("metrics", *text);
     if (net::is_multicast(endpoint)) {
-        refuse("metrics", *text, "is a multicast group; HTTP needs an address of this machine");
+        refuse_option("metrics", *text,
+                      "is a multicast group; HTTP needs an address of this machine");
     }
     return endpoint;
 }
@@ -104,7 +101,7 @@ std::chrono::seconds check_advertise_period(const SettingTexts& texts, bool adve
         text ? std::chrono::seconds{number_in<std::uint16_t>("advertise-period", *text, 1, 65'535)}
              : usual;
     if (text && !advertises) {
-        refuse("advertise-period", *text, "is for discovery; give --discovery-group too");
+        refuse_option("advertise-period", *text, "is for discovery; give --discovery-group too");
     }
     return advertises ? given : std::chrono::seconds{0};
 }
@@ -123,12 +120,12 @@ std::vector<Endpoint> check_groups(const std::vector<std::string>& texts,
         }
         const Endpoint group = address_and_port("discovery-group", text);
         if (!net::is_multicast(group) || group.port == 0) {
-            refuse("discovery-group", text,
-                   "is no multicast group and port; for example 225.1.1.1:1883");
+            refuse_option("discovery-group", text,
+                          "is no multicast group and port; for example 225.1.1.1:1883");
         }
         if (!has_family(group.family)) {
-            refuse("discovery-group", text,
-                   "needs a --listen address of the same family (IPv4 or IPv6)");
+            refuse_option("discovery-group", text,
+                          "needs a --listen address of the same family (IPv4 or IPv6)");
         }
         out.push_back(group);
     }
@@ -140,7 +137,7 @@ void check_broker_name(std::string_view option, const std::string& text) {
         std::ranges::all_of(text, [](char c) { return static_cast<unsigned char>(c) > ' '; });
     if (!printable || text.size() > longest_name || !mqttsn::is_valid_topic_name(text) ||
         text.find_first_of("/,") != std::string::npos) {
-        refuse(option, text, "must be 1 to 64 octets without spaces, ',', '/', '+' and '#'");
+        refuse_option(option, text, "must be 1 to 64 octets without spaces, ',', '/', '+' and '#'");
     }
 }
 
@@ -155,19 +152,19 @@ std::map<mqttsn::TopicId, std::string> check_predefined(const std::vector<std::s
     for (const std::string& text : texts) {
         const auto equals = text.find('=');
         if (equals == std::string::npos) {
-            refuse("predefined", text, "must be ID=TOPIC, for example 1=robots/pose");
+            refuse_option("predefined", text, "must be ID=TOPIC, for example 1=robots/pose");
         }
         const auto id = parse_number(std::string_view(text).substr(0, equals));
         if (!id || *id == 0 || *id >= 0xFFFF) {
-            refuse("predefined", text, "must begin with a topic id from 1 to 65534");
+            refuse_option("predefined", text, "must begin with a topic id from 1 to 65534");
         }
         const std::string topic = text.substr(equals + 1);
         if (!mqttsn::is_valid_topic_name(topic)) {
-            refuse("predefined", text,
-                   "must end with a topic name: UTF-8, not empty, without '+' and '#'");
+            refuse_option("predefined", text,
+                          "must end with a topic name: UTF-8, not empty, without '+' and '#'");
         }
         if (!out.emplace(static_cast<mqttsn::TopicId>(*id), topic).second) {
-            refuse("predefined", text, "gives this topic id a second topic; an id has one");
+            refuse_option("predefined", text, "gives this topic id a second topic; an id has one");
         }
     }
     return out;
@@ -191,16 +188,17 @@ std::optional<StoreSettings> check_store(const SettingTexts& texts) {
             : usual_limit;
     if (!texts.store) {
         if (texts.store_limit_mb) {
-            refuse("store-limit-mb", *texts.store_limit_mb, "is for a store; give --store too");
+            refuse_option("store-limit-mb", *texts.store_limit_mb,
+                          "is for a store; give --store too");
         }
         if (texts.store_sync) throw Refusal("--store-sync is for a store; give --store too");
         return std::nullopt;
     }
-    if (texts.store->empty()) refuse("store", *texts.store, "must be the path of a file");
+    if (texts.store->empty()) refuse_option("store", *texts.store, "must be the path of a file");
     if (texts.domain) {
-        refuse("store", *texts.store,
-               "is for a broker alone: in a cluster the peers keep the sessions; leave out "
-               "--store or --domain");
+        refuse_option("store", *texts.store,
+                      "is for a broker alone: in a cluster the peers keep the sessions; leave out "
+                      "--store or --domain");
     }
     return StoreSettings{*texts.store, mebioctets << 20U, texts.store_sync};
 }
@@ -215,14 +213,15 @@ std::string check_interface(const std::optional<std::string>& text) {
         }
         if_freenameindex(interfaces);
     }
-    refuse("interface", *text, "is no network interface of this machine; there are: " + list);
+    refuse_option("interface", *text,
+                  "is no network interface of this machine; there are: " + list);
 }
 
 std::optional<std::uint32_t> check_acks(const std::string& text) {
     if (text == "all") return std::nullopt;
     const auto number = parse_number(text);
     if (!number || *number >= std::numeric_limits<std::uint32_t>::max()) {
-        refuse("acks", text, "must be a number of peers, or all");
+        refuse_option("acks", text, "must be a number of peers, or all");
     }
     return static_cast<std::uint32_t>(*number);
 }
@@ -241,10 +240,10 @@ election::Profile check_profile(const SettingTexts& texts) {
     const auto least = static_cast<std::uint32_t>(2 * out.beacon_every.count());
     time("detection-timeout-ms", texts.detection_timeout_ms, out.detection_timeout, least, 600'000);
     if (out.detection_timeout.count() < least) {
-        refuse("beacon-ms", *texts.beacon_ms,
-               "is too long for a detection timeout of " +
-                   std::to_string(out.detection_timeout.count()) +
-                   " ms; give --detection-timeout-ms at least twice as much");
+        refuse_option("beacon-ms", *texts.beacon_ms,
+                      "is too long for a detection timeout of " +
+                          std::to_string(out.detection_timeout.count()) +
+                          " ms; give --detection-timeout-ms at least twice as much");
     }
     if (texts.phi_threshold) {
         out.phi_threshold = number_in<std::uint32_t>("phi-threshold", *texts.phi_threshold, 1, 300);
@@ -257,18 +256,20 @@ election::Profile check_profile(const SettingTexts& texts) {
 std::vector<std::string> check_voters(const SettingTexts& texts) {
     if (texts.elector != "raft") {
         if (!texts.voters.empty()) {
-            refuse("voters", texts.voters.front(), "is for the elector raft; give --elector raft");
+            refuse_option("voters", texts.voters.front(),
+                          "is for the elector raft; give --elector raft");
         }
         return {};
     }
     if (texts.voters.empty()) {
-        refuse("elector", texts.elector,
-               "needs --voters: the names of the brokers that vote, for example --voters r1,r2,r3");
+        refuse_option(
+            "elector", texts.elector,
+            "needs --voters: the names of the brokers that vote, for example --voters r1,r2,r3");
     }
     for (const std::string& voter : texts.voters) {
         check_broker_name("voters", voter);
         if (std::ranges::count(texts.voters, voter) > 1) {
-            refuse("voters", voter, "is given twice; each broker has one vote");
+            refuse_option("voters", voter, "is given twice; each broker has one vote");
         }
     }
     return texts.voters;
@@ -279,7 +280,7 @@ std::vector<std::string> check_voters(const SettingTexts& texts) {
 void check_alone(const SettingTexts& texts) {
     const SettingTexts defaults;
     const auto is_for_a_cluster = [](std::string_view option, const std::string& value) {
-        refuse(option, value, "is for the brokers of a cluster; give --domain too");
+        refuse_option(option, value, "is for the brokers of a cluster; give --domain too");
     };
     if (texts.interface) is_for_a_cluster("interface", *texts.interface);
     if (texts.rank != defaults.rank) is_for_a_cluster("rank", texts.rank);
@@ -295,8 +296,8 @@ std::optional<ClusterSettings> check_cluster(const SettingTexts& texts,
     out.rank =
         number_in<std::uint32_t>("rank", texts.rank, 0, std::numeric_limits<std::uint32_t>::max());
     if (texts.condition_file && !texts.domain) {
-        refuse("condition-file", *texts.condition_file,
-               "is for the brokers of a cluster; give --domain too");
+        refuse_option("condition-file", *texts.condition_file,
+                      "is for the brokers of a cluster; give --domain too");
     }
     out.condition_file = texts.condition_file;
     out.acks = check_acks(texts.acks);

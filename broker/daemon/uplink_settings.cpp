@@ -16,11 +16,6 @@ constexpr std::size_t longest_network = 32;
 constexpr std::uint16_t plain_port = 1883;
 constexpr std::uint16_t tls_port = 8883;
 
-[[noreturn]] void refuse(std::string_view option, std::string_view value, std::string_view why) {
-    throw Refusal("--" + std::string(option) + " '" + std::string(value) +
-                  "': " + std::string(why));
-}
-
 /// HOST, HOST:PORT, [ADDRESS], [ADDRESS]:PORT.
 bool read_place(std::string_view text, uplink::MqttSettings& out) {
     if (text.starts_with('[')) {
@@ -53,9 +48,10 @@ uplink::MqttSettings check_place(const std::string& text) {
     }
     out.port = out.tls ? tls_port : plain_port;
     if (!read_place(place, out)) {
-        refuse("uplink", text,
-               "is no MQTT broker; write mqtt://HOST:PORT or mqtts://HOST:PORT, an IPv6 address in "
-               "brackets");
+        refuse_option(
+            "uplink", text,
+            "is no MQTT broker; write mqtt://HOST:PORT or mqtts://HOST:PORT, an IPv6 address in "
+            "brackets");
     }
     return out;
 }
@@ -72,8 +68,8 @@ std::string check_network(const std::optional<std::string>& text) {
                letter == '_' || letter == '.';
     };
     if (text->empty() || text->size() > longest_network || !std::ranges::all_of(*text, fits)) {
-        refuse("uplink-network", *text,
-               "must be 1 to 32 letters, digits, dots, hyphens and underscores");
+        refuse_option("uplink-network", *text,
+                      "must be 1 to 32 letters, digits, dots, hyphens and underscores");
     }
     return *text;
 }
@@ -86,7 +82,7 @@ std::vector<uplink::TopicRule> check_rules(const std::vector<std::string>& texts
     std::vector<uplink::TopicRule> rules;
     for (const std::string& text : texts) {
         auto rule = uplink::parse_rule(text);
-        if (!rule) refuse("uplink-topic", text, rule.error());
+        if (!rule) refuse_option("uplink-topic", text, rule.error());
         rules.push_back(std::move(*rule));
     }
     return rules;
@@ -96,7 +92,8 @@ std::string password_in(const std::string& path) {
     std::ifstream file(path);
     std::string line;
     if (!std::getline(file, line) || line.empty()) {
-        refuse("uplink-password-file", path, "cannot be read; its first line is the password");
+        refuse_option("uplink-password-file", path,
+                      "cannot be read; its first line is the password");
     }
     return line;
 }
@@ -104,7 +101,7 @@ std::string password_in(const std::string& path) {
 void check_readable(const std::string& path) {
     std::ifstream file(path);
     if (file.peek() == std::ifstream::traits_type::eof()) {
-        refuse("uplink-ca", path, "cannot be read; give a file of PEM certificates");
+        refuse_option("uplink-ca", path, "cannot be read; give a file of PEM certificates");
     }
 }
 
@@ -128,19 +125,21 @@ std::optional<UplinkSettings> check_uplink(const SettingTexts& texts) {
     }
     UplinkSettings out{.mqtt = check_place(*texts.uplink), .options = {}};
     if (!texts.domain) {
-        refuse("uplink", *texts.uplink,
-               "is held by the broker that leads a cluster; give --domain too (a cluster of one "
-               "leads itself)");
+        refuse_option(
+            "uplink", *texts.uplink,
+            "is held by the broker that leads a cluster; give --domain too (a cluster of one "
+            "leads itself)");
     }
     out.options = {.network = check_network(texts.uplink_network),
                    .rules = check_rules(texts.uplink_topic)};
     if (texts.uplink_ca) {
-        if (!out.mqtt.tls) refuse("uplink-ca", *texts.uplink_ca, "is for mqtts://");
+        if (!out.mqtt.tls) refuse_option("uplink-ca", *texts.uplink_ca, "is for mqtts://");
         check_readable(*texts.uplink_ca);
         out.mqtt.ca_file = *texts.uplink_ca;
     }
     if (texts.uplink_password_file && !texts.uplink_username) {
-        refuse("uplink-password-file", *texts.uplink_password_file, "needs --uplink-username");
+        refuse_option("uplink-password-file", *texts.uplink_password_file,
+                      "needs --uplink-username");
     }
     out.mqtt.username = texts.uplink_username.value_or("");
     if (texts.uplink_password_file) out.mqtt.password = password_in(*texts.uplink_password_file);

@@ -15,6 +15,7 @@
 #include <optional>
 #include <vector>
 
+#include "broker/net/last_error.h"
 #include "broker/net/socket_address.h"
 
 namespace romano::net {
@@ -22,10 +23,6 @@ namespace {
 
 using boost::system::error_code;
 using Mac = std::array<std::uint8_t, ETH_ALEN>;
-
-error_code last_error() {
-    return {errno, boost::system::system_category()};
-}
 
 class Socket {
 public:

@@ -4,6 +4,7 @@
 #include <cstring>
 
 #include "broker/net/interface_address.h"
+#include "broker/net/last_error.h"
 
 namespace romano::net {
 namespace {
@@ -11,10 +12,6 @@ namespace {
 // Asks for this much; the kernel gives what net.core.rmem_max and wmem_max allow, all of it to
 // root.
 constexpr int buffer_octets = 8 * 1024 * 1024;
-
-boost::system::error_code last_error() {
-    return {errno, boost::system::system_category()};
-}
 
 template <typename T>
 boost::system::error_code set_option(int socket, int level, int name, const T& value) {

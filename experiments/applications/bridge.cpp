@@ -26,8 +26,8 @@ namespace {
 using namespace std::chrono_literals;
 using mqttsn::Qos;
 
-constexpr std::size_t brokers = 3;
-constexpr std::uint16_t port = 18840;
+constexpr std::size_t bridge_brokers = 3;
+constexpr std::uint16_t bridge_port = 18840;
 constexpr std::uint16_t mqtt_port = 18890;
 constexpr Duration message_every = 50ms;
 constexpr std::size_t messages = 240;  // of each robot
@@ -67,14 +67,14 @@ std::string Network::address(std::size_t broker) const {
 Network::Network(boost::asio::io_context& io, const ApplicationOptions& options, std::size_t number,
                  const MosquittoServer& server, const std::string& mqtt_address)
     : name_(number == 0 ? "site-6" : "site-4"), number_(number) {
-    for (std::size_t i = 0; i < brokers; ++i) {
+    for (std::size_t i = 0; i < bridge_brokers; ++i) {
         if (number == 0) {
             addresses_.emplace_back(boost::asio::ip::address_v6::loopback(),
-                                    static_cast<std::uint16_t>(port + i));
+                                    static_cast<std::uint16_t>(bridge_port + i));
         } else {
             addresses_.emplace_back(
                 boost::asio::ip::make_address(options.network + "." + std::to_string(10 + i)),
-                port);
+                bridge_port);
         }
         const std::string name = name_ + "-b" + std::to_string(i + 1);
         processes_.push_back(std::make_unique<BrokerProcess>(
@@ -116,7 +116,7 @@ void Network::wait_until_ready(boost::asio::io_context& io) {
             io.run_one_for(5ms);
         }
     };
-    wait_for([&] { return watch_->members_in_view_of(name_ + "-b1") == brokers; },
+    wait_for([&] { return watch_->members_in_view_of(name_ + "-b1") == bridge_brokers; },
              ": its brokers did not find each other");
     const BrokerAddress& at = addresses_[0];
     firmware::SimulatedRobotOptions options;

@@ -29,11 +29,11 @@ namespace {
 using namespace std::chrono_literals;
 using mqttsn::Qos;
 
-constexpr std::size_t brokers = 3;
-constexpr std::uint16_t port = 18830;
-constexpr Duration message_every = 50ms;  // 20 a second, to or from each robot
-constexpr Duration settle = 1s;           // for late copies
-constexpr Duration arrives_within = 30s;  // QoS 1 and 2, after the last was handed over
+constexpr std::size_t row_brokers = 3;
+constexpr std::uint16_t row_port = 18830;
+constexpr Duration roaming_message_every = 50ms;  // 20 a second, to or from each robot
+constexpr Duration settle = 1s;                   // for late copies
+constexpr Duration roaming_arrives_within = 30s;  // QoS 1 and 2, after the last was handed over
 
 enum class Way : std::uint8_t { to_robots, from_robots };
 const char* to_text(Way way) {
@@ -177,7 +177,7 @@ void Run::run_until(Instant end, bool talks) {
     while (net::now() < end) {
         io_.run_one_for(1ms);
         if (talks && net::now() >= next_message_) {
-            next_message_ += message_every;
+            next_message_ += roaming_message_every;
             talk(net::now());
         }
     }
@@ -201,7 +201,7 @@ void Run::drive(Duration time) {
         });
     };
     const bool is_kept = outcome_.qos != Qos::at_most_once;
-    for (const Instant end = net::now() + arrives_within;
+    for (const Instant end = net::now() + roaming_arrives_within;
          is_kept && net::now() < end && !is_complete();) {
         io_.run_one_for(5ms);
     }
@@ -307,14 +307,14 @@ void write_results(const std::vector<Outcome>& outcomes, const std::filesystem::
                        .y_label = "strength (dBm)",
                        .series = {},
                        .ticks_at_points = false};
-    for (std::size_t broker = 0; broker <= brokers; ++broker) {
-        PlotSeries series{.label = broker < brokers ? "broker " + std::to_string(broker + 1)
-                                                    : "the one it talks to",
+    for (std::size_t broker = 0; broker <= row_brokers; ++broker) {
+        PlotSeries series{.label = broker < row_brokers ? "broker " + std::to_string(broker + 1)
+                                                        : "the one it talks to",
                           .points = {},
-                          .line = broker == brokers,
-                          .small = broker < brokers};
+                          .line = broker == row_brokers,
+                          .small = broker < row_brokers};
         for (const Strength& at : outcomes.front().strengths) {
-            const std::size_t which = broker < brokers ? broker : at.chosen;
+            const std::size_t which = broker < row_brokers ? broker : at.chosen;
             series.points.push_back({.x = at.at_s, .y = at.dbm[which]});
         }
         strength.series.push_back(std::move(series));
@@ -327,11 +327,11 @@ void write_results(const std::vector<Outcome>& outcomes, const std::filesystem::
 
 void run_roaming(const ApplicationOptions& options) {
     boost::asio::io_context io{1};
-    const RowOfCells row(options.network, port, brokers,
+    const RowOfCells row(options.network, row_port, row_brokers,
                          {.metres_between = 12, .metres_a_second = options.brief ? 8.0 : 3.0});
     std::filesystem::create_directories(options.output);
     std::vector<std::unique_ptr<BrokerProcess>> processes;
-    for (std::size_t i = 0; i < brokers; ++i) {
+    for (std::size_t i = 0; i < row_brokers; ++i) {
         const std::string name = "b" + std::to_string(i + 1);
         processes.push_back(std::make_unique<BrokerProcess>(
             name, options.broker_program,
@@ -342,7 +342,7 @@ void run_roaming(const ApplicationOptions& options) {
             options.output / ("roaming-" + name + ".txt")));
     }
     BrokerWatch watch(io, row.broker(0), "roaming-watch", {.t_retry = 100ms, .n_retry = 200}, {});
-    for (const Instant end = net::now() + 20s; watch.members_in_view_of("b1") < brokers;) {
+    for (const Instant end = net::now() + 20s; watch.members_in_view_of("b1") < row_brokers;) {
         for (const auto& process : processes) process->expect_running();
         if (net::now() > end) throw std::runtime_error("the brokers did not find each other");
         io.run_one_for(5ms);

@@ -16,7 +16,7 @@
 namespace romano::experiments {
 namespace {
 
-constexpr const char* examples = R"(Applications, at a broker that runs:
+constexpr const char* apply_examples = R"(Applications, at a broker that runs:
   group-control   six robots in two teams, told apart by the topics they subscribe to
   path-copy       one robot drives and tells where it is, two others copy its path
   radio-distance  two robots disperse and keep the strength of their radio link (a modelled radio)
@@ -102,7 +102,7 @@ void add_apply(CLI::App& program, int& exit_code) {
     CLI::App& command = *program.add_subcommand(
         "apply", "Run an application of the ROMANO paper on simulated robots, and draw a picture");
     add_options(command, *options);
-    command.footer(examples);
+    command.footer(apply_examples);
     command.callback([options, &exit_code] {
         options->run.output = options->output;
         options->run.broker_program =

@@ -19,7 +19,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr const char* examples = R"(Examples:
+constexpr const char* brokers_examples = R"(Examples:
   romano brokers
   romano brokers -h 127.0.0.2 -p 1884
   romano brokers --json | jq '.[] | select(.leader)'
@@ -134,7 +134,7 @@ void add_brokers(CLI::App& program, int& exit_code) {
         "brokers", "Show the cluster as one of its brokers sees it: who lives, leads, serves");
     options->add_to(command);
     command.add_flag("--json", *as_json, "Print what the broker says, as a JSON array");
-    command.footer(examples);
+    command.footer(brokers_examples);
     command.callback([options, as_json, &exit_code] {
         show_brokers(*options, *as_json);
         exit_code = 0;

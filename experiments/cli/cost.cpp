@@ -24,7 +24,7 @@
 namespace romano::experiments {
 namespace {
 
-constexpr const char* examples = R"(Examples:
+constexpr const char* cost_examples = R"(Examples:
   romano cost                                        (2 to 100 brokers, two robots at each)
   romano cost --brokers 2,10,50 --beacon-ms 50       (how much slower beacons save)
   romano cost --robots 0 --json | jq '.[].core_share'
@@ -225,7 +225,7 @@ void add_cost(CLI::App& program, int& exit_code) {
         ->capture_default_str();
     command.add_option("--output", options->output, "Leave cost.csv and cost.svg in this folder");
     command.add_flag("--json", options->as_json, "Print the result as JSON");
-    command.footer(examples);
+    command.footer(cost_examples);
     command.callback([options, &exit_code] { exit_code = run(*options); });
 }
 

@@ -22,7 +22,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr const char* examples = R"(Examples:
+constexpr const char* load_examples = R"(Examples:
   romano load                                       (closed loop, one publisher, one subscriber)
   romano load -h 192.168.1.5 --rate 10000           (10,000 messages a second: what is the latency?)
   romano load --subscribers 50                      (fan-out: each message goes to 50)
@@ -205,7 +205,7 @@ void add_load(CLI::App& program, int& exit_code) {
         "Poll without waiting: takes a core, and keeps this program's own wake-ups out "
         "of the latency");
     command.add_flag("--json", options->json, "Print the figures as JSON");
-    command.footer(examples);
+    command.footer(load_examples);
     command.callback([options, rate, &exit_code] {
         LoadPlan& chosen = options->plan;
         chosen.qos = static_cast<mqttsn::Qos>(options->qos);

@@ -24,7 +24,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr const char* examples = R"(Examples:
+constexpr const char* pub_examples = R"(Examples:
   romano pub -t robots/7/command -m "forward 10"
   romano pub -h fe80::1%wlan0 -p 1884 -t map/tile -f tile.bin -q 2 -r
   romano pub -t map/tile -n -r                      (deletes the retained message)
@@ -242,7 +242,7 @@ void add_pub(CLI::App& program, int& exit_code) {
     command.add_option("--repeat-delay", options->repeat_delay_s, "Seconds between them")
         ->check(CLI::NonNegativeNumber)
         ->capture_default_str();
-    command.footer(examples);
+    command.footer(pub_examples);
     command.callback([options, &exit_code] {
         check(*options);
         Publisher{*options}.run();

@@ -19,7 +19,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr const char* examples = R"(Examples:
+constexpr const char* robots_examples = R"(Examples:
   romano robots
   romano robots --follow                      (heartbeats, arrivals and departures as they come)
   romano robots -h 127.0.0.2 --json | jq -r '.[] | select(.state == "silent").robot'
@@ -151,7 +151,7 @@ void add_robots(CLI::App& program, int& exit_code) {
         .add_flag("--follow", *follow,
                   "Print a line for each heartbeat and change, until Ctrl-C, instead of the list")
         ->excludes(json);
-    command.footer(examples);
+    command.footer(robots_examples);
     command.callback([options, as_json, follow, &exit_code] {
         *follow ? follow_robots(*options) : show_robots(*options, *as_json);
         exit_code = 0;

@@ -25,7 +25,7 @@
 namespace romano::experiments {
 namespace {
 
-constexpr const char* examples = R"(Examples:
+constexpr const char* simulate_examples = R"(Examples:
   romano simulate --seeds 1..1000                  (clusters of 2 to 5 brokers, every kind of fault)
   romano simulate --seeds 1..200 --fault crash --brokers 3 --acks 1
   romano simulate --seeds 1..100 --elector raft --json | jq .runs.bad
@@ -323,7 +323,7 @@ void add_simulate(CLI::App& program, int& exit_code) {
                      "Also print in how many runs which invariant of the cluster broke");
     command.add_flag("--json", options->as_json, "Print the result as JSON");
     command.add_flag("--trace", options->trace, "Print all that happens");
-    command.footer(examples);
+    command.footer(simulate_examples);
     command.callback([options, &exit_code] { exit_code = simulate(*options) ? 0 : 1; });
 }
 

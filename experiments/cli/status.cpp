@@ -18,7 +18,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr const char* examples = R"(Examples:
+constexpr const char* status_examples = R"(Examples:
   romano-broker --metrics 127.0.0.1:9883 &
   romano status
   romano status 192.168.1.5:9883 --every 5
@@ -178,7 +178,7 @@ private:
     std::ostringstream out_;
 };
 
-std::string to_json(const MetricsPage& page, const std::string& text) {
+std::string page_as_json(const MetricsPage& page, const std::string& text) {
     nlohmann::ordered_json all;
     std::istringstream lines(text);
     for (std::string line; std::getline(lines, line);) {
@@ -219,7 +219,7 @@ void show_status(const StatusOptions& options) {
         throw CommandError("what answers at " + options.address + " is no romano-broker");
     }
     if (options.as_json) {
-        std::puts(to_json(before, first).c_str());
+        std::puts(page_as_json(before, first).c_str());
         return;
     }
     const auto since = Clock::now();
@@ -247,7 +247,7 @@ void add_status(CLI::App& program, int& exit_code) {
         ->check(CLI::Range(0.1, 3600.0))
         ->capture_default_str();
     command.add_flag("--json", options->as_json, "Print all metrics as a JSON object");
-    command.footer(examples);
+    command.footer(status_examples);
     command.callback([options, &exit_code] {
         show_status(*options);
         exit_code = 0;

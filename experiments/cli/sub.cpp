@@ -24,7 +24,7 @@ using namespace std::chrono_literals;
 
 constexpr int timed_out = 27;  // as mosquitto_sub says it
 
-constexpr const char* examples = R"(Examples:
+constexpr const char* sub_examples = R"(Examples:
   romano sub -t 'robots/+/pose' -v
   romano sub -h 127.0.0.2 -t '#' -q 2
   romano sub -t init-info -C 1 -W 10                (one message, within 10 seconds)
@@ -225,7 +225,7 @@ void add_sub(CLI::App& program, int& exit_code) {
     command.add_option("-C,--count", options->count, "End after so many messages");
     command.add_option("-W,--timeout", options->timeout_s, "End after so many seconds")
         ->check(CLI::NonNegativeNumber);
-    command.footer(examples);
+    command.footer(sub_examples);
     command.callback([options, &exit_code] {
         if (options->topics.empty() && options->predefined.empty()) {
             throw CommandError("a topic is needed: -t FILTER or --predefined ID");

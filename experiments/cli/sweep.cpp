@@ -11,7 +11,7 @@
 namespace romano::experiments {
 namespace {
 
-constexpr const char* examples = R"(Examples:
+constexpr const char* sweep_examples = R"(Examples:
   romano sweep experiments/demo.toml               (goes on where it was interrupted)
   romano sweep experiments/demo.toml --fresh       (forgets earlier results)
   romano sweep experiments/demo.toml --list        (what it would run)
@@ -53,7 +53,7 @@ void add_sweep(CLI::App& program, int& exit_code) {
     command.add_flag("--list", options->list, "List the cells and run nothing");
     command.add_option("--broker", options->request.broker_program,
                        "The broker's program (default: romano-broker beside this program)");
-    command.footer(examples);
+    command.footer(sweep_examples);
     command.callback([options, cell, &exit_code] {
         SweepRequest& request = options->request;
         if (options->list) {

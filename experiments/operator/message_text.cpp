@@ -4,6 +4,7 @@
 #include <array>
 #include <nlohmann/json.hpp>
 
+#include "experiments/operator/movements.h"
 #include "romano/message/romano_id.h"
 #include "romano/server/server.h"
 
@@ -11,9 +12,6 @@ namespace romano::experiments {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-constexpr std::array<const char*, 6> movements = {"front", "back",        "left",
-                                                  "right", "rotate-left", "rotate-right"};
 
 bool is_topic_of_romano(std::string_view topic) {
     return topic == server::init_topic || topic == server::common_topic ||

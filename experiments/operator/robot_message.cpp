@@ -10,6 +10,7 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "experiments/operator/movements.h"
 #include "romano/message/codec.h"
 #include "romano/message/romano_id.h"
 #include "romano/mqttsn/topic.h"
@@ -17,8 +18,6 @@
 namespace romano::experiments {
 namespace {
 
-constexpr std::array<std::string_view, 6> movements = {"front", "back",        "left",
-                                                       "right", "rotate-left", "rotate-right"};
 constexpr std::size_t legacy_topic_octets = 15;
 constexpr std::size_t legacy_data_octets = 31;
 
@@ -26,7 +25,7 @@ constexpr std::size_t legacy_data_octets = 31;
     throw std::invalid_argument(sentence);
 }
 
-std::string quoted(std::string_view text) {
+std::string in_quotes(std::string_view text) {
     return '`' + std::string{text} + '`';
 }
 
@@ -51,7 +50,7 @@ std::optional<double> amount_in(std::string_view text, const std::array<Unit, Co
 template <typename Number>
 Number whole(double value, double most, std::string_view text) {
     if (!(value >= 0) || value > most) {
-        refuse("amount " + quoted(text) + ": must be from 0 to " +
+        refuse("amount " + in_quotes(text) + ": must be from 0 to " +
                std::to_string(std::llround(most)) + " of the smallest unit");
     }
     return static_cast<Number>(std::llround(value));
@@ -76,7 +75,7 @@ Octets own_movement(std::uint16_t type, std::string_view amount) {
         const auto [end, error] =
             std::from_chars(begin, amount.data() + std::min(at + 2, amount.size()), octet, 16);
         if (error != std::errc{} || end != begin + 2) {
-            refuse("amount " + quoted(amount) +
+            refuse("amount " + in_quotes(amount) +
                    ": the application's own movements take hexadecimal octets, for example 0a0b");
         }
         arguments.push_back(octet);
@@ -97,7 +96,7 @@ std::size_t index_of(std::string_view movement) {
     for (std::size_t i = 0; i < movements.size(); ++i) {
         if (movements[i] == movement) return i;
     }
-    refuse("movement " + quoted(movement) +
+    refuse("movement " + in_quotes(movement) +
            ": must be front, back, left, right, rotate-left, rotate-right, or 0x8000 to 0xffff");
 }
 
@@ -105,7 +104,7 @@ Octets binary_move(std::size_t movement, std::string_view amount) {
     const bool turns = movement >= 4;
     const auto value = turns ? amount_in(amount, angles) : amount_in(amount, lengths);
     if (!value) {
-        refuse("amount " + quoted(amount) + ": " +
+        refuse("amount " + in_quotes(amount) + ": " +
                (turns ? "must be an angle, for example 90deg or 1500mdeg"
                       : "must be a distance, for example 100mm, 10cm or 0.5m"));
     }
@@ -126,19 +125,19 @@ Octets text_octets(std::string_view text) {
 
 void check_name(std::string_view what, std::string_view topic) {
     if (mqttsn::is_valid_topic_name(topic)) return;
-    refuse(std::string{what} + ' ' + quoted(topic) +
+    refuse(std::string{what} + ' ' + in_quotes(topic) +
            ": must be a topic's name: UTF-8, not empty, without + and #");
 }
 
 void check_filter(std::string_view topic) {
     if (mqttsn::is_valid_topic_filter(topic)) return;
-    refuse("topic " + quoted(topic) +
+    refuse("topic " + in_quotes(topic) +
            ": must be UTF-8 and not empty, with + as a whole level and # as the last one");
 }
 
 void check_legacy_topic(std::string_view topic) {
     if (topic.empty() || topic.size() > legacy_topic_octets) {
-        refuse("topic " + quoted(topic) + ": the authors' firmware takes 1 to 15 octets");
+        refuse("topic " + in_quotes(topic) + ": the authors' firmware takes 1 to 15 octets");
     }
 }
 
@@ -151,7 +150,7 @@ Octets legacy_move(std::size_t movement, std::string_view amount, int speed) {
     std::int16_t degrees = 0;
     if (movement >= 4) {
         const auto angle = amount_in(amount, angles);
-        if (!angle) refuse("amount " + quoted(amount) + ": must be an angle, for example 90deg");
+        if (!angle) refuse("amount " + in_quotes(amount) + ": must be an angle, for example 90deg");
         type = rotate;
         degrees = whole<std::int16_t>(*angle / 1000, 32'767, amount);
         if (movement == 5) degrees = static_cast<std::int16_t>(-degrees);
@@ -160,7 +159,7 @@ Octets legacy_move(std::size_t movement, std::string_view amount, int speed) {
     } else {
         const auto duration = amount_in(amount, times);
         if (!duration) {
-            refuse("amount " + quoted(amount) +
+            refuse("amount " + in_quotes(amount) +
                    ": this robot has the authors' firmware, which drives by time: 500ms or 2s");
         }
         time = whole<std::uint16_t>(*duration, 65'535, amount);
@@ -185,7 +184,7 @@ std::vector<std::string> receivers_in(std::string_view list) {
             return static_cast<char>(std::tolower(letter));
         });
         if (lower != receiver && message::RomanoId::parse(lower)) {
-            refuse("robot " + quoted(receiver) + ": ids are in lower case: " + lower);
+            refuse("robot " + in_quotes(receiver) + ": ids are in lower case: " + lower);
         }
         receivers.push_back(receiver);
     }

@@ -6,7 +6,7 @@
 namespace romano::experiments {
 namespace {
 
-constexpr std::array<std::pair<Fault, std::string_view>, 9> names{{
+constexpr std::array<std::pair<Fault, std::string_view>, 9> fault_words{{
     {Fault::none, "none"},
     {Fault::kill_leader, "kill-leader"},
     {Fault::kill_home, "kill-home"},
@@ -21,14 +21,14 @@ constexpr std::array<std::pair<Fault, std::string_view>, 9> names{{
 }  // namespace
 
 std::string_view name_of(Fault fault) {
-    for (const auto& [value, name] : names) {
+    for (const auto& [value, name] : fault_words) {
         if (value == fault) return name;
     }
     return "?";
 }
 
 std::optional<Fault> fault_named(std::string_view name) {
-    for (const auto& [value, known] : names) {
+    for (const auto& [value, known] : fault_words) {
         if (known == name) return value;
     }
     return std::nullopt;
@@ -36,7 +36,7 @@ std::optional<Fault> fault_named(std::string_view name) {
 
 std::string fault_names() {
     std::string text;
-    for (const auto& [value, name] : names) {
+    for (const auto& [value, name] : fault_words) {
         if (!text.empty()) text += ", ";
         text += name;
     }

@@ -15,10 +15,6 @@ using namespace std::chrono_literals;
 
 constexpr auto ends_within = 5s;  // after SIGTERM
 
-Duration to_duration(std::chrono::duration<double> duration) {
-    return std::chrono::duration_cast<Duration>(duration);
-}
-
 bool never_done() {
     return false;
 }
@@ -144,11 +140,13 @@ void FaultInjection::note(Instant at, const std::string& what) {
 }
 
 void FaultInjection::rest(Instant end) {
-    run_until_(std::min(end, net::now() + to_duration(settings_.pause)), never_done);
+    run_until_(std::min(end, net::now() + std::chrono::duration_cast<Duration>(settings_.pause)),
+               never_done);
 }
 
 void FaultInjection::await_whole() {
-    const Instant deadline = net::now() + to_duration(settings_.start_within);
+    const Instant deadline =
+        net::now() + std::chrono::duration_cast<Duration>(settings_.start_within);
     if (run_until_(deadline, [this] { return brokers_.are_whole(); })) return;
     throw RunFailed("the brokers were not whole again within start_within; " +
                     brokers_.what_they_see());

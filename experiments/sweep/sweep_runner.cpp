@@ -34,7 +34,7 @@ void listen_for_interrupts() {
     ::sigaction(SIGTERM, &action, nullptr);
 }
 
-std::string utc_now() {
+std::string utc_now_for_people() {
     const std::time_t now = std::time(nullptr);
     std::tm utc{};
     ::gmtime_r(&now, &utc);
@@ -115,7 +115,7 @@ int run_sweep(const SweepRequest& request) {
                           request.fresh || (request.only_cell && !request.replace)};
     const Manifest manifest{.build = build_info(),
                             .machine = this_machine(),
-                            .started_utc = utc_now(),
+                            .started_utc = utc_now_for_people(),
                             .sweep_file = std::filesystem::absolute(request.file).string(),
                             .broker_version = version_of(request.broker_program)};
     write_text(results.path() / "manifest.json", to_json(manifest, sweep));

@@ -9,7 +9,7 @@ namespace {
 
 constexpr Duration asked_every = std::chrono::seconds{1};
 constexpr std::size_t others_most = 1'000;
-constexpr std::size_t longest_value = 256;  // that is believed of a peer
+constexpr std::size_t longest_believed_value = 256;  // that is believed of a peer
 
 }  // namespace
 
@@ -44,7 +44,7 @@ void Agreement::compare(Effects& effects, const std::string& name, Other& other,
     for (const Setting& ours : own_) {
         const auto theirs = std::ranges::find(told.settings, ours.name, &Setting::name);
         if (theirs == told.settings.end() || theirs->digest == ours.digest) continue;
-        const std::string value = cut(theirs->value, longest_value);
+        const std::string value = cut(theirs->value, longest_believed_value);
         effects.local.push_back(Notice{.text = "the brokers disagree about " + ours.name + ": " +
                                                name_ + " has '" + ours.value + "', " + name +
                                                " has '" + value + "'; give all brokers the same",

@@ -8,7 +8,7 @@
 namespace romano::cluster {
 namespace {
 
-constexpr std::size_t sessions_per_part = 16;
+constexpr std::size_t sessions_per_handoff_part = 16;
 
 }  // namespace
 
@@ -22,7 +22,7 @@ std::uint32_t send_handoff_piece(const LogId& to, const Endpoint& address, std::
                                  Outbox& out) {
     SessionHandoff message{.to = to, .address = address, .part = part};
     for (auto& image : sessions) {
-        if (message.sessions.size() == sessions_per_part) {
+        if (message.sessions.size() == sessions_per_handoff_part) {
             SessionHandoff following{.to = to, .address = address, .part = ++part};
             out.push_back({to.broker, std::exchange(message, std::move(following))});
         }

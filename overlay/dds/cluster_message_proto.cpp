@@ -6,7 +6,7 @@
 namespace romano::overlay::proto {
 namespace {
 
-using Maybe = std::optional<cluster::ClusterMessage>;
+using MaybeMessage = std::optional<cluster::ClusterMessage>;
 
 void to_proto(const cluster::ViewNumber& in, ViewNumber& out) {
     out.set_term(in.term);
@@ -61,14 +61,14 @@ bool read_events(const LogEvents& in, Log& out) {
     return all_from_proto(in.events(), out.events);
 }
 
-Maybe read_log_batch(const LogEvents& in) {
+MaybeMessage read_log_batch(const LogEvents& in) {
     cluster::LogBatch out{};
     if (!read_events(in, out)) return std::nullopt;
     out.awaited = in.awaited();
     return out;
 }
 
-Maybe read_log_tail(const LogTail& in) {
+MaybeMessage read_log_tail(const LogTail& in) {
     cluster::LogTail out{};
     if (!read_events(in.events(), out)) return std::nullopt;
     out.end = in.end();
@@ -101,7 +101,7 @@ std::optional<cluster::Assignment> from_proto(const Assignment& in) {
 }
 
 // One overload a message: writes it as the alternative of the oneof that is its own.
-struct Writer {
+struct MessageWriter {
     ClusterMessage& out;
 
     void operator()(const cluster::Beacon& m) const {
@@ -230,7 +230,7 @@ struct Writer {
     }
 };
 
-Maybe read_beacon(const Beacon& in) {
+MaybeMessage read_beacon(const Beacon& in) {
     const auto log = from_proto(in.log());
     auto view = from_proto(in.view());
     const auto link = from_proto(in.link());
@@ -259,26 +259,26 @@ Maybe read_beacon(const Beacon& in) {
     return out;
 }
 
-Maybe read_log_ack(const LogAck& in) {
+MaybeMessage read_log_ack(const LogAck& in) {
     const auto through = from_proto(in.through());
     const auto by = from_proto(in.by());
     if (!through || !by) return std::nullopt;
     return cluster::LogAck{*through, *by};
 }
 
-Maybe read_forward_batch(const ForwardBatch& in) {
+MaybeMessage read_forward_batch(const ForwardBatch& in) {
     cluster::ForwardBatch out;
     if (!all_from_proto(in.messages(), out.messages)) return std::nullopt;
     return out;
 }
 
-Maybe read_ballot(const Ballot& in) {
+MaybeMessage read_ballot(const Ballot& in) {
     const auto kind = narrow<std::uint8_t>(in.kind());
     if (!kind) return std::nullopt;
     return cluster::ElectionMessage{{*kind, in.term()}};
 }
 
-Maybe read_view_proposal(const ViewProposal& in) {
+MaybeMessage read_view_proposal(const ViewProposal& in) {
     auto view = from_proto(in.view());
     if (!view) return std::nullopt;
     cluster::ViewProposal out{std::move(*view), {}};
@@ -286,7 +286,7 @@ Maybe read_view_proposal(const ViewProposal& in) {
     return out;
 }
 
-Maybe read_view_holdings(const ViewHoldings& in) {
+MaybeMessage read_view_holdings(const ViewHoldings& in) {
     cluster::ViewHoldings out{.number = number_from(in.number())};
     if (!all_from_proto(in.holds(), out.holds)) return std::nullopt;
     if (!all_from_proto(in.outdated(), out.outdated)) return std::nullopt;
@@ -301,7 +301,7 @@ Maybe read_view_holdings(const ViewHoldings& in) {
     return out;
 }
 
-Maybe read_view_announcement(const ViewAnnouncement& in) {
+MaybeMessage read_view_announcement(const ViewAnnouncement& in) {
     auto view = from_proto(in.view());
     if (!view) return std::nullopt;
     cluster::ViewAnnouncement out{std::move(*view), {}, {}};
@@ -314,7 +314,7 @@ Maybe read_view_announcement(const ViewAnnouncement& in) {
     return out;
 }
 
-Maybe read_snapshot_part(const SnapshotPart& in) {
+MaybeMessage read_snapshot_part(const SnapshotPart& in) {
     const auto as_of = from_proto(in.as_of());
     if (!as_of) return std::nullopt;
     cluster::SnapshotPart out{*as_of, in.part(), in.last(), {}, {}, {}, {}};
@@ -325,7 +325,7 @@ Maybe read_snapshot_part(const SnapshotPart& in) {
     return out;
 }
 
-Maybe read_session_handoff(const SessionHandoff& in) {
+MaybeMessage read_session_handoff(const SessionHandoff& in) {
     const auto to = from_proto(in.to());
     const auto address = from_proto(in.address());
     if (!to || !address) return std::nullopt;
@@ -334,7 +334,7 @@ Maybe read_session_handoff(const SessionHandoff& in) {
     return out;
 }
 
-Maybe read_settings_told(const SettingsTold& in) {
+MaybeMessage read_settings_told(const SettingsTold& in) {
     cluster::SettingsTold out{.settings = {}, .asks = in.asks()};
     for (const auto& setting : in.settings()) {
         out.settings.push_back({setting.name(), setting.value(), setting.digest()});
@@ -345,10 +345,10 @@ Maybe read_settings_told(const SettingsTold& in) {
 }  // namespace
 
 void to_proto(const cluster::ClusterMessage& in, ClusterMessage& out) {
-    std::visit(Writer{out}, in);
+    std::visit(MessageWriter{out}, in);
 }
 
-Maybe from_proto(const ClusterMessage& in) {
+MaybeMessage from_proto(const ClusterMessage& in) {
     switch (in.message_case()) {
         case ClusterMessage::kBeacon:
             return read_beacon(in.beacon());

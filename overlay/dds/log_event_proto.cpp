@@ -5,7 +5,7 @@
 namespace romano::overlay::proto {
 namespace {
 
-using Maybe = std::optional<broker::LogEvent>;
+using MaybeEvent = std::optional<broker::LogEvent>;
 
 void to_proto(const broker::Route& in, Route& out) {
     out.set_client_id(in.client_id);
@@ -20,7 +20,7 @@ std::optional<broker::Route> from_proto(const Route& in) {
 }
 
 // One overload an event: writes it as the alternative of the oneof that is its own.
-struct Writer {
+struct EventWriter {
     LogEvent& out;
 
     void operator()(const broker::SessionPut& e) const {
@@ -102,7 +102,7 @@ bool read_routes(const Routes& in, std::vector<broker::Route>& out) {
     return true;
 }
 
-Maybe read_will_changed(const WillChanged& in) {
+MaybeEvent read_will_changed(const WillChanged& in) {
     broker::WillChanged out{in.client_id(), std::nullopt};
     if (in.has_will()) {
         out.will = from_proto(in.will());
@@ -111,7 +111,7 @@ Maybe read_will_changed(const WillChanged& in) {
     return out;
 }
 
-Maybe read_published(const Published& in) {
+MaybeEvent read_published(const Published& in) {
     auto message = from_proto(in.message());
     const auto msg_id = narrow<mqttsn::MsgId>(in.msg_id());
     if (!in.has_message() || !message || !msg_id) return std::nullopt;
@@ -120,7 +120,7 @@ Maybe read_published(const Published& in) {
     return out;
 }
 
-Maybe read_routed(const Routed& in) {
+MaybeEvent read_routed(const Routed& in) {
     const auto message = from_proto(in.message());
     if (!message) return std::nullopt;
     broker::Routed out{*message, {}};
@@ -128,7 +128,7 @@ Maybe read_routed(const Routed& in) {
     return out;
 }
 
-Maybe read_delivery_started(const DeliveryStarted& in) {
+MaybeEvent read_delivery_started(const DeliveryStarted& in) {
     const auto message = from_proto(in.message());
     const auto msg_id = narrow<mqttsn::MsgId>(in.msg_id());
     const auto qos = qos_from(in.qos());
@@ -137,7 +137,7 @@ Maybe read_delivery_started(const DeliveryStarted& in) {
 }
 
 template <typename Step>
-Maybe read_step(const DeliveryStep& in) {
+MaybeEvent read_step(const DeliveryStep& in) {
     const auto message = from_proto(in.message());
     if (!message) return std::nullopt;
     return Step{in.client_id(), *message};
@@ -146,10 +146,10 @@ Maybe read_step(const DeliveryStep& in) {
 }  // namespace
 
 void to_proto(const broker::LogEvent& in, LogEvent& out) {
-    std::visit(Writer{out}, in);
+    std::visit(EventWriter{out}, in);
 }
 
-Maybe from_proto(const LogEvent& in) {
+MaybeEvent from_proto(const LogEvent& in) {
     switch (in.event_case()) {
         case LogEvent::kSessionPut:
             if (auto image = from_proto(in.session_put())) {

@@ -9,13 +9,15 @@ namespace romano::mqttsn {
 namespace {
 
 // The fields of a body, in their order.
-constexpr unsigned flags = 0x01;
-constexpr unsigned protocol = 0x02;  // protocol_id
-constexpr unsigned topic = 0x04;
-constexpr unsigned msg = 0x08;
-constexpr unsigned code = 0x10;
-constexpr unsigned rest = 0x20;
-constexpr unsigned or_nothing = 0x40;  // the body may be empty instead
+enum : unsigned {
+    flags = 0x01,
+    protocol = 0x02,  // protocol_id
+    topic = 0x04,
+    msg = 0x08,
+    code = 0x10,
+    rest = 0x20,
+    or_nothing = 0x40,  // the body may be empty instead
+};
 
 constexpr std::uint8_t fields[] = {
     flags | msg,                    // ADVERTISE
