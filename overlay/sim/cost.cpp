@@ -76,6 +76,7 @@ Cost cost_of(const CostOptions& options) {
     ClusterWorldOptions world_options;
     world_options.seed = options.seed;
     world_options.brokers = options.brokers;
+    world_options.are_invariants_judged = false;
     world_options.cluster.acks = options.acks;
     world_options.cluster.beacon_every = options.beacon_every;
     world_options.cluster.detection_timeout = options.detection_timeout;
