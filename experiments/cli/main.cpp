@@ -9,6 +9,7 @@
 #include "experiments/cli/brokers.h"
 #include "experiments/cli/cost.h"
 #include "experiments/cli/load.h"
+#include "experiments/cli/paper.h"
 #include "experiments/cli/pub.h"
 #include "experiments/cli/robots.h"
 #include "experiments/cli/simulate.h"
@@ -39,6 +40,7 @@ int main(int argc, char** argv) {
     add_sweep(program, exit_code);
     add_simulate(program, exit_code);
     add_cost(program, exit_code);
+    add_paper(program, exit_code);
     try {
         program.parse(argc, argv);
         if (program.get_subcommands().empty()) {

@@ -1,0 +1,149 @@
+#include "experiments/cli/paper.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <iterator>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <system_error>
+#include <vector>
+
+#include "experiments/paper/cells_plan.h"
+#include "experiments/paper/energy.h"
+#include "experiments/paper/paper_plan.h"
+#include "experiments/paper/paper_report.h"
+#include "experiments/sweep/progress_bar.h"
+
+namespace romano::experiments {
+namespace {
+
+constexpr const char* examples = R"(Examples:
+  romano paper                                   (all parts)
+  romano paper --parts table                     (ten rates, ten runs of 5,000 messages each)
+  romano paper --parts table --runs 2 --messages 1000 --rates 180,200,220 --baud 230400 --seed 7
+  romano paper --parts cells --brokers 1,2,4 --cell-channels 2
+Parts: table (the paper's table and figure, each number it states beside ours), energy (what a message
+costs, from the table's runs), cells (a broker for each cell).
+The shipped cores on ns-3's IEEE 802.15.4 with 6LoWPAN, in virtual time (overlay/radio). The same seed
+gives the same numbers. Begun again, it goes on where it was interrupted. The folder then holds
+report.html, each table as CSV, and each figure as SVG where gnuplot is.
+)";
+
+struct Options {
+    std::vector<std::string> parts{"table", "energy", "cells"};
+    PaperPlan table;
+    CellsPlan cells;
+    std::uint64_t seed = 1;
+    unsigned jobs = 2;
+    bool fresh = false;
+    std::filesystem::path output = "results/paper";
+
+    [[nodiscard]] bool wants(const char* part) const {
+        return std::ranges::find(parts, part) != parts.end();
+    }
+};
+
+std::vector<SeparateRun> runs_of(const Options& options) {
+    std::vector<SeparateRun> all;
+    const auto add = [&all](std::vector<SeparateRun> runs) {
+        std::ranges::move(runs, std::back_inserter(all));
+    };
+    if (options.wants("table") || options.wants("energy")) add(runs_of(options.table));
+    if (options.wants("cells")) add(runs_of(options.cells));
+    return all;
+}
+
+std::vector<Section> sections_of(const Options& options, const std::filesystem::path& folder) {
+    std::vector<Section> all;
+    if (options.wants("table")) all.push_back(paper_section(figures_of(options.table, folder)));
+    if (options.wants("energy")) all.push_back(energy_section(options.table, folder));
+    if (options.wants("cells")) all.push_back(cells_section(options.cells, folder));
+    return all;
+}
+
+int run(const Options& options) {
+    if (const auto problem = problem_with(options.table)) throw std::runtime_error(*problem);
+    const auto folder = options.output / "runs";
+    std::error_code failed;
+    if (options.fresh) std::filesystem::remove_all(folder, failed);
+    std::filesystem::create_directories(folder, failed);
+    if (failed) {
+        throw std::runtime_error("cannot write into --output `" + options.output.string() + "`");
+    }
+    const auto runs = runs_of(options);
+    const auto done =
+        std::ranges::count_if(runs, [&](const SeparateRun& run) { return is_done(run, folder); });
+    ProgressBar bar{stderr, runs.size(), static_cast<std::size_t>(done)};
+    bar.show(0, "begins");
+    do_runs(runs, folder, options.jobs, [&](const SeparateRun& run) {
+        bar.finish_quietly();
+        bar.show(0, run.name);
+    });
+    bar.erase();
+    const auto sections = sections_of(options, folder);
+    write_report(sections, options.output);
+    std::printf("%s%s\n", to_text(sections).c_str(), (options.output / "report.html").c_str());
+    return 0;
+}
+
+}  // namespace
+
+void add_paper(CLI::App& program, int& exit_code) {
+    auto options = std::make_shared<Options>();
+    PaperPlan& plan = options->table;
+    CLI::App& command = *program.add_subcommand(
+        "paper", "The paper's experiments on modelled radio cells, and what many brokers change");
+    command.set_help_flag("--help", "Show this and examples, and exit");
+    command.add_option("--parts", options->parts, "Of the report, one or several")
+        ->delimiter(',')
+        ->check(CLI::IsMember(options->parts))
+        ->capture_default_str();
+    command.add_option("--rates", plan.rates, "table: messages a second, such as 100,200,300")
+        ->delimiter(',')
+        ->check(CLI::Range(0.1, 2000.0))
+        ->capture_default_str();
+    command
+        .add_option("--baud", plan.router_bauds,
+                    "table: of the border router's UART, one or several")
+        ->delimiter(',')
+        ->capture_default_str();
+    command.add_option("--channel", plan.channel, "table: IEEE 802.15.4 channel, 11 to 26")
+        ->capture_default_str();
+    command.add_option("--runs", plan.runs, "table: at each rate")
+        ->check(CLI::Range(1, 1000))
+        ->capture_default_str();
+    command
+        .add_option("--messages", plan.messages, "table: of each run; for the delays 1000 at most")
+        ->check(CLI::Range(1, 1'000'000))
+        ->capture_default_str();
+    command
+        .add_option("--brokers", options->cells.brokers,
+                    "cells: counts of brokers, such as 1,2,4; one cell each")
+        ->delimiter(',')
+        ->check(CLI::Range(1, 64))
+        ->capture_default_str();
+    command
+        .add_option("--cell-channels", options->cells.channels,
+                    "cells: channels that the cells take in turn")
+        ->check(CLI::Range(1, 16))
+        ->capture_default_str();
+    command.add_option("--seed", options->seed, "Of all runs")->capture_default_str();
+    command.add_option("--jobs", options->jobs, "Runs at a time, a process each")
+        ->check(CLI::Range(1, 256))
+        ->capture_default_str();
+    command.add_option("--output", options->output, "Folder of runs, tables, figure and report")
+        ->capture_default_str();
+    command.add_flag("--fresh", options->fresh, "Forget the runs that stand in --output");
+    command.footer(examples);
+    command.callback([options, &exit_code] {
+        options->table.seed = options->seed;
+        options->cells.seed = options->seed;
+        PaperPlan& table = options->table;
+        table.delay_messages = std::min(table.delay_messages, table.messages);
+        exit_code = run(*options);
+    });
+}
+
+}  // namespace romano::experiments

@@ -1,0 +1,56 @@
+#include "experiments/paper/section.h"
+
+#include <fstream>
+#include <stdexcept>
+
+#include "experiments/sweep/csv.h"
+
+namespace romano::experiments {
+namespace {
+
+void write(const std::filesystem::path& file, const std::string& text) {
+    std::ofstream out(file);
+    if (!(out << text).flush()) throw std::runtime_error("cannot write `" + file.string() + "`");
+}
+
+std::string to_csv(const SummaryTable& table) {
+    CsvRow head = table.head;
+    for (std::size_t i = 0; i < table.units.size(); ++i) {
+        if (!table.units[i].empty()) head[i] += " (" + table.units[i] + ")";
+    }
+    std::string csv = csv_line(head);
+    for (const auto& row : table.rows) csv += csv_line(row);
+    return csv;
+}
+
+}  // namespace
+
+std::string to_text(const std::vector<Section>& sections) {
+    std::string text;
+    for (const Section& section : sections) {
+        text += "== " + section.title + "\n" + section.words + "\n\n";
+        for (const SectionTable& each : section.tables) text += to_text(each.table) + '\n';
+    }
+    return text;
+}
+
+void write_report(const std::vector<Section>& sections, const std::filesystem::path& folder) {
+    std::string html =
+        "<!doctype html><html lang=\"en\"><meta charset=\"utf-8\"><title>The ROMANO paper again"
+        "</title><body style=\"font: 16px/1.5 sans-serif; max-width: 80rem; margin: 2rem auto\">"
+        "<h1>The ROMANO paper's experiments on modelled IEEE 802.15.4 cells</h1>";
+    for (const Section& section : sections) {
+        html += "<h2>" + html_text(section.title) + "</h2><p>" + html_text(section.words) + "</p>";
+        if (const auto svg = draw(section.figure, folder)) {
+            write(folder / (section.figure.name + ".svg"), *svg + '\n');
+            html += *svg;
+        }
+        for (const auto& [name, table] : section.tables) {
+            write(folder / (name + ".csv"), to_csv(table));
+            html += to_html(table);
+        }
+    }
+    write(folder / "report.html", html + "</body></html>\n");
+}
+
+}  // namespace romano::experiments
