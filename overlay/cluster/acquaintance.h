@@ -7,24 +7,25 @@
 #pragma once
 
 #include <algorithm>
-#include <chrono>
 #include <map>
 #include <optional>
 #include <vector>
 
 #include "overlay/cluster/messages.h"
 #include "overlay/cluster/peer_log.h"
+#include "overlay/cluster/times.h"
 
 namespace romano::cluster {
 
 class Acquaintance {
 public:
     /// Whose logs are held is met. Marks those of members from whom we were parted.
-    void on_view(Instant now, const LogId& self, const View& view, PeerLogs& logs) {
+    void on_view(Instant now, const Times& times, const LogId& self, const View& view,
+                 PeerLogs& logs) {
         const bool is_new_here = members_.empty();
         if (is_new_here) {
             unmet_ = view.members;
-            reads_until_ = now + patience;
+            reads_until_ = now + times.members_read_within();
             for (const LogId& member : view.members) {
                 if (member != self) unread_.emplace(member, std::nullopt);
             }
@@ -64,9 +65,6 @@ public:
     }
 
 private:
-    /// Thousands of sessions come within that; then strangers are answered.
-    static constexpr Duration patience = std::chrono::seconds{2};
-
     std::vector<LogId> members_;  // of the last view
     std::vector<LogId> unmet_;
     std::map<LogId, std::optional<Seq>> unread_;  // up to there, once its writer said where

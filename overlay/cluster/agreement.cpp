@@ -1,13 +1,11 @@
 #include "overlay/cluster/agreement.h"
 
 #include <algorithm>
-#include <chrono>
 #include <utility>
 
 namespace romano::cluster {
 namespace {
 
-constexpr Duration asked_every = std::chrono::seconds{1};
 constexpr std::size_t others_most = 1'000;
 constexpr std::size_t longest_believed_value = 256;  // that is believed of a peer
 
@@ -22,7 +20,8 @@ void Agreement::on_beacon(Effects& effects, const Beacon& beacon) {
     if (others_.size() >= others_most && !others_.contains(from)) return;
     Other& other = others_[from];
     if (std::exchange(other.digest, beacon.settings) != beacon.settings) other = {beacon.settings};
-    if (other.is_known || effects.now < other.asked_at + asked_every) return;
+    if (other.is_known || effects.now < other.asked_at + effects.times.settings_asked_every())
+        return;
     other.asked_at = effects.now;
     effects.peers.push_back({from, SettingsTold{.settings = own_, .asks = true}});
 }

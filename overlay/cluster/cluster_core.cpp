@@ -2,19 +2,9 @@
 
 #include <algorithm>
 #include <cassert>
-#include <chrono>
 #include <utility>
 
 namespace romano::cluster {
-namespace {
-
-using namespace std::chrono_literals;
-
-constexpr Duration cursors_every = 50ms;
-constexpr Duration trim_every = 100ms;
-constexpr Duration addresses_every = 500ms;
-
-}  // namespace
 
 ClusterCore::ClusterCore(const ClusterOptions& options, const Identity& identity,
                          std::uint64_t seed)
@@ -24,16 +14,14 @@ ClusterCore::ClusterCore(const ClusterOptions& options, const Identity& identity
       own_(identity.log, options.log_events_kept),
       membership_(options, identity.log.broker, seed),
       addresses_(identity.home_addresses),
-      publish_order_(identity.log.broker, 4 * membership_.detection_time()),
+      publish_order_(identity.log.broker),
       watermark_(options.acks),
-      view_change_(identity.log, membership_.detection_time(), options.beacon_every),
-      take_over_(identity.log.broker, membership_.detection_time(), options.sessions_per_turn),
-      last_words_(membership_.detection_time()),
-      missing_messages_(4 * membership_.detection_time()),
-      hand_back_(identity.log.broker, membership_.detection_time(), options.sessions_per_turn),
-      handoffs_(options.sessions_per_turn, 4 * membership_.detection_time()),
-      settlement_(identity.log.broker, membership_.detection_time()),
-      roaming_(membership_.detection_time(), digest_of(identity.predefined)),
+      view_change_(identity.log),
+      take_over_(identity.log.broker, options.sessions_per_turn),
+      hand_back_(identity.log.broker, options.sessions_per_turn),
+      handoffs_(options.sessions_per_turn),
+      settlement_(identity.log.broker),
+      roaming_(digest_of(identity.predefined)),
       predefined_(digest_of(identity.predefined)),
       agreement_(identity.name, agreed_settings(options, identity.predefined)) {}
 
@@ -67,16 +55,17 @@ void ClusterCore::on_tick(Effects& effects, const std::set<Endpoint>& pending_ou
     if (effects.now < next_tick_) return;
     next_tick_ = effects.now + options_.beacon_every;
     if (effects.now >= next_cursors_) {
-        next_cursors_ = effects.now + cursors_every;
+        next_cursors_ = effects.now + effects.times.cursors_told_every();
         effects.broker.append_cursors(effects.clients);
     }
     if (effects.now >= next_trim_) {
         trim(effects);
-        missing_messages_.carry_on(effects.now, logs_, membership_, effects.peers);
-        next_trim_ = effects.now + (keeping_.is_behind() ? options_.beacon_every : trim_every);
+        missing_messages_.carry_on(effects, logs_, membership_);
+        next_trim_ = effects.now + (keeping_.is_behind() ? effects.times.beacon_every
+                                                         : effects.times.logs_trimmed_every());
     }
     if (effects.now >= next_addresses_) {
-        next_addresses_ = effects.now + addresses_every;
+        next_addresses_ = effects.now + effects.times.addresses_sought_every();
         seek_addresses(effects);
     }
     ask_for_gaps(effects);
@@ -86,12 +75,13 @@ void ClusterCore::on_tick(Effects& effects, const std::set<Endpoint>& pending_ou
 
 void ClusterCore::warn_when_leaderless(Effects& effects) {
     const bool is_led = is_in_view() && leadership().leader.has_value();
-    if (!leaderless_.is_to_be_told(effects.now, is_led)) return;
+    const Duration patience = effects.times.leaderless_told_every();
+    if (!leaderless_.is_to_be_told(effects.now, patience, is_led)) return;
     std::vector<std::string> heard;
     for (const auto& [id, peer] : membership_.peers()) {
         if (peer.alive) heard.push_back(membership_.name_of(id));
     }
-    effects.local.push_back(leaderless_notice(heard, options_));
+    effects.local.push_back(leaderless_notice(patience, heard, options_));
 }
 
 Instant ClusterCore::next_wakeup() const {
@@ -164,7 +154,7 @@ void ClusterCore::after_input(Effects& effects) {
     }
     handoffs_.carry_on(effects, safe(effects.now));
     roaming_.carry_on(effects, logs(), peer_sessions_.homes(), handoffs_, membership_, view());
-    snapshots_.carry_on(effects.now, logs(), membership_, effects.peers);
+    snapshots_.carry_on(effects, logs(), membership_);
     break_silence(effects);
     // Others wait for these news.
     const bool news = leadership() != last_leadership_ || view().number != last_view_;
@@ -277,7 +267,7 @@ void ClusterCore::on_view(Effects& effects, const ViewAnnouncement& announcement
             peer_sessions_.reset(member, log->second.mirror());
         }
     }
-    acquaintance_.on_view(effects.now, own_.id(), view(), logs_);
+    acquaintance_.on_view(effects.now, effects.times, own_.id(), view(), logs_);
     // Other members hand us what our earlier lives left at our address, if it has not been done
     // yet.
     std::map<Endpoint, std::set<BrokerId>> givers;
@@ -344,7 +334,7 @@ void ClusterCore::resume(Instant now) {
         const Beacon& beacon = entry.second.beacon;
         return beacon.end_of(own_.id()).has_value() || leaves_out(beacon);
     });
-    if (was_left_out || listening_.longest_away() > 8 * detection_time()) {
+    if (was_left_out || listening_.longest_away() > times().waiting_handover_outlives()) {
         handoffs_.forget_waiting();
     }
     listening_.end();
@@ -454,7 +444,7 @@ void ClusterCore::on(Effects& effects, BrokerId from, const AddressBound& bound)
 void ClusterCore::on(Effects& effects, BrokerId from, const SessionHandoff& part) {
     if (part.to != own_.id()) return;
     const Peer* giver = membership_.find(from);
-    handoffs_.on_handoff(effects.now, from, part, giver != nullptr && is_foreign(*giver));
+    handoffs_.on_handoff(effects, from, part, giver != nullptr && is_foreign(*giver));
     heed_handoffs(effects);
     if (!listening_.is_on()) handoffs_.on_turn(effects, logs());
 }
@@ -485,7 +475,7 @@ void ClusterCore::on(Effects& effects, BrokerId from, const SessionRequest& requ
     if (peer == nullptr || own == nullptr) return;
     const broker::SessionHeader left = *own;
     settlement_.on_request(effects, peer->beacon.log, request, hand_back_);
-    if (effects.broker.header(left.client_id) == nullptr) roaming_.on_let_go(effects.now, left);
+    if (effects.broker.header(left.client_id) == nullptr) roaming_.on_let_go(effects, left);
 }
 
 void ClusterCore::check_invariants([[maybe_unused]] const broker::BrokerCore& broker) const {

@@ -139,6 +139,7 @@ public:
     [[nodiscard]] Seq held_of(const LogId& id, const PeerLog& log) const;
     [[nodiscard]] election::Leadership leadership() const { return membership_.leadership(); }
     [[nodiscard]] Duration detection_time() const { return membership_.detection_time(); }
+    [[nodiscard]] Times times() const { return membership_.times(); }
     [[nodiscard]] const Agreement& agreement() const { return agreement_; }
     [[nodiscard]] const Membership& membership() const { return membership_; }
     [[nodiscard]] const ServiceAddresses& addresses() const { return addresses_; }

@@ -164,7 +164,7 @@ void ClusterCore::apply_event(Effects& effects, const LogId& id, PeerLog& log) {
     if (!log.is_frozen()) {
         if (const auto* erased = std::get_if<broker::SessionErased>(&event)) {
             const auto* session = log.session(erased->client_id);
-            if (session != nullptr) roaming_.on_let_go(effects.now, *session);
+            if (session != nullptr) roaming_.on_let_go(effects, *session);
         }
         peer_sessions_.on_event(effects.now, log.mirror(), event,
                                 effects.broker.limits().half_a_queue());
@@ -214,14 +214,15 @@ void ClusterCore::learn(const MessagePtr& message) {
 void ClusterCore::ask_for_gaps(Effects& effects) {
     for (auto& [id, log] : logs_) {
         if (!membership_.is_alive(id)) continue;
-        if (const auto request = log.ask(effects.now, 2 * options_.beacon_every)) {
+        if (const auto request = log.ask(effects.now, effects.times.gap_asked_after())) {
             effects.peers.push_back({id.broker, *request});
         }
     }
 }
 
 void ClusterCore::trim(Effects& effects) {
-    const auto expired = keeping_.expire(effects.now, logs_, membership_, view_change_);
+    const auto expired =
+        keeping_.expire(effects.now, effects.times, logs_, membership_, view_change_);
     for (const LogId& id : expired) {
         watermark_.forget(id);
         acknowledgements_.forget(id);
@@ -229,7 +230,7 @@ void ClusterCore::trim(Effects& effects) {
         logs_.erase(id);
     }
     if (!expired.empty()) forget_old_lives(effects);
-    keeping_.forget_passed(effects.now, logs(), membership_, watermark_);
+    keeping_.forget_passed(effects.now, effects.times, logs(), membership_, watermark_);
 }
 
 void ClusterCore::forget_old_lives(Effects& effects) {

@@ -1,5 +1,5 @@
-// Where the cluster's parts act: the broker core that they are brokers of, and the buffers that
-// take what is to be sent and done. Passed down with each input; nothing of it is kept.
+// Where the cluster's parts act: the broker core that they are brokers of, the buffers that take
+// what is to be sent and done, and the time. Passed down with each input; nothing of it is kept.
 #pragma once
 
 #include <vector>
@@ -7,6 +7,7 @@
 #include "broker/core/broker_core.h"
 #include "overlay/cluster/envelope.h"
 #include "overlay/cluster/service_address.h"
+#include "overlay/cluster/times.h"
 #include "romano/base/time.h"
 
 namespace romano::cluster {
@@ -17,6 +18,7 @@ struct Effects {
     broker::Actions& clients;
     Outbox& peers;
     std::vector<LocalAction>& local;
+    Times times;
 };
 
 }  // namespace romano::cluster

@@ -6,17 +6,6 @@
 #include "overlay/cluster/session_handoff.h"
 
 namespace romano::cluster {
-namespace {
-
-// How long answers may still leave from an address whose owner has bound it.
-constexpr Duration drain_least = std::chrono::milliseconds{2};
-// In detection times: what a rival of our view takes to hand over, at most; and how long one is
-// waited for that is heard, but comes into no view with us.
-constexpr int rival_hands_over_within = 20;
-constexpr int rival_joins_within = 40;
-
-}  // namespace
-
 // --- the holder's side
 
 std::optional<LogId> HandBack::owner_of(const Endpoint& address, const Membership& membership,
@@ -67,8 +56,8 @@ void HandBack::compare(Effects& effects, const Membership& membership, const Vie
                                .first->second;
         rivalry.with = std::move(rivals);
         if (!are_members) rivalry.together_since = effects.now;
-        if (effects.now > rivalry.together_since + rival_hands_over_within * patience_ ||
-            effects.now > rivalry.since + rival_joins_within * patience_) {
+        if (effects.now > rivalry.together_since + effects.times.rival_hands_over_within() ||
+            effects.now > rivalry.since + effects.times.rival_joins_within()) {
             rivalry.is_settled = true;
         }
         const bool is_ours =
@@ -90,9 +79,9 @@ void HandBack::carry_on(Effects& effects, const Membership& membership, const Vi
                         ServiceAddresses& addresses, const NotYet& not_yet) {
     std::erase_if(expected_, [&](const auto& entry) {
         const Expected& expected = entry.second;
-        if (effects.now > expected.since + 20 * patience_) return true;
+        if (effects.now > expected.since + effects.times.giver_waited_for()) return true;
         // We may not have met yet, though its offer is here.
-        if (effects.now <= expected.since + patience_) return false;
+        if (effects.now <= expected.since + effects.times.giver_met_within()) return false;
         return std::ranges::all_of(expected.from, [&](BrokerId id) {
             const Peer* from = membership.find(id);
             // One that died is a member until somebody else inherits them, and hands them over.
@@ -102,7 +91,7 @@ void HandBack::carry_on(Effects& effects, const Membership& membership, const Vi
     std::erase_if(giving_, [&](const auto& entry) {
         const auto& [address, giving] = entry;
         if (!addresses.is_serving(address)) return true;
-        if (!is_called_off(address, giving, effects.now, membership, view, not_yet)) return false;
+        if (!is_called_off(effects, address, giving, membership, view, not_yet)) return false;
         if (!membership.is_alive(giving.owner)) addresses.take_anew(effects, address);
         return true;
     });
@@ -116,10 +105,11 @@ void HandBack::carry_on(Effects& effects, const Membership& membership, const Vi
             continue;
         }
         Giving& giving = under_way->second;
-        const bool drained =
-            effects.now >= giving.since + drain_least && !not_yet.pending_output.contains(address);
+        const bool drained = effects.now >= giving.since + effects.times.answers_leave_within() &&
+                             !not_yet.pending_output.contains(address);
         if (giving.stage == Stage::draining &&
-            (drained || effects.now >= giving.since + patience_)) {
+            (drained ||
+             effects.now >= giving.since + effects.times.answers_leave_at_most_within())) {
             hand_over(effects, address, giving);
         } else if (giving.stage == Stage::handed) {
             send_some(effects, address, giving);
@@ -152,12 +142,14 @@ bool HandBack::is_with_heir(const Endpoint& address, const Giving& giving,
 /// One that gets no answer, or whose owner began anew meanwhile: the sessions speak from here
 /// again. If the owner may have spoken for them, what it said comes first, from its log, or from
 /// its heir.
-bool HandBack::is_called_off(const Endpoint& address, const Giving& giving, Instant now,
+bool HandBack::is_called_off(const Effects& effects, const Endpoint& address, const Giving& giving,
                              const Membership& membership, const View& view,
                              const NotYet& not_yet) const {
     if (giving.stage == Stage::acknowledged) return false;
-    const Duration limit = (giving.stage == Stage::offered ? 3 : 10) * patience_;
-    if (now > giving.since + limit) return true;
+    const Duration limit = giving.stage == Stage::offered
+                               ? effects.times.offer_stands_for()
+                               : effects.times.handover_acknowledged_within();
+    if (effects.now > giving.since + limit) return true;
     if (!giving.all_sent) return !membership.is_alive(giving.owner);
     return !view.contains(giving.owner) && !not_yet.inheriting.contains(address) &&
            !is_with_heir(address, giving, membership, view);

@@ -38,8 +38,8 @@ namespace romano::cluster {
 
 class HandBack {
 public:
-    HandBack(BrokerId self, Duration patience, std::size_t sessions_per_turn)
-        : self_(self), patience_(patience), sessions_per_turn_(sessions_per_turn) {}
+    HandBack(BrokerId self, std::size_t sessions_per_turn)
+        : self_(self), sessions_per_turn_(sessions_per_turn) {}
 
     // --- the holder's side
     /// What must be done before an address can go.
@@ -121,9 +121,9 @@ private:
                const View& view);
     [[nodiscard]] bool is_with_heir(const Endpoint& address, const Giving& giving,
                                     const Membership& membership, const View& view) const;
-    [[nodiscard]] bool is_called_off(const Endpoint& address, const Giving& giving, Instant now,
-                                     const Membership& membership, const View& view,
-                                     const NotYet& not_yet) const;
+    [[nodiscard]] bool is_called_off(const Effects& effects, const Endpoint& address,
+                                     const Giving& giving, const Membership& membership,
+                                     const View& view, const NotYet& not_yet) const;
     void hand_over(Effects& effects, const Endpoint& address, Giving& giving);
     void send_some(Effects& effects, const Endpoint& address, Giving& giving) const;
     /// True when all that were handed over are forgotten.
@@ -133,7 +133,6 @@ private:
                                                 const View& view) const;
 
     BrokerId self_;
-    Duration patience_;
     std::size_t sessions_per_turn_;
     std::map<Endpoint, BrokerId> contested_;  // served by another broker, to whom they belong
     std::map<Endpoint, Giving> giving_;

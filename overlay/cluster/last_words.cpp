@@ -22,7 +22,8 @@ void LastWords::carry_on(Effects& effects, const PeerLogs& logs, const Membershi
     for (auto& [log, awaited] : awaited_) {
         const bool may_be_completed = applied(log) > 0;  // a tail is on its way, if there is one
         if (may_be_completed && awaited.asked_at == Instant::min()) awaited.asked_at = effects.now;
-        const Duration patience = may_be_completed ? patience_ : patience_ / 4;
+        const Duration patience = may_be_completed ? effects.times.last_words_asked_after()
+                                                   : effects.times.tail_asked_again_after();
         if (effects.now < awaited.asked_at + patience) continue;
         const LogPosition end{log, awaited.end};
         const auto holder = std::ranges::find_if(view.members, [&](const LogId& member) {

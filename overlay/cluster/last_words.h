@@ -14,8 +14,6 @@ namespace romano::cluster {
 
 class LastWords {
 public:
-    explicit LastWords(Duration patience) : patience_(patience) {}
-
     void on_view(const ViewAnnouncement& announcement);
     /// Asks for what is still awaited.
     void carry_on(Effects& effects, const PeerLogs& logs, const Membership& membership,
@@ -31,7 +29,6 @@ private:
         std::uint32_t next_part = 0;
     };
 
-    Duration patience_;
     std::map<LogId, Awaited> awaited_;
 };
 

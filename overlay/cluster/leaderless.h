@@ -15,10 +15,8 @@ namespace romano::cluster {
 
 class Leaderless {
 public:
-    static constexpr std::chrono::seconds told_every{10};
-
     /// True when people should be told: no leader or no view for so long, and as long not told.
-    bool is_to_be_told(Instant now, bool is_led) {
+    bool is_to_be_told(Instant now, Duration told_every, bool is_led) {
         if (is_led || !since_) since_ = now;
         if (is_led || now - *since_ < told_every) return false;
         since_ = now;
@@ -29,15 +27,16 @@ private:
     std::optional<Instant> since_;  // led last, or told last
 };
 
-[[nodiscard]] inline Notice leaderless_notice(const std::vector<std::string>& heard,
+[[nodiscard]] inline Notice leaderless_notice(Duration since, const std::vector<std::string>& heard,
                                               const ClusterOptions& options) {
     const auto listed = [](const std::vector<std::string>& names) {
         std::string list;
         for (const auto& name : names) list += (list.empty() ? "" : ", ") + name;
         return list;
     };
-    std::string text = "no leader for " + std::to_string(Leaderless::told_every.count()) +
-                       " s, clients may have to wait; ";
+    const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(since).count();
+    std::string text =
+        "no leader for " + std::to_string(seconds) + " s, clients may have to wait; ";
     text += heard.empty() ? "no peer is heard" : "heard: " + listed(heard);
     if (options.elector == "raft") {
         text += "; raft needs " + std::to_string(options.voters.size() / 2 + 1) +

@@ -60,7 +60,7 @@ bool LogHistory::forget_events(Seq through) {
     return false;
 }
 
-bool LogHistory::forget_publishes(Instant now, Seq through) {
+bool LogHistory::forget_publishes(Instant now, Duration kept_on, Seq through) {
     through = std::min(through, last_);  // nobody has passed what was not there yet
     passed_.push_back({now, through});
     while (passed_.size() > 1 && passed_[1].at + kept_on <= now) passed_.pop_front();

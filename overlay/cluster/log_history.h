@@ -10,7 +10,6 @@
 // all of it at once takes longer than peers wait for a beacon.
 #pragma once
 
-#include <chrono>
 #include <cstddef>
 #include <deque>
 #include <limits>
@@ -53,14 +52,13 @@ public:
     /// Every member's logged cursor has passed `through`. Publishes stay for `kept_on` more: a
     /// session on its way between homes still asks for them at its new one, and a newcomer does not
     /// know how far the dead home of such a session had come. False: call again soon.
-    bool forget_publishes(Instant now, Seq through);
+    bool forget_publishes(Instant now, Duration kept_on, Seq through);
     /// Nobody needs any of it. False: call again soon.
     bool forget_all();
 
     [[nodiscard]] std::size_t events_kept() const { return events_.size(); }
     [[nodiscard]] std::size_t publishes_kept() const { return publishes_.size(); }
 
-    static constexpr Duration kept_on = std::chrono::seconds{1};
     static constexpr std::size_t most_at_once = 2'000;  // less than a millisecond
 
 private:

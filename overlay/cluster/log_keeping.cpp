@@ -1,15 +1,12 @@
 #include "overlay/cluster/log_keeping.h"
 
 #include <algorithm>
-#include <chrono>
 #include <limits>
 
 #include "overlay/cluster/own_log.h"
 
 namespace romano::cluster {
 namespace {
-
-constexpr Duration removed_kept_for = std::chrono::seconds{30};
 
 /// An heir may lack the last batch (heirs.h), and was perhaps no member when it was written.
 Seq before_last_batch(const LogHistory& history) {
@@ -24,8 +21,8 @@ Seq applied_by(const LogId& by, const LogId& log, const Membership& members) {
 
 }  // namespace
 
-std::vector<LogId> LogKeeping::expire(Instant now, PeerLogs& logs, const Membership& members,
-                                      const ViewChange& views) {
+std::vector<LogId> LogKeeping::expire(Instant now, const Times& times, PeerLogs& logs,
+                                      const Membership& members, const ViewChange& views) {
     is_behind_ = false;
     std::vector<LogId> expired;
     for (auto& [id, log] : logs) {
@@ -33,7 +30,8 @@ std::vector<LogId> LogKeeping::expire(Instant now, PeerLogs& logs, const Members
             gone_since_.erase(id);
             continue;
         }
-        if (now < gone_since_.try_emplace(id, now).first->second + removed_kept_for) continue;
+        const Instant gone_since = gone_since_.try_emplace(id, now).first->second;
+        if (now < gone_since + times.removed_log_kept_for()) continue;
         if (!log.history().forget_all()) {
             is_behind_ = true;
             continue;
@@ -44,11 +42,12 @@ std::vector<LogId> LogKeeping::expire(Instant now, PeerLogs& logs, const Members
     return expired;
 }
 
-void LogKeeping::forget_passed(Instant now, Logs logs, const Membership& members,
-                               const Watermark& watermark) {
+void LogKeeping::forget_passed(Instant now, const Times& times, Logs logs,
+                               const Membership& members, const Watermark& watermark) {
     const auto forget = [&](LogHistory& history, Seq held_by_all, Seq passed_by_all) {
         is_behind_ |= !history.forget_events(std::min(held_by_all, before_last_batch(history)));
-        is_behind_ |= !history.forget_publishes(now, passed_by_all);
+        is_behind_ |=
+            !history.forget_publishes(now, times.passed_publishes_kept_for(), passed_by_all);
     };
 
     Seq held_by_all = std::numeric_limits<Seq>::max();

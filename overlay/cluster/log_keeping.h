@@ -9,6 +9,7 @@
 #include "overlay/cluster/adoption.h"
 #include "overlay/cluster/membership.h"
 #include "overlay/cluster/peer_log.h"
+#include "overlay/cluster/times.h"
 #include "overlay/cluster/view_change.h"
 #include "overlay/cluster/watermark.h"
 #include "romano/base/time.h"
@@ -18,10 +19,10 @@ namespace romano::cluster {
 class LogKeeping {
 public:
     /// Removed brokers' logs whose time is over, emptied: their owner drops them.
-    [[nodiscard]] std::vector<LogId> expire(Instant now, PeerLogs& logs, const Membership& members,
-                                            const ViewChange& views);
+    [[nodiscard]] std::vector<LogId> expire(Instant now, const Times& times, PeerLogs& logs,
+                                            const Membership& members, const ViewChange& views);
     /// Forgets what nobody can need any more.
-    void forget_passed(Instant now, Logs logs, const Membership& members,
+    void forget_passed(Instant now, const Times& times, Logs logs, const Membership& members,
                        const Watermark& watermark);
     /// There was more to forget than fits a moment: go on soon.
     [[nodiscard]] bool is_behind() const { return is_behind_; }

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cassert>
-#include <chrono>
 #include <utility>
 
 namespace romano::cluster {
@@ -10,8 +9,6 @@ namespace {
 
 // Peers that are gone are remembered for their addresses; beyond this many the dead are forgotten.
 constexpr std::size_t peers_known = 1'000;
-// A machine that is too busy to receive loses its peers one after the other, in seconds at most.
-constexpr Duration lost_counts_for = std::chrono::seconds{10};
 
 }  // namespace
 
@@ -178,12 +175,13 @@ void Membership::weigh_losses(Instant now) {
     Instant last_lost = Instant::min();
     for (const auto& [id, peer] : peers_) {
         if (peer.alive) ++left;
-        if (!peer.lost_at || peer.ended || now >= *peer.lost_at + lost_counts_for) continue;
+        if (!peer.lost_at || peer.ended || now >= *peer.lost_at + times().losses_count_for())
+            continue;
         ++silent;
         last_lost = std::max(last_lost, *peer.lost_at);
     }
     lost_too_many_ = silent > left;
-    if (lost_too_many_) missed_until_ = last_lost + 2 * detection_time();
+    if (lost_too_many_) missed_until_ = last_lost + times().doubt_lasts();
 }
 
 void Membership::resume(Instant now) {
@@ -215,7 +213,7 @@ bool Membership::is_heard_clearly(const LogId& log, Instant now) const {
 }
 
 bool Membership::was_heard_just_now(const Peer& peer, Instant now) const {
-    return now < peer.heard_at + detection_time() / 2;
+    return now < peer.heard_at + times().clearly_heard_for();
 }
 
 bool Membership::has_ended(const LogId& log) const {

@@ -16,6 +16,7 @@
 #include "overlay/cluster/condition.h"
 #include "overlay/cluster/envelope.h"
 #include "overlay/cluster/options.h"
+#include "overlay/cluster/times.h"
 #include "romano/base/time.h"
 
 namespace romano::cluster {
@@ -99,6 +100,9 @@ public:
     /// Peers that were taken for dead since the last call.
     [[nodiscard]] std::vector<BrokerId> take_lost();
     [[nodiscard]] Duration detection_time() const { return linked_->detection_time(); }
+    [[nodiscard]] Times times() const {
+        return {options_.beacon_every, detection_time(), options_.found_again_within};
+    }
 
 private:
     void find_again(Instant now, Peer& peer, bool is_alive);

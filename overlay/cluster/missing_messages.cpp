@@ -2,8 +2,9 @@
 
 namespace romano::cluster {
 
-void MissingMessages::carry_on(Instant now, const PeerLogs& logs, const Membership& membership,
-                               Outbox& out) {
+void MissingMessages::carry_on(Effects& effects, const PeerLogs& logs,
+                               const Membership& membership) {
+    const Instant now = effects.now;
     std::erase_if(awaited_, [&](const auto& entry) {
         const auto log = logs.find(entry.first);
         return log == logs.end() || log->second.is_frozen() || !membership.is_alive(entry.first);
@@ -17,9 +18,9 @@ void MissingMessages::carry_on(Instant now, const PeerLogs& logs, const Membersh
         });
         if (awaited.positions.empty()) {
             awaited_.erase(at);
-        } else if (now >= awaited.since + patience_) {
+        } else if (now >= awaited.since + effects.times.message_waited_for()) {
             awaited.since = now;
-            out.push_back({id.broker, SnapshotRequest{.log = id, .after = 0}});
+            effects.peers.push_back({id.broker, SnapshotRequest{.log = id, .after = 0}});
         }
     }
 }

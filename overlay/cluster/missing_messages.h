@@ -14,11 +14,9 @@ namespace romano::cluster {
 
 class MissingMessages {
 public:
-    explicit MissingMessages(Duration patience) : patience_(patience) {}
-
     /// Asks for what has been missing for long. Most of what is missing comes a moment later, with
     /// its publisher's log.
-    void carry_on(Instant now, const PeerLogs& logs, const Membership& membership, Outbox& out);
+    void carry_on(Effects& effects, const PeerLogs& logs, const Membership& membership);
     /// Those that the part of a snapshot brings, however old it is.
     [[nodiscard]] static std::vector<MessagePtr> found_in(const SnapshotPart& part,
                                                           const PeerLog& log);
@@ -30,7 +28,6 @@ private:
         Instant since;
     };
 
-    Duration patience_;
     std::map<LogId, Awaited> awaited_;  // by the log whose mirror lacks them
 };
 

@@ -33,7 +33,7 @@ void PublishOrder::on_session(const Effects& effects, const PeerLog& writer,
     auto& held = by_log_[writer.mirror().log()];
     if (held.empty() || !held.back().publishes.empty()) held.emplace_back();
     held.back().after = broker::later_of(held.back().after, lacking);
-    held.back().until = effects.now + patience_;
+    held.back().until = effects.now + effects.times.former_home_waited_for();
 }
 
 void PublishOrder::on_snapshot(Effects& effects, const SnapshotPart& part, const PeerLogs& logs) {
@@ -50,7 +50,7 @@ void PublishOrder::on_snapshot(Effects& effects, const SnapshotPart& part, const
         auto& parts = by_log_[log];
         if (parts.empty()) parts.emplace_back();
         parts.back().after = broker::later_of(parts.back().after, others);
-        parts.back().until = effects.now + patience_ / 4;
+        parts.back().until = effects.now + effects.times.snapshot_order_kept_for();
     }
     for (const MessagePtr& message : part.publishes) on_publish(effects, message);
 }

@@ -27,7 +27,7 @@ namespace romano::cluster {
 
 class PublishOrder {
 public:
-    PublishOrder(BrokerId self, Duration patience) : self_(self), patience_(patience) {}
+    explicit PublishOrder(BrokerId self) : self_(self) {}
 
     /// `writer` is about to apply a SessionPut of this image.
     void on_session(const Effects& effects, const PeerLog& writer,
@@ -74,7 +74,6 @@ private:
     void finish(Effects& effects, const Held& held);
 
     BrokerId self_;
-    Duration patience_;
     std::map<LogId, HeldParts> by_log_;  // mostly empty; no deque is
     std::size_t held_ = 0;
     std::size_t allowed_ = 0;

@@ -94,9 +94,10 @@ bool Roaming::has_let_go(const broker::ClientId& client) const {
     return std::ranges::count(let_go_, client, &LetGo::client) > 0;
 }
 
-void Roaming::on_let_go(Instant now, const broker::SessionHeader& session) {
+void Roaming::on_let_go(const Effects& effects, const broker::SessionHeader& session) {
     if (let_go_.size() == let_go_most) let_go_.pop_front();
-    let_go_.push_back({session.client_id, session.address.endpoint, now + 2 * patience_});
+    let_go_.push_back({session.client_id, session.address.endpoint,
+                       effects.now + effects.times.session_waited_for()});
 }
 
 void Roaming::resume(Instant now) {
@@ -110,7 +111,7 @@ void Roaming::carry_on(Effects& effects, const Logs& logs, const Homes& homes,
     std::erase_if(fetching_, [&](const auto& entry) {
         const Fetching& fetching = entry.second;
         if (effects.broker.header(fetching.client) != nullptr) return true;
-        if (effects.now <= fetching.since + 2 * patience_) return false;
+        if (effects.now <= fetching.since + effects.times.session_waited_for()) return false;
         if (arriving.holds(fetching.client)) return false;
         if (!fetching.asked) adopt_copy(effects, logs, fetching.client, homes);
         return true;
@@ -136,7 +137,8 @@ void Roaming::ask(Effects& effects, Fetching& fetching, const Homes& homes,
     if (!home) return;
     // A home that has just stood still listens only: it is asked again.
     const bool is_asked = home->broker == fetching.asked;
-    if (is_asked && effects.now < fetching.asked_at + patience_ / 2) return;
+    if (is_asked && effects.now < fetching.asked_at + effects.times.session_asked_again_after())
+        return;
     const Peer* peer = membership.find(home->broker);
     if (peer == nullptr || !peer->alive || !view.contains(peer->beacon.log)) {
         return;

@@ -27,14 +27,13 @@ namespace romano::cluster {
 class Roaming {
 public:
     /// `predefined`: the own digest of the predefined topics.
-    Roaming(Duration patience, std::uint32_t predefined)
-        : patience_(patience), predefined_(predefined) {}
+    explicit Roaming(std::uint32_t predefined) : predefined_(predefined) {}
 
     /// True when the datagram shall wait: its session is asked for.
     bool on_datagram(Effects& effects, const Way& way, Bytes datagram, const Homes& homes,
                      const Membership& membership, const View& view);
     /// We let it go to a peer, or a peer's log says that it is no longer home to the client.
-    void on_let_go(Instant now, const broker::SessionHeader& session);
+    void on_let_go(const Effects& effects, const broker::SessionHeader& session);
     /// Looks again who is home to those whose sessions are awaited.
     void carry_on(Effects& effects, const Logs& logs, const Homes& homes,
                   const HandoffReceiver& arriving, const Membership& membership, const View& view);
@@ -74,7 +73,6 @@ private:
     [[nodiscard]] bool is_foreign(const broker::ClientId& client, const Homes& homes,
                                   const Membership& membership) const;
 
-    Duration patience_;
     std::uint32_t predefined_;
     std::map<Way, Fetching> fetching_;
     std::deque<LetGo> let_go_;  // in order of time

@@ -33,7 +33,8 @@ std::uint32_t send_handoff_piece(const LogId& to, const Endpoint& address, std::
     return part + 1;
 }
 
-void HandoffReceiver::on_handoff(Instant now, BrokerId from, SessionHandoff part, bool is_refused) {
+void HandoffReceiver::on_handoff(const Effects& effects, BrokerId from, SessionHandoff part,
+                                 bool is_refused) {
     const std::pair key{from, part.address};
     if (part.part == 0) incoming_[key] = {};  // an earlier one was called off
     const auto found = incoming_.find(key);
@@ -49,7 +50,7 @@ void HandoffReceiver::on_handoff(Instant now, BrokerId from, SessionHandoff part
                     .ack = {.address = part.address},
                     .sessions = std::move(incoming.sessions),
                     .after = {},
-                    .until = now + patience_,
+                    .until = effects.now + effects.times.former_home_waited_for(),
                     .is_refused = is_refused};
     incoming_.erase(found);
     for (const broker::SessionImage& image : arrived.sessions) {

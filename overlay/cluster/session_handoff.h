@@ -27,8 +27,8 @@ std::uint32_t send_handoff_piece(const LogId& to, const Endpoint& address, std::
 
 class HandoffReceiver {
 public:
-    HandoffReceiver(std::size_t sessions_per_turn, Duration patience)
-        : sessions_per_turn_(sessions_per_turn), patience_(patience) {}
+    explicit HandoffReceiver(std::size_t sessions_per_turn)
+        : sessions_per_turn_(sessions_per_turn) {}
 
     /// From whom all sessions of an address are adopted now.
     struct Adopted {
@@ -37,7 +37,7 @@ public:
     };
 
     /// `is_refused`: they are acknowledged and not adopted; their clients must connect anew.
-    void on_handoff(Instant now, BrokerId from, SessionHandoff part, bool is_refused);
+    void on_handoff(const Effects& effects, BrokerId from, SessionHandoff part, bool is_refused);
     /// They were called off, and live on where they came from.
     void forget_waiting();
     /// Looks who need not wait any more.
@@ -79,7 +79,6 @@ private:
     bool adopt_some(Effects& effects, const Logs& logs, Arrived& arrived);
 
     std::size_t sessions_per_turn_;
-    Duration patience_;
     // Bounded: one hand-over an address and peer; its size is the sender's own limit of sessions.
     std::map<std::pair<BrokerId, Endpoint>, Incoming> incoming_;
     std::vector<Arrived> arrived_;  // whole, and not all adopted

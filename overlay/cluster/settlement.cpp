@@ -28,12 +28,13 @@ void Settlement::carry_on(Effects& effects, const Logs& logs, const Membership& 
         const Leaving& leaving = entry.second;
         const Peer* peer = membership.find(leaving.to.broker);
         const bool hopeless = peer == nullptr || !membership.is_alive(leaving.to);
-        if (!hopeless && effects.now < leaving.since + 10 * patience_) return false;
+        if (!hopeless && effects.now < leaving.since + effects.times.handover_acknowledged_within())
+            return false;
         adopt(effects, logs, leaving.image);  // it did not get there
         return true;
     });
     if (effects.now < next_claims_) return;
-    next_claims_ = effects.now + patience_;
+    next_claims_ = effects.now + effects.times.claims_repeated_every();
     std::erase_if(conflicts_, [&](const auto& conflict) {
         const broker::ClientId& client = conflict.first;
         const BrokerId peer = conflict.second;

@@ -21,7 +21,7 @@ namespace romano::cluster {
 
 class Settlement {
 public:
-    Settlement(BrokerId self, Duration patience) : self_(self), patience_(patience) {}
+    explicit Settlement(BrokerId self) : self_(self) {}
 
     /// A peer's log says that it is home to this client.
     void on_peer_session(const Effects& effects, BrokerId peer, const broker::ClientId& client);
@@ -55,7 +55,6 @@ private:
     void give_way(Effects& effects, const LogId& to, broker::SessionImage image);
 
     BrokerId self_;
-    Duration patience_;
     std::set<std::pair<broker::ClientId, BrokerId>> conflicts_;
     std::map<broker::ClientId, Leaving> leaving_;
     Instant next_claims_ = Instant::min();

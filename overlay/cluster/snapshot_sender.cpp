@@ -27,15 +27,15 @@ void SnapshotSender::on_request(Effects& effects, BrokerId from, const SnapshotR
     send(to, Snapshot(effects.broker, logs));
 }
 
-void SnapshotSender::carry_on(Instant now, const Logs& logs, const Membership& membership,
-                              Outbox& out) {
-    if (underway_.empty() || now < next_turn_) return;
-    next_turn_ = now + turns_every;
+void SnapshotSender::carry_on(Effects& effects, const Logs& logs, const Membership& membership) {
+    if (underway_.empty() || effects.now < next_turn_) return;
+    next_turn_ = effects.now + effects.times.snapshot_pieces_every();
     for (auto at = underway_.begin(); at != underway_.end();) {
         const LogId& to = at->first.first;
         const Peer* peer = membership.find(to.broker);
         const bool is_there = peer != nullptr && peer->beacon.log == to;
-        at = is_there && send_some(to, at->second, logs, out) ? std::next(at) : underway_.erase(at);
+        at = is_there && send_some(to, at->second, logs, effects.peers) ? std::next(at)
+                                                                        : underway_.erase(at);
     }
 }
 

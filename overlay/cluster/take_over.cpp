@@ -140,14 +140,14 @@ std::optional<LogPosition> TakeOver::lacking(const PeerLogs::value_type& dead, c
 }
 
 bool TakeOver::is_out_of_patience(Effects& effects, const Pending& pending) const {
-    if (effects.now <= pending.since + 4 * patience_) return false;
+    if (effects.now <= pending.since + effects.times.tail_waited_for()) return false;
     effects.local.push_back(Notice{"takes over without the last events of a removed broker"});
     return true;
 }
 
 void TakeOver::ask_for(Effects& effects, Pending& pending, const LogPosition& after,
                        const Membership& membership, const View& view) const {
-    if (effects.now < pending.asked_at + patience_ / 4) return;
+    if (effects.now < pending.asked_at + effects.times.tail_asked_again_after()) return;
     pending.asked_at = effects.now;
     for (const LogId& member : view.members) {
         const Peer* peer = membership.find(member.broker);

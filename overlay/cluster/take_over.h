@@ -27,8 +27,8 @@ namespace romano::cluster {
 
 class TakeOver {
 public:
-    TakeOver(BrokerId self, Duration patience, std::size_t sessions_per_turn)
-        : self_(self), patience_(patience), sessions_per_turn_(sessions_per_turn) {}
+    TakeOver(BrokerId self, std::size_t sessions_per_turn)
+        : self_(self), sessions_per_turn_(sessions_per_turn) {}
 
     void on_view(Instant now, const ViewAnnouncement& announcement);
     /// A new turn: the next carry_on() goes on with what is half adopted.
@@ -73,7 +73,6 @@ private:
                     const Logs& logs) const;
 
     BrokerId self_;
-    Duration patience_;
     std::size_t sessions_per_turn_;
     bool may_go_on_ = false;
     std::vector<Pending> pending_;

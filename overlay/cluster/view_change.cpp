@@ -1,7 +1,6 @@
 #include "overlay/cluster/view_change.h"
 
 #include <algorithm>
-#include <chrono>
 #include <utility>
 
 #include "overlay/cluster/heirs.h"
@@ -9,11 +8,6 @@
 
 namespace romano::cluster {
 namespace {
-
-// On a busy machine it takes some detection times until two processes hear each other.
-constexpr int patience_with_the_unmet = 20;
-/// A process that stands still for two seconds, and the time in which DDS finds it again.
-constexpr Duration patience_with_a_silent_home = std::chrono::seconds{3};
 
 /// Freezes what is left of brokers that are gone. One that is alive and not in the view, because it
 /// has just started or follows another leader, serves its clients itself. Of the later life of one
@@ -82,7 +76,8 @@ void ViewChange::on_tick(Instant now, Surroundings around, Outbox& out) {
         call_off(around.logs);
         refusing_.clear();
         // A proposal whose leader went away before it announced.
-        if (promised_ > view_.number && now > promised_at_ + 4 * patience_) {
+        if (promised_ > view_.number &&
+            now > promised_at_ + around.membership.times().announcement_waited_for()) {
             promised_ = view_.number;
             thaw_members(view_, around.logs);
         }
@@ -96,7 +91,7 @@ void ViewChange::on_tick(Instant now, Surroundings around, Outbox& out) {
         auto desired = desired_members(around.membership);
         if (desired != proposal_->message.view.members || is_outnumbered(around.membership)) {
             propose(now, std::move(desired), around, out);
-        } else if (now >= proposal_->asked_at + beacon_every_) {
+        } else if (now >= proposal_->asked_at + around.membership.times().proposal_asked_every()) {
             ask(now, out);
         }
         return;
@@ -128,13 +123,14 @@ void ViewChange::thaw_members(const View& next, PeerLogs& logs) const {
 /// there but was not met yet: a view without them would take their clients over.
 bool ViewChange::waits_for_company(Instant now, Surroundings around) {
     const Membership& membership = around.membership;
+    const Times times = membership.times();
     if (has_view() && !is_stranded(membership, around.logs)) return false;
     if (led_since_ == never) led_since_ = now;
-    if (now < led_since_ + patience_with_the_unmet * patience_ && misses_company(membership)) {
+    if (now < led_since_ + times.unmet_peer_waited_for() && misses_company(membership)) {
         return true;
     }
-    if (now < led_since_ + patience_with_a_silent_home && misses_home(membership)) return true;
-    if (now >= led_since_ + 2 * patience_) return false;
+    if (now < led_since_ + times.silent_home_waited_for() && misses_home(membership)) return true;
+    if (now >= led_since_ + times.newcomer_listens_for()) return false;
     bool are_newcomers = true;
     for (const auto& [id, peer] : membership.peers()) {
         if (!peer.alive) continue;
@@ -203,7 +199,7 @@ bool ViewChange::needs_change(Instant now, const std::vector<LogId>& desired,
                !membership.is_alive(entry.first);
     });
     if (has_orphans) return true;
-    if (now < installed_at_ + 2 * patience_) return false;
+    if (now < installed_at_ + membership.times().announcement_arrives_within()) return false;
     // A member that did not hear the announcement is asked into the view again.
     return std::ranges::any_of(membership.peers(), [this](const auto& entry) {
         const Beacon& beacon = entry.second.beacon;
@@ -271,7 +267,7 @@ void ViewChange::ask(Instant now, Outbox& out) {
 }
 
 void ViewChange::give_up_on_silent(Instant now, const Membership& membership) {
-    if (now < proposal_->since + 2 * patience_) return;
+    if (now < proposal_->since + membership.times().disagreement_lasts()) return;
     for (const LogId& member : proposal_->message.view.members) {
         if (proposal_->answers.contains(member)) continue;
         const Peer* peer = membership.find(member.broker);
@@ -349,14 +345,14 @@ bool ViewChange::must_wait(Instant now, const ViewProposal& proposal,
     const ViewNumber& number = proposal.view.number;
     if (membership.leadership().leader != node_of(number.leader)) return true;
     const bool is_known = early_ && early_->message.view.number == number;
-    if (is_known && now >= early_->first + 2 * patience_) return false;
+    if (is_known && now >= early_->first + membership.times().disagreement_lasts()) return false;
     return std::ranges::any_of(
         proposal.removed, [&](const LogId& log) { return membership.is_heard_clearly(log, now); });
 }
 
 void ViewChange::answer_early_proposal(Instant now, Surroundings around, Outbox& out) {
     if (!early_) return;
-    if (now > early_->last + 2 * beacon_every_) {
+    if (now > early_->last + around.membership.times().proposal_kept_for()) {
         early_.reset();
     } else if (!must_wait(now, early_->message, around.membership)) {
         const ViewProposal proposal = early_->message;

@@ -32,8 +32,7 @@ struct Surroundings {
 
 class ViewChange {
 public:
-    ViewChange(LogId self, Duration patience, Duration beacon_every)
-        : self_(self), patience_(patience), beacon_every_(beacon_every) {}
+    explicit ViewChange(LogId self) : self_(self) {}
 
     void on_tick(Instant now, Surroundings around, Outbox& out);
     void on_proposal(Instant now, const ViewProposal& proposal, Surroundings around, Outbox& out);
@@ -88,8 +87,6 @@ private:
     void install(Instant now, ViewAnnouncement announcement, PeerLogs& logs);
 
     LogId self_;
-    Duration patience_;
-    Duration beacon_every_;
     View view_;
     Instant installed_at_{};
     bool was_replaced_ = false;  // and is in no view since

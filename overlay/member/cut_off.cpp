@@ -47,13 +47,13 @@ void CutOff::see(Instant now, const cluster::View& view, const Judgement& has_en
     missing_.clear();
     if (!was_possible && !is_first) return;
     awaited_ = members_;
-    awaited_until_ = now + others_come_within;
+    awaited_until_ = now + others_come_within_;
 }
 
 void CutOff::on_heard_in_doubt(Instant now, const Way& client) {
     if (is_possible()) return;
     if (now >= near_until_) near_.clear();
-    near_until_ = now + others_come_within;
+    near_until_ = now + others_come_within_;
     if (near_.size() < heard_most) near_.insert(client);
 }
 
@@ -63,7 +63,7 @@ bool CutOff::must_wait(Instant now, const Way& client) {
     auto heard = served_from_.find(client);
     if (heard == served_from_.end()) {
         if (served_from_.size() == heard_most) return false;
-        heard = served_from_.emplace(client, now + others_come_within).first;
+        heard = served_from_.emplace(client, now + others_come_within_).first;
     }
     return now < heard->second && !near_.contains(client);
 }

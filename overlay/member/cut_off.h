@@ -18,7 +18,6 @@
 // that has just started again, its own clients would be strangers.
 #pragma once
 
-#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -36,6 +35,10 @@ class CutOff {
 public:
     using Way = cluster::Way;
     using Judgement = std::function<bool(const broker::LogId& member)>;
+
+    /// `others_come_within`: the transport finds processes that it lost in that time. A client that
+    /// says nothing but PINGREQ must not seem to be lost meanwhile.
+    explicit CutOff(Duration others_come_within) : others_come_within_(others_come_within) {}
 
     /// To be told of the view after each input. `has_ended(member)`: that process is known to be
     /// gone; it did not just fall silent. `is_heard(member)`: it is alive. True when the doubt is
@@ -62,11 +65,9 @@ public:
 private:
     void see(Instant now, const cluster::View& view, const Judgement& has_ended);
 
-    /// DDS finds processes that it lost in some tenths of a second. A client that says nothing but
-    /// PINGREQ must not seem to be lost meanwhile.
-    static constexpr Duration others_come_within = std::chrono::milliseconds{500};
     static constexpr std::size_t heard_most = 100'000;  // beyond: the rest is served at once
 
+    Duration others_come_within_;
     cluster::ViewNumber seen_;
     std::set<broker::LogId> members_;  // of the view that was seen last
     std::set<broker::LogId> missing_;  // that fell silent in it or before

@@ -37,6 +37,7 @@ public:
                     .link = {options.link, options.incarnation},
                     .predefined = options.broker.predefined_topics},
                    seed + 1),
+          cut_off_(options.cluster.found_again_within),
           stall_(options.cluster.beacon_every) {
         broker_.set_audience(cluster_.audience());
         if (options.uplink) uplink_.emplace(*options.uplink, seed ^ options.incarnation);
@@ -85,7 +86,7 @@ public:
 private:
     [[nodiscard]] broker::BrokerOptions broker_options() const;
     [[nodiscard]] Effects effects(Instant now, MemberActions& out) {
-        return {now, broker_, work_, out.peers, out.local};
+        return {now, broker_, work_, out.peers, out.local, cluster_.times()};
     }
 
     // --- after a stall (design section 3)

@@ -23,7 +23,8 @@ struct AcquaintanceTest : testing::Test {
     }
     void see(std::vector<LogId> members) {
         std::ranges::sort(members);
-        acquaintance.on_view(now, self, View{.number = {}, .members = std::move(members)}, logs);
+        acquaintance.on_view(now, test::times, self,
+                             View{.number = {}, .members = std::move(members)}, logs);
     }
 
     /// Its writer says how far it has written; then so much of it is read.

@@ -54,7 +54,7 @@ protected:
         take(handoff);
     }
     [[nodiscard]] Seq applied() const { return core.peer_logs().at(peer).applied(); }
-    [[nodiscard]] Effects effects() { return {now, broker, clients, out, local}; }
+    [[nodiscard]] Effects effects() { return {now, broker, clients, out, local, test::times}; }
     template <typename Kind>
     [[nodiscard]] std::vector<Kind> take_sent() {
         std::vector<Kind> sent;

@@ -1,15 +1,22 @@
 // Log events, and who writes them, for tests, by the shortest words.
 #pragma once
 
+#include <chrono>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "broker/core/broker_core.h"
 #include "broker/core/log_event.h"
+#include "overlay/cluster/times.h"
 #include "romano/base/endpoint.h"
 
 namespace romano::test {
+
+/// Those of ClusterOptions{}.
+inline constexpr cluster::Times times{.beacon_every = std::chrono::milliseconds{10},
+                                      .detection = std::chrono::milliseconds{100},
+                                      .found_again_within = std::chrono::milliseconds{500}};
 
 inline broker::LogId log_of(std::string_view name, std::uint64_t incarnation = 1) {
     return {broker::broker_id_of(name), incarnation};

@@ -18,7 +18,7 @@ const Endpoint theirs = test::address(2);
 struct AfterAHeal {
     Membership membership{ClusterOptions{}, self.broker, 1};
     ServiceAddresses addresses{{ours}};
-    HandBack hand_back{self.broker, 100ms, 256};
+    HandBack hand_back{self.broker, 256};
     View view{.members = {self, rival}};
     broker::BrokerCore broker{broker::BrokerOptions{}, 1};
     broker::Actions clients;
@@ -54,7 +54,7 @@ struct AfterAHeal {
         Effects acting = effects();
         hand_back.compare(acting, membership, view, addresses);
     }
-    Effects effects() { return {now, broker, clients, peers, local}; }
+    Effects effects() { return {now, broker, clients, peers, local, test::times}; }
     [[nodiscard]] std::size_t claimed() const { return local.size(); }
     void hear_on_for(Duration time) {
         for (const Instant end = now + time; now < end; hear({self.broker})) {

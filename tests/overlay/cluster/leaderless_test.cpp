@@ -7,21 +7,21 @@
 namespace romano::cluster {
 namespace {
 
-TEST(Leaderless, IsToldOfOnceInTenSecondsWithoutALeader) {
+TEST(Leaderless, IsToldOfAgainAndAgainWithoutALeader) {
     Leaderless leaderless;
     int told = 0;
     for (Instant now{}; now <= Instant{35s}; now += 10ms) {
-        told += leaderless.is_to_be_told(now, false) ? 1 : 0;
+        told += leaderless.is_to_be_told(now, 10s, false) ? 1 : 0;
     }
     EXPECT_EQ(told, 3);
 }
 
 TEST(Leaderless, ALeaderMeanwhileBeginsTheTimeAnew) {
     Leaderless leaderless;
-    EXPECT_FALSE(leaderless.is_to_be_told(Instant{1s}, false));
-    EXPECT_FALSE(leaderless.is_to_be_told(Instant{9s}, true));
-    EXPECT_FALSE(leaderless.is_to_be_told(Instant{18s}, false));
-    EXPECT_TRUE(leaderless.is_to_be_told(Instant{19s}, false));
+    EXPECT_FALSE(leaderless.is_to_be_told(Instant{1s}, 10s, false));
+    EXPECT_FALSE(leaderless.is_to_be_told(Instant{9s}, 10s, true));
+    EXPECT_FALSE(leaderless.is_to_be_told(Instant{18s}, 10s, false));
+    EXPECT_TRUE(leaderless.is_to_be_told(Instant{19s}, 10s, false));
 }
 
 TEST(Leaderless, RaftWithoutAMajorityOfItsVotersIsWarnedOf) {

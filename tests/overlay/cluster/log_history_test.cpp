@@ -14,6 +14,8 @@ using test::session;
 
 const LogId log = test::log_of("b1");
 
+constexpr Duration kept_on{1'000'000};
+
 LogHistory history_of(Seq events, std::size_t most) {
     LogHistory history(most);
     for (Seq seq = 1; seq <= events; ++seq) history.append(published(log, seq));
@@ -41,8 +43,8 @@ TEST(LogHistory, EventsAndPublishesAreForgottenApart) {
     history.forget_events(8);
     EXPECT_EQ(history.events_kept(), 2U);
     EXPECT_EQ(history.publishes_after(0).size(), 10U);
-    history.forget_publishes(Instant{}, 3);
-    history.forget_publishes(Instant{LogHistory::kept_on}, 3);
+    history.forget_publishes(Instant{}, kept_on, 3);
+    history.forget_publishes(Instant{kept_on}, kept_on, 3);
     EXPECT_EQ(history.publishes_after(0).size(), 7U);
     EXPECT_FALSE(history.publish_at(3));
     EXPECT_TRUE(history.publish_at(4));
@@ -50,19 +52,19 @@ TEST(LogHistory, EventsAndPublishesAreForgottenApart) {
 
 TEST(LogHistory, P2_PublishesStayForAWhileAfterAllCursorsPassedThem) {
     LogHistory history = history_of(10, 100);
-    const Duration step = LogHistory::kept_on / 4;
-    for (Seq i = 0; i < 4; ++i) history.forget_publishes(Instant{} + i * step, 3 + i);
+    const Duration step = kept_on / 4;
+    for (Seq i = 0; i < 4; ++i) history.forget_publishes(Instant{} + i * step, kept_on, 3 + i);
     EXPECT_EQ(history.publishes_kept(), 10U);
-    history.forget_publishes(Instant{LogHistory::kept_on}, 10);
+    history.forget_publishes(Instant{kept_on}, kept_on, 10);
     EXPECT_EQ(history.publishes_kept(), 7U);
 }
 
 // A broker that knows nobody yet says that all have passed everything.
 TEST(LogHistory, P2_WhatWasPassedBeforeItWasPublishedStaysAsLong) {
     LogHistory history(100);
-    history.forget_publishes(Instant{}, std::numeric_limits<Seq>::max());
+    history.forget_publishes(Instant{}, kept_on, std::numeric_limits<Seq>::max());
     for (Seq seq = 1; seq <= 10; ++seq) history.append(published(log, seq));
-    history.forget_publishes(Instant{LogHistory::kept_on}, 10);
+    history.forget_publishes(Instant{kept_on}, kept_on, 10);
     EXPECT_EQ(history.publishes_kept(), 10U);
 }
 
@@ -76,8 +78,8 @@ TEST(LogHistory, ManyAreForgottenInPieces) {
     EXPECT_TRUE(history.forget_events(2 * piece));
     EXPECT_EQ(history.events_kept(), 10U);
 
-    EXPECT_TRUE(history.forget_publishes(Instant{}, 2 * piece)) << "none goes yet";
-    EXPECT_FALSE(history.forget_publishes(Instant{LogHistory::kept_on}, 2 * piece));
+    EXPECT_TRUE(history.forget_publishes(Instant{}, kept_on, 2 * piece)) << "none goes yet";
+    EXPECT_FALSE(history.forget_publishes(Instant{kept_on}, kept_on, 2 * piece));
     EXPECT_EQ(history.publishes_kept(), piece + 10);
     EXPECT_FALSE(history.forget_all());
     EXPECT_TRUE(history.forget_all());

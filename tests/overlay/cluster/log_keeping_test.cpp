@@ -21,7 +21,7 @@ const LogId reader = test::log_of("reader");
 /// A broker that knows two peers and holds ten events of the writer's log.
 struct Keeper {
     Membership membership{ClusterOptions{}, self.broker, 1};
-    ViewChange views{self, 100ms, 10ms};
+    ViewChange views{self};
     Watermark watermark{1};
     OwnLog own{self, 100'000};
     PeerLogs peers;
@@ -56,17 +56,21 @@ struct Keeper {
         membership.on_beacon(now, last);
     }
     Logs logs() { return {peers, own}; }
-    std::vector<LogId> expire() { return keeping.expire(now, peers, membership, views); }
+    std::vector<LogId> expire() {
+        return keeping.expire(now, test::times, peers, membership, views);
+    }
 };
 
 TEST(LogKeeping, AnEventStaysUntilEveryPeerHoldsIt) {
     Keeper keeper;
     keeper.write(events_per_batch);
     const Seq last = keeper.peers.at(writer).applied();
-    keeper.keeping.forget_passed(keeper.now, keeper.logs(), keeper.membership, keeper.watermark);
+    keeper.keeping.forget_passed(keeper.now, test::times, keeper.logs(), keeper.membership,
+                                 keeper.watermark);
     EXPECT_EQ(keeper.peers.at(writer).history().events_kept(), last - 4);
     keeper.hear(reader, {{writer, last}});
-    keeper.keeping.forget_passed(keeper.now, keeper.logs(), keeper.membership, keeper.watermark);
+    keeper.keeping.forget_passed(keeper.now, test::times, keeper.logs(), keeper.membership,
+                                 keeper.watermark);
     EXPECT_EQ(keeper.peers.at(writer).history().events_kept(), events_per_batch);
 }
 
@@ -75,7 +79,8 @@ TEST(LogKeeping, AnEventStaysUntilEveryPeerHoldsIt) {
 TEST(LogKeeping, TheLastBatchIsThereForAnHeirThatWasNoMember) {
     Keeper keeper;
     keeper.peers.at(reader).freeze();
-    keeper.keeping.forget_passed(keeper.now, keeper.logs(), keeper.membership, keeper.watermark);
+    keeper.keeping.forget_passed(keeper.now, test::times, keeper.logs(), keeper.membership,
+                                 keeper.watermark);
     Outbox out;
     const PeerLog& log = keeper.peers.at(writer);
     EXPECT_TRUE(send_tail(log.history(), {writer, log.end()}, 4, reader.broker, out));
@@ -86,7 +91,7 @@ TEST(LogKeeping, ARemovedBrokersLogIsKeptForAWhile) {
     Keeper keeper;
     keeper.die(writer);
     EXPECT_THAT(keeper.expire(), IsEmpty());
-    keeper.now += 29s;
+    keeper.now += test::times.removed_log_kept_for() - 1s;
     EXPECT_THAT(keeper.expire(), IsEmpty());
     EXPECT_EQ(keeper.peers.at(writer).history().events_kept(), 10U);
     keeper.now += 1s;
@@ -97,12 +102,12 @@ TEST(LogKeeping, ABrokerThatCameBackInTimeKeepsItsLog) {
     Keeper keeper;
     keeper.die(writer);
     EXPECT_THAT(keeper.expire(), IsEmpty());
-    keeper.now += 20s;
+    keeper.now += test::times.removed_log_kept_for() * 2 / 3;
     keeper.peers.at(writer).thaw();
     keeper.hear(writer, {});
     EXPECT_THAT(keeper.expire(), IsEmpty());
     keeper.die(writer);
-    keeper.now += 20s;
+    keeper.now += test::times.removed_log_kept_for() * 2 / 3;
     EXPECT_THAT(keeper.expire(), IsEmpty());
 }
 
@@ -111,7 +116,7 @@ TEST(LogKeeping, ALongLogGoesInPieces) {
     keeper.write(2 * LogHistory::most_at_once);
     keeper.die(writer);
     EXPECT_THAT(keeper.expire(), IsEmpty());
-    keeper.now += 30s;
+    keeper.now += test::times.removed_log_kept_for();
     int calls = 0;
     while (keeper.expire().empty()) {
         EXPECT_TRUE(keeper.keeping.is_behind());

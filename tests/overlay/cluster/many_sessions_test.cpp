@@ -46,7 +46,7 @@ TEST(ManySessions, AnHeirAdoptsThemInPieces) {
 struct Holder : Owner {
     Membership membership{ClusterOptions{}, self.broker, 1};
     ServiceAddresses addresses{{ours}};
-    HandBack hand_back{self.broker, 100ms, per_turn};
+    HandBack hand_back{self.broker, per_turn};
     View view{.members = {self, peer}};
 
     Holder() {

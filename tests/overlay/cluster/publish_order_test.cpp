@@ -26,7 +26,7 @@ protected:
         }
     }
 
-    Effects effects() { return {now, broker, clients, peers, local}; }
+    Effects effects() { return {now, broker, clients, peers, local, test::times}; }
     /// The next event of a log is applied.
     void apply(const LogId& id, const LogEvent& event) {
         PeerLog& log = logs.at(id);
@@ -107,7 +107,7 @@ protected:
     std::vector<LocalAction> local;
     PeerLogs logs;
     View view;
-    PublishOrder order{self.broker, 400ms};
+    PublishOrder order{self.broker};
     std::size_t allowed = 256;  // in a turn
 };
 

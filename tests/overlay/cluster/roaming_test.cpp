@@ -13,7 +13,7 @@
 namespace romano::cluster {
 namespace {
 
-constexpr Duration patience = 50ms;
+constexpr Duration patience = 100ms;  // as in test::times
 
 /// "robot" was at home at the peer, of which nothing was heard since, and pings us.
 struct RoamingTest : testing::Test, Owner {
@@ -40,8 +40,8 @@ struct RoamingTest : testing::Test, Owner {
     OwnLog own{self, 100};
     Membership membership{ClusterOptions{}, self.broker, 1};
     View view{.members = {self}};
-    HandoffReceiver arriving{256, patience};
-    Roaming roaming{patience, 0};
+    HandoffReceiver arriving{256};
+    Roaming roaming{0};
 };
 
 TEST_F(RoamingTest, IsAStrangerWhenItsHomeDoesNotAnswer) {
@@ -51,7 +51,8 @@ TEST_F(RoamingTest, IsAStrangerWhenItsHomeDoesNotAnswer) {
 
 TEST_F(RoamingTest, P2_IsNoStrangerWhileItsSessionWaitsToBeAdopted) {
     robot.worked_through = {{test::log_of("former"), 5}};
-    arriving.on_handoff(now, peer.broker, {.to = self, .last = true, .sessions = {robot}}, false);
+    arriving.on_handoff(effects(), peer.broker, {.to = self, .last = true, .sessions = {robot}},
+                        false);
     EXPECT_TRUE(is_waited_for_after(2 * patience + 1ms));
     arriving.heed(now, [](const LogPosition&) { return true; });
     Effects acting = effects();

@@ -17,11 +17,11 @@ struct NewHome : Owner {
     PeerLogs nobody;
     OwnLog own{self, 10'000};
     Logs logs{nobody, own};
-    HandoffReceiver receiver{per_turn, 100ms};
+    HandoffReceiver receiver{per_turn};
     Seq cursor = 0;  // how far a third broker's log is worked through
 
     void take(SessionHandoff part) {
-        receiver.on_handoff(now, peer.broker, std::move(part), false);
+        receiver.on_handoff(effects(), peer.broker, std::move(part), false);
         go_on();
     }
     void go_on() {
@@ -93,7 +93,7 @@ TEST(SessionHandoff, P5_WaitsForWhatTheFormerHomeHadWorkedThrough) {
     EXPECT_EQ(home.take_sent<HandoffAck>().size(), 1U);
 
     EXPECT_EQ(hand_over(8), 1U);
-    home.now += 99ms;
+    home.now += 399ms;
     home.go_on();
     EXPECT_EQ(home.broker.session_count(), 1U);
     home.now += 1ms;

@@ -26,7 +26,10 @@ struct SnapshotSenderTest : testing::Test {
     /// The parts that leave at this moment.
     std::size_t carry_on() {
         Outbox out;
-        sender.carry_on(now, logs, membership, out);
+        std::vector<LocalAction> local;
+        broker::Actions clients;
+        Effects effects{now, core, clients, out, local, test::times};
+        sender.carry_on(effects, logs, membership);
         for (const auto& outgoing : out) EXPECT_EQ(outgoing.to, peer.broker);
         return out.size();
     }

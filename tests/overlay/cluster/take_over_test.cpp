@@ -29,11 +29,11 @@ protected:
     }
     std::size_t inherit(const std::vector<Assignment>& others = {}) {
         peers.at(dead).freeze();
-        TakeOver take_over{self.broker, 100ms, 256};
+        TakeOver take_over{self.broker, 256};
         ViewAnnouncement view_and_heirs{.assignments = others, .ends = {{dead, 1}}};
         view_and_heirs.assignments.push_back({{dead, 1}, theirs, self.broker});
         take_over.on_view(now, view_and_heirs);
-        Effects effects{now, broker, clients, outbox, local};
+        Effects effects{now, broker, clients, outbox, local, test::times};
         take_over.carry_on(effects, {peers, own}, membership, view, addresses);
         return broker.session_count();
     }

@@ -33,7 +33,7 @@ struct Owner {
     Outbox peers;
     std::vector<LocalAction> local;
 
-    [[nodiscard]] Effects effects() { return {now, broker, clients, peers, local}; }
+    [[nodiscard]] Effects effects() { return {now, broker, clients, peers, local, test::times}; }
     template <typename Kind>
     [[nodiscard]] std::vector<Kind> take_sent() {
         std::vector<Kind> sent;

@@ -24,7 +24,7 @@ struct Leader {
     }
 
     Membership membership{of_rank(5), self.broker, 1};
-    ViewChange change{self, 100ms, 10ms};
+    ViewChange change{self};
     PeerLogs logs;
     std::vector<Endpoint> none;
     std::vector<LogPosition> told;

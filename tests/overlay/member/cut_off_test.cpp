@@ -66,7 +66,7 @@ void cut_off_the_first(Brokers& brokers) {
 
 TEST(CutOff, RepeatsNothingToThoseThatWereNotHeardSince) {
     const Instant now{1s};
-    CutOff cut_off;
+    CutOff cut_off{500ms};
     see(cut_off, view(1, {member(1), member(2), member(3)}));
     EXPECT_FALSE(cut_off.must_wait(now, client(1)));
     EXPECT_FALSE(cut_off.withholds(now, Address::own, client(1), publish(0xC0)));
@@ -92,7 +92,7 @@ TEST(CutOff, RepeatsNothingToThoseThatWereNotHeardSince) {
 
 TEST(CutOff, WhoWasHeardInDoubtDoesNotWaitAndIsSentNothingTwiceYet) {
     const Instant now{1s};
-    CutOff cut_off;
+    CutOff cut_off{500ms};
     see(cut_off, view(1, {member(1), member(2), member(3)}));
     cut_off.on_heard_in_doubt(now, client(1));
     EXPECT_FALSE(cut_off.must_wait(now, client(1)));
@@ -105,7 +105,7 @@ TEST(CutOff, WhoWasHeardInDoubtDoesNotWaitAndIsSentNothingTwiceYet) {
 
 TEST(CutOff, OfTwoClientsAtOneAddressEachIsHeardForItself) {
     const Instant now{1s};
-    CutOff cut_off;
+    CutOff cut_off{500ms};
     see(cut_off, view(1, {member(1), member(2), member(3)}));
     cut_off.on_heard_in_doubt(now, client(1, 1));
     see(cut_off, view(2, {member(1)}));
@@ -115,7 +115,7 @@ TEST(CutOff, OfTwoClientsAtOneAddressEachIsHeardForItself) {
 }
 
 TEST(CutOff, WhoWasHeardInADoubtThatCameToNothingWaitsInTheNextOne) {
-    CutOff cut_off;
+    CutOff cut_off{500ms};
     see(cut_off, view(1, {member(1), member(2), member(3)}));
     cut_off.on_heard_in_doubt(Instant{200ms}, client(1));
     cut_off.on_heard_in_doubt(Instant{700ms}, client(2));
@@ -129,7 +129,7 @@ TEST(CutOff, WhoWasHeardInADoubtThatCameToNothingWaitsInTheNextOne) {
 }
 
 TEST(CutOff, IsImpossibleForThoseWhoAreNotFewer) {
-    CutOff cut_off;
+    CutOff cut_off{500ms};
     see(cut_off, view(1, {member(1), member(2), member(3)}));
     see(cut_off, view(2, {member(1), member(2)}));
     EXPECT_FALSE(cut_off.is_possible());
@@ -138,7 +138,7 @@ TEST(CutOff, IsImpossibleForThoseWhoAreNotFewer) {
 }
 
 TEST(CutOff, IsImpossibleWhenTheOthersAreKnownToHaveEnded) {
-    CutOff cut_off;
+    CutOff cut_off{500ms};
     see(cut_off, view(1, {member(1), member(2), member(3)}));
     const auto yes = [](const auto&) { return true; };
     cut_off.on_view(Instant{1s}, view(2, {member(1)}), yes, yes);
@@ -146,7 +146,7 @@ TEST(CutOff, IsImpossibleWhenTheOthersAreKnownToHaveEnded) {
 }
 
 TEST(CutOff, LastsUntilAllOfTheViewThatTakesItBackAreHeard) {
-    CutOff cut_off;
+    CutOff cut_off{500ms};
     see(cut_off, view(1, {member(1), member(2), member(3)}));
     see(cut_off, view(2, {member(1)}));
     const auto fell_silent = [](const auto& m) { return m == member(1); };  // but this one
@@ -169,7 +169,7 @@ TEST(CutOff, WhoIsNewLetsClientsWaitUntilAllOfItsFirstViewAreHeard) {
     std::set<broker::LogId> heard{member(1), member(2)};
     const auto is_heard = [&](const broker::LogId& id) { return heard.contains(id); };
     const cluster::View first = view(1, {member(1), member(2), member(3)});
-    CutOff cut_off;
+    CutOff cut_off{500ms};
     cut_off.on_view(now, first, fell_silent, is_heard);
     EXPECT_TRUE(cut_off.must_wait(now, client(1)));
     heard.insert(member(3));
@@ -183,7 +183,7 @@ TEST(CutOff, WhoIsNewLetsClientsWaitUntilAllOfItsFirstViewAreHeard) {
 }
 
 TEST(CutOff, IsOverAfterAMomentThoughOneOfTheViewIsNotHeard) {
-    CutOff cut_off;
+    CutOff cut_off{500ms};
     see(cut_off, view(1, {member(1), member(2), member(3)}));
     see(cut_off, view(2, {member(1)}));
     const auto no = [](const auto&) { return false; };

@@ -1,0 +1,83 @@
+// How long the cluster waits for what: every wait between brokers is a named multiple of one of
+// three times, and stands in this table.
+//
+// The detection time is the detector's own, as of now: phi-accrual changes it. The time in which a
+// peer is found again belongs to the transport (DDS) and the machines, and not to the beacons.
+#pragma once
+
+#include "romano/base/time.h"
+
+namespace romano::cluster {
+
+struct Times {
+    Duration beacon_every{};
+    Duration detection{};
+    Duration found_again_within{};
+
+    // --- beacons
+    [[nodiscard]] Duration particulars_asked_again_after() const { return 2 * beacon_every; }
+
+    // --- logs
+    /// A gap may close by itself: what is late comes within two beacons.
+    [[nodiscard]] Duration gap_asked_after() const { return 2 * beacon_every; }
+    /// Asked of a member, which answers at once; then the next one is asked.
+    [[nodiscard]] Duration tail_asked_again_after() const { return detection / 4; }
+    [[nodiscard]] Duration tail_waited_for() const { return 4 * detection; }
+    [[nodiscard]] Duration last_words_asked_after() const { return detection; }
+    [[nodiscard]] Duration message_waited_for() const { return 4 * detection; }
+    [[nodiscard]] Duration cursors_told_every() const { return 5 * beacon_every; }
+    [[nodiscard]] Duration logs_trimmed_every() const { return 10 * beacon_every; }
+    /// Publishes that all have worked through: sessions on their way still ask for them.
+    [[nodiscard]] Duration passed_publishes_kept_for() const { return 20 * detection; }
+    /// A broker that was cut off for no longer goes on where its log was frozen.
+    [[nodiscard]] Duration removed_log_kept_for() const { return 600 * detection; }
+    /// Pieces of a snapshot: the heartbeats between them are not late.
+    [[nodiscard]] Duration snapshot_pieces_every() const { return beacon_every / 5; }
+
+    // --- order of what two homes of one client published
+    [[nodiscard]] Duration former_home_waited_for() const { return 4 * detection; }
+    [[nodiscard]] Duration snapshot_order_kept_for() const { return detection; }
+
+    // --- views
+    [[nodiscard]] Duration proposal_asked_every() const { return beacon_every; }
+    [[nodiscard]] Duration proposal_kept_for() const { return 2 * beacon_every; }
+    /// A leader waits for the answer of a member that follows somebody else, and a member for a
+    /// leader to hear again whom it hears itself.
+    [[nodiscard]] Duration disagreement_lasts() const { return 2 * detection; }
+    [[nodiscard]] Duration announcement_waited_for() const { return 4 * detection; }
+    [[nodiscard]] Duration announcement_arrives_within() const { return 2 * detection; }
+    /// A newcomer listens before it opens a view.
+    [[nodiscard]] Duration newcomer_listens_for() const { return 2 * detection; }
+    /// On a busy machine it takes some detection times until two processes hear each other.
+    [[nodiscard]] Duration unmet_peer_waited_for() const { return 20 * detection; }
+    /// Its process may stand still, and is found again after that.
+    [[nodiscard]] Duration silent_home_waited_for() const { return 6 * found_again_within; }
+    [[nodiscard]] Duration members_read_within() const { return 20 * detection; }
+
+    // --- addresses and sessions that move
+    [[nodiscard]] Duration addresses_sought_every() const { return 20 * beacon_every; }
+    /// Answers may leave from an address that its owner has bound as well.
+    [[nodiscard]] Duration answers_leave_within() const { return beacon_every / 5; }
+    [[nodiscard]] Duration answers_leave_at_most_within() const { return detection; }
+    [[nodiscard]] Duration offer_stands_for() const { return 3 * detection; }
+    [[nodiscard]] Duration handover_acknowledged_within() const { return 10 * detection; }
+    [[nodiscard]] Duration rival_hands_over_within() const { return 20 * detection; }
+    [[nodiscard]] Duration rival_joins_within() const { return 40 * detection; }
+    [[nodiscard]] Duration giver_met_within() const { return detection; }
+    [[nodiscard]] Duration giver_waited_for() const { return 20 * detection; }
+    [[nodiscard]] Duration claims_repeated_every() const { return detection; }
+    [[nodiscard]] Duration session_asked_again_after() const { return detection / 2; }
+    [[nodiscard]] Duration session_waited_for() const { return 2 * detection; }
+
+    // --- silence that is not death
+    [[nodiscard]] Duration clearly_heard_for() const { return detection / 2; }
+    [[nodiscard]] Duration doubt_lasts() const { return 2 * detection; }
+    [[nodiscard]] Duration losses_count_for() const { return 100 * detection; }
+    [[nodiscard]] Duration waiting_handover_outlives() const { return 8 * detection; }
+
+    // --- what people are told
+    [[nodiscard]] Duration settings_asked_every() const { return 20 * detection; }
+    [[nodiscard]] Duration leaderless_told_every() const { return 100 * detection; }
+};
+
+}  // namespace romano::cluster
