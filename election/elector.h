@@ -39,6 +39,8 @@ struct Claim {
     Rank rank;
     Term term = 0;
     std::optional<NodeId> leader;  // whom it follows now
+
+    friend bool operator==(const Claim&, const Claim&) = default;
 };
 
 /// A message of an algorithm that needs more than beacons (votes, bully's answers). `kind` and

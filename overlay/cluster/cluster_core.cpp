@@ -12,6 +12,7 @@ ClusterCore::ClusterCore(const ClusterOptions& options, const Identity& identity
       name_(identity.name),
       link_(identity.link),
       own_(identity.log, options.log_events_kept),
+      peers_beacons_(identity.log.broker),
       membership_(options, identity.log.broker, seed),
       addresses_(identity.home_addresses),
       publish_order_(identity.log.broker),
@@ -174,14 +175,37 @@ void ClusterCore::break_silence(Effects& effects) {
 
 // --- membership and views
 
-void ClusterCore::on(Effects& effects, BrokerId, const Beacon& beacon) {
-    if (!membership_.on_beacon(effects.now, beacon)) return;
-    listening_.on_beacon(effects.now, own_.id(), beacon);
+void ClusterCore::on(Effects& effects, BrokerId from, const Heartbeat& heartbeat) {
+    if (heartbeat.log.broker != from) return;
+    const Beacon* beacon = peers_beacons_.read(heartbeat, view());
+    if (peers_beacons_.must_ask(effects.now, effects.times.particulars_asked_again_after(), from)) {
+        effects.peers.push_back({from, ParticularsRequest{}});
+    }
+    if (beacon != nullptr) on_beacon(effects, *beacon);
+}
+
+void ClusterCore::on(Effects& effects, BrokerId from, const Particulars& particulars) {
+    if (particulars.beacon.log.broker != from) return;
+    const Beacon* beacon = peers_beacons_.read(particulars, view());
+    if (beacon != nullptr) on_beacon(effects, *beacon);
+}
+
+void ClusterCore::on(Effects& effects, BrokerId from, const ParticularsRequest&) {
+    effects.peers.push_back({from, Particulars{beacon(effects.broker)}});
+}
+
+void ClusterCore::on_beacon(Effects& effects, const Beacon& beacon) {
+    const Membership::Heard heard = membership_.on_beacon(effects.now, beacon);
+    if (heard == Membership::Heard::nothing) return;
+    if (peers_beacons_.knows_view_of(beacon.log.broker)) {
+        listening_.on_beacon(effects.now, own_.id(), beacon);
+    }
     if (membership_.is_alive(beacon.log)) {
         heed(beacon);
+        if (heard == Membership::Heard::news) ended_.learn(view(), beacon.ended);
         agreement_.on_beacon(effects, beacon);
     }
-    heed_news_of_peers(effects);
+    if (heard == Membership::Heard::news) heed_news_of_peers(effects);
 }
 
 void ClusterCore::on(Effects& effects, BrokerId, const Pulse& pulse) {
@@ -210,7 +234,6 @@ void ClusterCore::heed(const Beacon& beacon) {
     log.set_foreign(beacon.predefined != predefined_);
     if (beacon.knows(own_.id())) log.heard_by_writer();
     watermark_.on_beacon(beacon.log, beacon.applied_through(own_.id()));
-    ended_.learn(view(), beacon.ended);
     for (auto& [id, held] : logs_) {
         if (!held.is_frozen() || id.broker == beacon.log.broker) continue;
         for (const Endpoint& address : beacon.serving) held.mark_served(address);
@@ -255,6 +278,9 @@ void ClusterCore::on_view(Effects& effects, const ViewAnnouncement& announcement
                std::to_string(view().members.size()) + ", led by " +
                (leader == own_.id().broker ? name_ : membership_.name_of(leader))});
     ended_.on_view(view(), announcement.ends);
+    for (const auto& [id, peer] : membership_.peers()) {
+        if (peer.alive) ended_.learn(view(), peer.beacon.ended);
+    }
     // An heir whose own detector is a little slower must not take the dead for a rival, and fall
     // silent, at the very moment at which it takes the address over.
     for (const LogPosition& end : announcement.ends) membership_.on_left_out(effects.now, end.log);
@@ -397,7 +423,17 @@ void ClusterCore::send_beacon(Effects& effects) {
     last_leadership_ = leadership();
     last_view_ = view().number;
     own_.accompany_beacon();
-    effects.peers.push_back({std::nullopt, beacon(effects.broker)});
+    say(effects, beacon(effects.broker));
+}
+
+void ClusterCore::say(Effects& effects, const Beacon& beacon) {
+    const Heartbeat heartbeat = heartbeats_.write(beacon);
+    if (heartbeats_.has_news()) {
+        for (const auto& [id, peer] : membership_.peers()) {
+            if (membership_.is_heard(id)) effects.peers.push_back({id, Particulars{beacon}});
+        }
+    }
+    effects.peers.push_back({std::nullopt, heartbeat});
 }
 
 void ClusterCore::leave(Effects& effects) {
@@ -405,7 +441,7 @@ void ClusterCore::leave(Effects& effects) {
     own_.accompany_beacon();
     Beacon last = beacon(effects.broker);
     last.leaving = true;
-    effects.peers.push_back({std::nullopt, std::move(last)});
+    say(effects, last);
 }
 
 void ClusterCore::restart(Effects& effects, LogId log) {

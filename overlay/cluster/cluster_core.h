@@ -25,6 +25,7 @@
 #include "overlay/cluster/effects.h"
 #include "overlay/cluster/ended_logs.h"
 #include "overlay/cluster/hand_back.h"
+#include "overlay/cluster/heartbeat.h"
 #include "overlay/cluster/last_words.h"
 #include "overlay/cluster/leaderless.h"
 #include "overlay/cluster/listening.h"
@@ -172,7 +173,9 @@ public:
     void check_invariants(const broker::BrokerCore& broker) const;
 
 private:
-    void on(Effects& effects, BrokerId from, const Beacon& message);
+    void on(Effects& effects, BrokerId from, const Heartbeat& message);
+    void on(Effects& effects, BrokerId from, const Particulars& message);
+    void on(Effects& effects, BrokerId from, const ParticularsRequest& message);
     void on(Effects& effects, BrokerId from, const Pulse& message);
     void on(Effects& effects, BrokerId from, const LogBatch& message);
     void on(Effects& effects, BrokerId from, const LogAck& message);
@@ -193,6 +196,8 @@ private:
     void on(Effects& effects, BrokerId from, const SessionClaim& message);
     void on(Effects& effects, BrokerId from, const SettingsTold& message);
 
+    void say(Effects& effects, const Beacon& beacon);
+    void on_beacon(Effects& effects, const Beacon& beacon);
     void heed(const Beacon& beacon);
     /// Who is there has changed, perhaps.
     void heed_news_of_peers(Effects& effects);
@@ -243,6 +248,8 @@ private:
     std::string name_;
     LinkAddress link_;
     OwnLog own_;
+    HeartbeatWriter heartbeats_;
+    HeartbeatReader peers_beacons_;
     Membership membership_;
     ServiceAddresses addresses_;
     std::vector<Endpoint> claimed_;       // addresses_.claimed(), for the surroundings

@@ -48,22 +48,29 @@ void Membership::restart() {
     assert(elector_ != nullptr && "the shell checks the elector's name");
 }
 
-bool Membership::on_beacon(Instant now, const Beacon& beacon) {
+Membership::Heard Membership::on_beacon(Instant now, const Beacon& beacon) {
     const BrokerId id = beacon.log.broker;
-    if (id == self_) return false;
+    if (id == self_) return Heard::nothing;
     if (!peers_.contains(id) && peers_.size() >= peers_known) {
         std::erase_if(peers_, [](const auto& entry) { return !entry.second.alive; });
-        if (peers_.size() >= peers_known) return false;
+        if (peers_.size() >= peers_known) return Heard::nothing;
     }
     Peer& peer = peers_[id];
-    if (beacon.log.incarnation < peer.beacon.log.incarnation) return false;
-    if (beacon.log == peer.beacon.log && beacon.tick <= peer.beacon.tick) return false;
+    if (beacon.log.incarnation < peer.beacon.log.incarnation) return Heard::nothing;
+    const bool is_same_life = beacon.log == peer.beacon.log;
+    if (is_same_life && beacon.tick < peer.beacon.tick) return Heard::nothing;
+    const bool was_alive = peer.alive;
+    const bool was_heard = is_heard(id);
+    const bool has_news = is_news(peer, beacon);
+    const bool is_new_tick = !is_same_life || beacon.tick > peer.beacon.tick;
     const election::NodeId node = node_of(id);
-    if (beacon.log != peer.beacon.log) {
+    if (!is_same_life) {
         heard_->on_restart(node);
         linked_->on_restart(node);
     }
     peer.beacon = beacon;
+    // Its particulars came after its heartbeat, and may have waited.
+    if (!is_new_tick) return has_news ? Heard::news : Heard::life;
     peer.heard_at = now;
 
     if (beacon.leaving) {
@@ -71,17 +78,29 @@ bool Membership::on_beacon(Instant now, const Beacon& beacon) {
         heard_->on_gone(now, node);
         linked_->on_gone(now, node);
         bury_suspects(now);
-        return true;
+        return Heard::news;
     }
     heard_->on_beacon(now, node);
     if (peer.hears(self_)) {
         linked_->on_beacon(now, node);
         find_again(now, peer, linked_->is_alive(node));
-        if (!peer.alive) return true;
-        peer.ended = false;
-        elector_->on_claim(now, beacon.claim);
+        if (peer.alive) {
+            peer.ended = false;
+            elector_->on_claim(now, beacon.claim);
+        }
     }
-    return true;
+    const bool is_changed = peer.alive != was_alive || is_heard(id) != was_heard;
+    return has_news || is_changed ? Heard::news : Heard::life;
+}
+
+bool Membership::is_news(const Peer& before, const Beacon& beacon) const {
+    const Beacon& last = before.beacon;
+    return beacon.log != last.log || beacon.view.number != last.view.number ||
+           beacon.claim != last.claim || beacon.leaving != last.leaving ||
+           beacon.hears_from(self_) != last.hears_from(self_) || beacon.serving != last.serving ||
+           beacon.home_addresses != last.home_addresses || beacon.ended != last.ended ||
+           beacon.settings != last.settings || beacon.predefined != last.predefined ||
+           beacon.link != last.link;
 }
 
 void Membership::on_pulse(Instant now, const Pulse& pulse) {

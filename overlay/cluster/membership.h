@@ -48,8 +48,12 @@ public:
     /// A new life of this broker: it listens before it leads, as after its start.
     void restart();
 
-    /// False when the beacon is not to be heeded: of an earlier life of the peer, or our own.
-    bool on_beacon(Instant now, const Beacon& beacon);
+    enum class Heard : std::uint8_t {
+        nothing,  // of an earlier life of the peer, or our own
+        life,     // and what changes all the time
+        news,     // others act on it
+    };
+    Heard on_beacon(Instant now, const Beacon& beacon);
     /// A sign of life, and only of those who are alive: the next beacon tells the rest. Or of those
     /// of whom we did not know whether they or we are deaf: they listen until they know what we do.
     void on_pulse(Instant now, const Pulse& pulse);
@@ -105,6 +109,7 @@ public:
     }
 
 private:
+    [[nodiscard]] bool is_news(const Peer& before, const Beacon& beacon) const;
     void find_again(Instant now, Peer& peer, bool is_alive);
     void bury_suspects(Instant now);
     void weigh_losses(Instant now);

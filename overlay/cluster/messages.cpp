@@ -33,7 +33,7 @@ std::optional<Seq> Beacon::end_of(const LogId& of) const {
 }
 
 Delivery delivery_of(const ClusterMessage& message) {
-    if (std::holds_alternative<Beacon>(message)) return Delivery::beacon;
+    if (std::holds_alternative<Heartbeat>(message)) return Delivery::beacon;
     if (std::holds_alternative<Pulse>(message)) return Delivery::beacon;
     if (std::holds_alternative<LogBatch>(message)) return Delivery::log;
     if (std::holds_alternative<ForwardBatch>(message)) return Delivery::best_effort;
@@ -42,9 +42,9 @@ Delivery delivery_of(const ClusterMessage& message) {
 
 std::optional<Pulse> pulse_after(const ClusterMessage& message) {
     if (const auto* pulse = std::get_if<Pulse>(&message)) return *pulse;
-    const auto* beacon = std::get_if<Beacon>(&message);
-    if (beacon == nullptr || beacon->leaving) return std::nullopt;
-    return Pulse{beacon->log, beacon->tick};
+    const auto* heartbeat = std::get_if<Heartbeat>(&message);
+    if (heartbeat == nullptr || heartbeat->leaving) return std::nullopt;
+    return Pulse{heartbeat->log, heartbeat->tick};
 }
 
 }  // namespace romano::cluster

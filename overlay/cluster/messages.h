@@ -1,6 +1,6 @@
 // What brokers say to each other, as plain values. A transport turns them into octets and back.
 //
-// Beacons are best-effort and go to everybody, log batches are reliable and go to everybody; the
+// Heartbeats are best-effort and go to everybody, log batches are reliable and go to everybody; the
 // rest is addressed to one peer: reliable and in order, except QoS 0 forwards. Positions stand in
 // everything that matters, so that a transport that loses silently is noticed.
 #pragma once
@@ -54,6 +54,16 @@ struct LinkAddress {
     friend bool operator==(const LinkAddress&, const LinkAddress&) = default;
 };
 
+/// How far the log of a member is held; the member by its place in the view.
+struct HeldByMember {
+    std::uint32_t member = 0;
+    Seq through = 0;
+
+    friend bool operator==(const HeldByMember&, const HeldByMember&) = default;
+};
+
+/// All that a broker says of itself from time to time. It travels in two parts, for most of it
+/// changes rarely: Heartbeat and Particulars (heartbeat.h).
 struct Beacon {
     std::string name{};
     LogId log{};             // the sender's own
@@ -83,6 +93,35 @@ struct Beacon {
     [[nodiscard]] bool knows(const LogId& other) const;
     [[nodiscard]] std::optional<Seq> end_of(const LogId& of) const;
 };
+
+/// The part of a beacon that is said every beacon interval. With each member of the view it grows
+/// by one bit.
+struct Heartbeat {
+    LogId log{};
+    std::uint64_t tick = 0;
+    Seq last_seq = 0;
+    std::uint32_t particulars = 0;  // digest of the other part
+    ViewNumber view{};
+    election::Claim claim{};
+    std::uint32_t members = 0;                  // so many are in it; 0: the sender is in no view
+    std::vector<std::uint8_t> hears_members{};  // a bit each, in the order of that view's members
+    std::vector<BrokerId> hears_others{};
+    std::vector<HeldByMember> held{};        // how far the sender holds some of the members' logs
+    std::vector<LogPosition> held_others{};  // and of other logs
+    std::uint32_t logs_held = 0;             // of so many logs in all
+    std::uint32_t sessions = 0;
+    std::uint32_t connected = 0;
+    std::uint64_t transport_octets_sent = 0;
+    std::uint64_t transport_octets_received = 0;
+    bool leaving = false;
+};
+/// The other part, to whoever asks because the digest is new to it, and to all peers when it
+/// changes. `beacon` has what the heartbeat of that tick says, too, and in full.
+struct Particulars {
+    Beacon beacon{};
+};
+/// "Tell me yours."
+struct ParticularsRequest {};
 
 /// "My process lives, though its next beacon is late": a turn takes long, or others have the
 /// processor. Tells nothing else, and not for long (overlay/pulses.h).
@@ -233,14 +272,14 @@ struct SettingsTold {
 };
 
 using ClusterMessage =
-    std::variant<Beacon, LogBatch, LogAck, ForwardBatch, ElectionMessage, ViewProposal,
+    std::variant<Heartbeat, LogBatch, LogAck, ForwardBatch, ElectionMessage, ViewProposal,
                  ViewHoldings, TailRequest, LogTail, ViewAnnouncement, SnapshotRequest,
                  SnapshotPart, AddressOffer, AddressBound, SessionHandoff, SessionRequest,
-                 HandoffAck, SessionClaim, Pulse, SettingsTold>;
+                 HandoffAck, SessionClaim, Pulse, SettingsTold, Particulars, ParticularsRequest>;
 
 /// How a message travels.
 enum class Delivery : std::uint8_t {
-    beacon,       // to all, best-effort, the newest counts (pulses, too)
+    beacon,       // to all, best-effort, the newest counts: heartbeats and pulses
     log,          // to all, reliable, in order
     direct,       // to one, reliable, in order
     best_effort,  // to one, may be lost

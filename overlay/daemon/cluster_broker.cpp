@@ -216,20 +216,25 @@ void ClusterBroker::on_batch_end() {
 }
 
 void ClusterBroker::on_peer_message(const overlay::Envelope& envelope) {
-    const auto* beacon = std::get_if<cluster::Beacon>(&envelope.message);
-    if (beacon != nullptr && links_) {
-        links_->on_address({beacon->log.broker, beacon->link.process}, beacon->link.endpoint);
+    if (const auto* told = std::get_if<cluster::Particulars>(&envelope.message)) {
+        on_particulars(told->beacon);
+    } else if (!member_ && std::holds_alternative<cluster::Heartbeat>(envelope.message)) {
+        transport_->send({envelope.from.broker, cluster::ParticularsRequest{}});
+    }
+    if (member_) member_->on_peer_message(net::now(), envelope, actions_);
+}
+
+void ClusterBroker::on_particulars(const cluster::Beacon& beacon) {
+    if (links_) {
+        links_->on_address({beacon.log.broker, beacon.link.process}, beacon.link.endpoint);
     }
     if (member_) {
-        if (beacon != nullptr) {
-            for (const Endpoint& address : beacon->home_addresses) on_home_of_peer(address);
-        }
-        member_->on_peer_message(net::now(), envelope, actions_);
-    } else if (beacon != nullptr) {
-        for (const Endpoint& address : beacon->serving) {
-            if (contains(held_, address) && !contains(held_by_peers_, address)) {
-                held_by_peers_.push_back(address);
-            }
+        for (const Endpoint& address : beacon.home_addresses) on_home_of_peer(address);
+        return;
+    }
+    for (const Endpoint& address : beacon.serving) {
+        if (contains(held_, address) && !contains(held_by_peers_, address)) {
+            held_by_peers_.push_back(address);
         }
     }
 }

@@ -58,6 +58,7 @@ private:
     void on_datagram(const Endpoint& via, const Endpoint& from, Bytes octets) override;
     void on_batch_end() override;
     void on_peer_message(const overlay::Envelope& envelope);
+    void on_particulars(const cluster::Beacon& beacon);
     void on_peers_drained();
     void on_link(const broker::LogId& process, election::Link link);
     void on_core_wakeup();

@@ -104,8 +104,34 @@ std::optional<cluster::Assignment> from_proto(const Assignment& in) {
 struct MessageWriter {
     ClusterMessage& out;
 
-    void operator()(const cluster::Beacon& m) const {
-        auto& to = *out.mutable_beacon();
+    void operator()(const cluster::Heartbeat& m) const {
+        auto& to = *out.mutable_heartbeat();
+        to_proto(m.log, *to.mutable_log());
+        to.set_last_seq(m.last_seq);
+        to.set_tick(m.tick);
+        to.set_particulars(m.particulars);
+        to_proto(m.view, *to.mutable_view());
+        to_proto(m.claim, *to.mutable_claim());
+        to.set_members(m.members);
+        to.set_hears_members(m.hears_members.data(), m.hears_members.size());
+        for (const auto id : m.hears_others) to.add_hears_others(static_cast<std::uint64_t>(id));
+        for (const auto& [member, through] : m.held) {
+            auto& held = *to.add_held();
+            held.set_member(member);
+            held.set_through(through);
+        }
+        all_to_proto(m.held_others, *to.mutable_held_others());
+        to.set_logs_held(m.logs_held);
+        to.set_sessions(m.sessions);
+        to.set_connected(m.connected);
+        to.set_transport_octets_sent(m.transport_octets_sent);
+        to.set_transport_octets_received(m.transport_octets_received);
+        to.set_leaving(m.leaving);
+    }
+    void operator()(const cluster::ParticularsRequest&) const { out.mutable_particulars_request(); }
+    void operator()(const cluster::Particulars& told) const {
+        const cluster::Beacon& m = told.beacon;
+        auto& to = *out.mutable_particulars();
         to.set_name(m.name);
         to_proto(m.log, *to.mutable_log());
         to.set_last_seq(m.last_seq);
@@ -230,7 +256,31 @@ struct MessageWriter {
     }
 };
 
-MaybeMessage read_beacon(const Beacon& in) {
+MaybeMessage read_heartbeat(const Heartbeat& in) {
+    const auto log = from_proto(in.log());
+    if (!log) return std::nullopt;
+    cluster::Heartbeat out;
+    out.log = *log;
+    out.last_seq = in.last_seq();
+    out.tick = in.tick();
+    out.particulars = in.particulars();
+    out.view = number_from(in.view());
+    out.claim = claim_from(in.claim());
+    out.members = in.members();
+    out.hears_members.assign(in.hears_members().begin(), in.hears_members().end());
+    for (const auto id : in.hears_others()) out.hears_others.push_back(broker::BrokerId{id});
+    for (const auto& held : in.held()) out.held.push_back({held.member(), held.through()});
+    if (!all_from_proto(in.held_others(), out.held_others)) return std::nullopt;
+    out.logs_held = in.logs_held();
+    out.sessions = in.sessions();
+    out.connected = in.connected();
+    out.transport_octets_sent = in.transport_octets_sent();
+    out.transport_octets_received = in.transport_octets_received();
+    out.leaving = in.leaving();
+    return out;
+}
+
+MaybeMessage read_particulars(const Beacon& in) {
     const auto log = from_proto(in.log());
     auto view = from_proto(in.view());
     const auto link = from_proto(in.link());
@@ -256,7 +306,7 @@ MaybeMessage read_beacon(const Beacon& in) {
     if (!all_from_proto(in.ended(), out.ended)) return std::nullopt;
     if (!all_from_proto(in.home_addresses(), out.home_addresses)) return std::nullopt;
     if (!all_from_proto(in.serving(), out.serving)) return std::nullopt;
-    return out;
+    return cluster::Particulars{std::move(out)};
 }
 
 MaybeMessage read_log_ack(const LogAck& in) {
@@ -350,8 +400,12 @@ void to_proto(const cluster::ClusterMessage& in, ClusterMessage& out) {
 
 MaybeMessage from_proto(const ClusterMessage& in) {
     switch (in.message_case()) {
-        case ClusterMessage::kBeacon:
-            return read_beacon(in.beacon());
+        case ClusterMessage::kHeartbeat:
+            return read_heartbeat(in.heartbeat());
+        case ClusterMessage::kParticulars:
+            return read_particulars(in.particulars());
+        case ClusterMessage::kParticularsRequest:
+            return cluster::ParticularsRequest{};
         case ClusterMessage::kLogBatch:
             return read_log_batch(in.log_batch());
         case ClusterMessage::kLogAck:

@@ -119,8 +119,26 @@ std::string text(const std::vector<LogEvent>& events) {
     return all;
 }
 
-std::string line(const Beacon& m) {
-    std::string all = "Beacon of " + text(m.log) + ':' + number(m.last_seq) + " view " +
+std::string line(const Heartbeat& m) {
+    std::string all = "Heartbeat " + number(m.tick) + " of " + text(m.log) + ':' +
+                      number(m.last_seq) + " view " + text(m.view) + " follows " +
+                      (m.claim.leader ? short_id(*m.claim.leader) : "nobody") + " term " +
+                      number(m.claim.term) + " hears members";
+    for (const std::uint8_t places : m.hears_members) all += ' ' + number(places);
+    all += " and";
+    for (const BrokerId id : m.hears_others) all += ' ' + short_id(id);
+    all += " holds";
+    for (const auto& [member, through] : m.held) {
+        all += ' ' + number(member) + ':' + number(through);
+    }
+    return all + text(m.held_others) + (m.leaving ? " leaving" : "");
+}
+std::string line(const ParticularsRequest&) {
+    return "ParticularsRequest";
+}
+std::string line(const Particulars& told) {
+    const Beacon& m = told.beacon;
+    std::string all = "Particulars of " + text(m.log) + ':' + number(m.last_seq) + " view " +
                       text(m.view.number) + " follows " +
                       (m.claim.leader ? short_id(*m.claim.leader) : "nobody") + " term " +
                       number(m.claim.term) + " hears";

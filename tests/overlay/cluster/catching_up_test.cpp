@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "overlay/cluster/cluster_core.h"
+#include "tests/overlay/cluster/beacons.h"
 #include "tests/overlay/cluster/events.h"
 
 namespace romano::cluster {
@@ -23,6 +24,10 @@ protected:
     void take(ClusterMessage message) {
         Effects acting = effects();
         core.on_message(acting, {peer, std::move(message)});
+    }
+    void take(const Beacon& beacon) {
+        Effects acting = effects();
+        cluster::hear(core, acting, beacon);
     }
     void tick() {
         Effects acting = effects();

@@ -24,7 +24,7 @@ struct Observer {
     bool hear(std::vector<BrokerId> hears, const LogId& log = peer, bool leaving = false) {
         Beacon beacon{.log = log, .tick = ++ticks, .hears = std::move(hears)};
         beacon.leaving = leaving;
-        return membership.on_beacon(now, beacon);
+        return membership.on_beacon(now, beacon) != Membership::Heard::nothing;
     }
     void pulse(std::uint64_t tick, const LogId& log = peer) {
         membership.on_pulse(now, {.log = log, .tick = tick});

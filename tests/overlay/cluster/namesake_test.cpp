@@ -32,7 +32,7 @@ TEST(Namesake, AClusterCoreWarnsOfIt) {
     for (int i = 0; i < 50; ++i) {
         Effects acting = cluster.effects();
         const LogId other{self.broker, self.incarnation + 1};
-        cluster.core.on_message(acting, {other, Beacon{.name = "self", .log = other}});
+        cluster.core.on_message(acting, {other, Heartbeat{.log = other}});
     }
     ASSERT_EQ(cluster.local.size(), 1U);
     const auto& notice = std::get<Notice>(cluster.local.front());

@@ -24,7 +24,7 @@ protected:
         Effects acting = cluster.effects();
         Beacon beacon{.name = "dead", .log = dead, .tick = 1, .hears = {self.broker}};
         beacon.applied = std::move(applied);
-        cluster.core.on_message(acting, {dead, beacon});
+        hear(cluster.core, acting, beacon);
         cluster.core.on_message(acting, {dead, LogBatch{dead, 1, {test::session("robot")}}});
         for (int beacon_time = 0; beacon_time < 20; ++beacon_time) hear_the_leader();
     }

@@ -33,7 +33,7 @@ protected:
     void hear_the_other_for(Duration time) {
         for (const Instant end = cluster.now + time; cluster.now < end;) {
             Effects acting = cluster.effects();
-            cluster.core.on_message(acting, {other, Beacon{.log = other, .tick = ++other_ticks}});
+            hear(cluster.core, acting, Beacon{.log = other, .tick = ++other_ticks});
             cluster.pass();
         }
     }
@@ -103,7 +103,7 @@ TEST_F(Stranded, P3_WhoListensPromisesNothing) {
     for (LogId later : {peer, other}) {
         ++later.incarnation;
         Effects acting = cluster.effects();
-        cluster.core.on_message(acting, {later, Beacon{.log = later, .tick = 1}});
+        hear(cluster.core, acting, Beacon{.log = later, .tick = 1});
     }
     ASSERT_TRUE(cluster.core.live_peers().empty());
     EXPECT_EQ(cluster.core.safe(cluster.now), 0U);

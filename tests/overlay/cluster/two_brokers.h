@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "overlay/cluster/cluster_core.h"
+#include "tests/overlay/cluster/beacons.h"
 #include "tests/overlay/cluster/events.h"
 
 namespace romano::cluster {
@@ -66,6 +67,11 @@ struct Cluster : Owner {
     void take(ClusterMessage message) {
         Effects acting = effects();
         core.on_message(acting, {peer, std::move(message)});
+        keep_log();
+    }
+    void take(const Beacon& beacon) {
+        Effects acting = effects();
+        cluster::hear(core, acting, beacon);
         keep_log();
     }
     void tick() {

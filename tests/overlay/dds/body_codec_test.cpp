@@ -41,6 +41,9 @@ static_assert(field_count<election::Ballot>() == 2);
 static_assert(field_count<cluster::ViewNumber>() == 3);
 static_assert(field_count<cluster::View>() == 2);
 static_assert(field_count<cluster::Beacon>() == 20);
+static_assert(field_count<cluster::HeldByMember>() == 2);
+static_assert(field_count<cluster::Heartbeat>() == 17);
+static_assert(field_count<cluster::Particulars>() == 1);
 static_assert(field_count<cluster::Pulse>() == 2);
 static_assert(field_count<cluster::LogBatch>() == 4);
 static_assert(field_count<cluster::LogAck>() == 2);
@@ -77,14 +80,41 @@ TEST(BodyCodec, EveryKindOfMessageSurvivesTheRoundTrip) {
     }
 }
 
-TEST(BodyCodec, ABeaconKeepsItsFields) {
+TEST(BodyCodec, AHeartbeatKeepsItsFields) {
     Random random{2};
     BodyCodec codec;
     const auto message = random_message(0, random);
-    const auto& in = std::get<cluster::Beacon>(message);
+    const auto& in = std::get<cluster::Heartbeat>(message);
     const auto decoded = codec.decode(copy(codec.encode(message)));
     ASSERT_TRUE(decoded);
-    const auto& out = std::get<cluster::Beacon>(*decoded);
+    const auto& out = std::get<cluster::Heartbeat>(*decoded);
+    EXPECT_EQ(out.log, in.log);
+    EXPECT_EQ(out.last_seq, in.last_seq);
+    EXPECT_EQ(out.tick, in.tick);
+    EXPECT_EQ(out.particulars, in.particulars);
+    EXPECT_EQ(out.view, in.view);
+    EXPECT_EQ(out.claim, in.claim);
+    EXPECT_EQ(out.members, in.members);
+    EXPECT_EQ(out.hears_members, in.hears_members);
+    EXPECT_EQ(out.hears_others, in.hears_others);
+    EXPECT_EQ(out.held, in.held);
+    EXPECT_EQ(out.held_others, in.held_others);
+    EXPECT_EQ(out.logs_held, in.logs_held);
+    EXPECT_EQ(out.sessions, in.sessions);
+    EXPECT_EQ(out.connected, in.connected);
+    EXPECT_EQ(out.transport_octets_sent, in.transport_octets_sent);
+    EXPECT_EQ(out.transport_octets_received, in.transport_octets_received);
+    EXPECT_EQ(out.leaving, in.leaving);
+}
+
+TEST(BodyCodec, ParticularsKeepTheirFields) {
+    Random random{2};
+    BodyCodec codec;
+    const auto message = random_message(20, random);
+    const auto& in = std::get<cluster::Particulars>(message).beacon;
+    const auto decoded = codec.decode(copy(codec.encode(message)));
+    ASSERT_TRUE(decoded);
+    const auto& out = std::get<cluster::Particulars>(*decoded).beacon;
     EXPECT_EQ(out.name, in.name);
     EXPECT_EQ(out.log, in.log);
     EXPECT_EQ(out.last_seq, in.last_seq);

@@ -15,8 +15,7 @@ namespace {
 using namespace romano;
 
 void beat(boost::asio::steady_timer& timer, dds::DdsTransport& transport) {
-    cluster::Beacon beacon;
-    beacon.name = "peer";
+    cluster::Heartbeat beacon;
     transport.send({{}, beacon});
     timer.expires_after(std::chrono::milliseconds(10));
     timer.async_wait([&](const auto&) { beat(timer, transport); });

@@ -52,9 +52,9 @@ struct Peer {
     DdsTransport transport;
 };
 
-cluster::Beacon beacon_of(const char* name) {
-    cluster::Beacon out;
-    out.name = name;
+cluster::Heartbeat heartbeat(std::uint64_t tick) {
+    cluster::Heartbeat out;
+    out.tick = tick;
     return out;
 }
 
@@ -78,13 +78,13 @@ struct DdsTransportTest : testing::Test {
     /// Both say things until each has heard the other: matching takes a few milliseconds.
     void acquaint(Peer& one, Peer& two) {
         const auto met = [](const Peer& a) {
-            return !a.all<cluster::Beacon>().empty() && !a.all<cluster::LogBatch>().empty() &&
+            return !a.all<cluster::Heartbeat>().empty() && !a.all<cluster::LogBatch>().empty() &&
                    !a.all<cluster::LogAck>().empty();
         };
         const auto deadline = Clock::now() + 10s;
         while (!(met(one) && met(two)) && Clock::now() < deadline) {
             for (Peer* peer : {&one, &two}) {
-                peer->broadcast(beacon_of("hello"));
+                peer->broadcast(heartbeat(1));
                 peer->broadcast(batch(0));
                 peer->broadcast(cluster::LogAck{});
             }
@@ -107,10 +107,10 @@ TEST_F(DdsTransportTest, BeaconsReachEverybodyElse) {
     Peer one(io, domain, "one");
     Peer two(io, domain, "two");
     acquaint(one, two);
-    one.broadcast(beacon_of("one"));
+    one.broadcast(heartbeat(5));
     run_until([&] { return two.received.size() == 1; });
     EXPECT_EQ(two.received.front().from, one.log);
-    EXPECT_EQ(two.all<cluster::Beacon>().front().name, "one");
+    EXPECT_EQ(two.all<cluster::Heartbeat>().front().tick, 5U);
     EXPECT_TRUE(one.received.empty());
 }
 
@@ -120,9 +120,7 @@ TEST_F(DdsTransportTest, PulsesFollowABeaconWhileTheNextOneIsLate) {
     acquaint(one, two);
     io.run_for(200ms);  // the pulses of the hellos
     two.received.clear();
-    cluster::Beacon beacon = beacon_of("one");
-    beacon.tick = 7;
-    one.broadcast(beacon);
+    one.broadcast(heartbeat(7));
     run_until([&] { return two.all<cluster::Pulse>().size() >= 3; });
     EXPECT_EQ(two.all<cluster::Pulse>().front().tick, 7U);
     io.run_for(200ms);
@@ -135,10 +133,10 @@ TEST_F(DdsTransportTest, NoPulseFollowsTheLastBeacon) {
     Peer one(io, domain, "one", 1, {10ms, 200ms});
     Peer two(io, domain, "two");
     acquaint(one, two);
-    cluster::Beacon last = beacon_of("one");
+    cluster::Heartbeat last = heartbeat(9);
     last.leaving = true;
     one.broadcast(last);
-    run_until([&] { return !two.all<cluster::Beacon>().empty(); });
+    run_until([&] { return !two.all<cluster::Heartbeat>().empty(); });
     two.received.clear();
     io.run_for(150ms);
     EXPECT_TRUE(two.received.empty());
@@ -185,7 +183,7 @@ TEST_F(DdsTransportTest, WhatIsSaidBeforeThePeerIsReadyWaitsForIt) {
     // One hears of two and answers at once, although two cannot have matched its writer yet.
     const auto deadline = Clock::now() + 10s;
     while (one.received.empty() && Clock::now() < deadline) {
-        two.broadcast(beacon_of("two"));
+        two.broadcast(heartbeat(2));
         io.run_for(1ms);
     }
     ASSERT_FALSE(one.received.empty());

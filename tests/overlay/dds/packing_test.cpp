@@ -79,8 +79,8 @@ TEST(Packing, OfSeveralAcknowledgementsTheLastSaysAll) {
 }
 
 TEST(Packing, LeavesOtherMessagesAsTheyAre) {
-    std::vector<overlay::Outgoing> messages{{std::nullopt, cluster::Beacon{}},
-                                            {std::nullopt, cluster::Beacon{}},
+    std::vector<overlay::Outgoing> messages{{std::nullopt, cluster::Heartbeat{}},
+                                            {std::nullopt, cluster::Heartbeat{}},
                                             {BrokerId{2}, cluster::SessionRequest{"a"}},
                                             {BrokerId{2}, cluster::SessionRequest{"a"}}};
     pack(messages);

@@ -209,12 +209,38 @@ cluster::Beacon beacon(Random& r) {
     return out;
 }
 
+cluster::HeldByMember held(Random& r) {
+    return {r.next(), wide(r)};
+}
+
+cluster::Heartbeat heartbeat(Random& r) {
+    cluster::Heartbeat out;
+    out.log = log_id(r);
+    out.tick = wide(r);
+    out.last_seq = wide(r);
+    out.particulars = r.next();
+    out.view = view_number(r);
+    out.claim = claim(r);
+    out.members = r.next();
+    out.hears_members = octets(r);
+    out.hears_others = some(r, broker_id);
+    out.held = some(r, held);
+    out.held_others = some(r, position);
+    out.logs_held = r.next();
+    out.sessions = r.next();
+    out.connected = r.next();
+    out.transport_octets_sent = wide(r);
+    out.transport_octets_received = wide(r);
+    out.leaving = flag(r);
+    return out;
+}
+
 }  // namespace
 
 cluster::ClusterMessage random_message(std::size_t kind, Random& r) {
     switch (kind) {
         case 0:
-            return beacon(r);
+            return heartbeat(r);
         case 1:
             return cluster::LogBatch{log_id(r), wide(r), one_event_of_each_kind(r), flag(r)};
         case 2:
@@ -256,10 +282,14 @@ cluster::ClusterMessage random_message(std::size_t kind, Random& r) {
             return cluster::SessionClaim{header(r)};
         case 18:
             return cluster::Pulse{log_id(r), wide(r)};
+        case 20:
+            return cluster::Particulars{beacon(r)};
+        case 21:
+            return cluster::ParticularsRequest{};
         default:
             return cluster::SettingsTold{some(r, setting), flag(r)};
     }
 }
-static_assert(message_kinds == 20, "random_message() makes every kind");
+static_assert(message_kinds == 22, "random_message() makes every kind");
 
 }  // namespace romano::dds

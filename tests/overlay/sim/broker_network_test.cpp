@@ -27,7 +27,7 @@ protected:
         process.port->start([&process](const overlay::Envelope& envelope) {
             if (const auto* batch = std::get_if<cluster::LogBatch>(&envelope.message)) {
                 process.log.push_back(batch->first_seq);
-            } else if (const auto* beacon = std::get_if<cluster::Beacon>(&envelope.message)) {
+            } else if (const auto* beacon = std::get_if<cluster::Heartbeat>(&envelope.message)) {
                 process.beacons.push_back(beacon->tick);
             }
         });
@@ -40,7 +40,7 @@ protected:
     }
     void log(broker::Seq seq) { a.port->send({std::nullopt, cluster::LogBatch{a.id, seq, {}}}); }
     void beacon(std::uint64_t tick) {
-        cluster::Beacon message;
+        cluster::Heartbeat message;
         message.tick = tick;
         a.port->send({std::nullopt, message});
     }
