@@ -43,6 +43,8 @@ void ClusterCore::on_message(Effects& effects, const Envelope& envelope) {
 
 void ClusterCore::on_tick(Effects& effects, const std::set<Endpoint>& pending_output) {
     membership_.on_tick(effects.now);
+    has_frozen_logs_ =
+        std::ranges::any_of(logs_, [](const auto& log) { return log.second.is_frozen(); });
     view_change_.on_tick(effects.now, surroundings(effects), effects.peers);
     take_view(effects);
     hand_back_.compare(effects, membership_, view(), addresses_);
@@ -234,6 +236,7 @@ void ClusterCore::heed(const Beacon& beacon) {
     log.set_foreign(beacon.predefined != predefined_);
     if (beacon.knows(own_.id())) log.heard_by_writer();
     watermark_.on_beacon(beacon.log, beacon.applied_through(own_.id()));
+    if (!has_frozen_logs_) return;
     for (auto& [id, held] : logs_) {
         if (!held.is_frozen() || id.broker == beacon.log.broker) continue;
         for (const Endpoint& address : beacon.serving) held.mark_served(address);
@@ -388,12 +391,8 @@ bool ClusterCore::is_short_of_peers() const {
     return live_peers().size() < (options_.acks == all_peers ? 1 : options_.acks);
 }
 
-std::vector<LogId> ClusterCore::live_peers() const {
-    std::vector<LogId> peers;
-    for (const LogId& member : view().members) {
-        if (membership_.is_alive(member)) peers.push_back(member);
-    }
-    return peers;
+const std::vector<LogId>& ClusterCore::live_peers() const {
+    return live_peers_.of(view(), membership_);
 }
 
 Beacon ClusterCore::beacon(const broker::BrokerCore& broker) const {

@@ -29,6 +29,7 @@
 #include "overlay/cluster/last_words.h"
 #include "overlay/cluster/leaderless.h"
 #include "overlay/cluster/listening.h"
+#include "overlay/cluster/live_peers.h"
 #include "overlay/cluster/log_keeping.h"
 #include "overlay/cluster/membership.h"
 #include "overlay/cluster/missing_messages.h"
@@ -151,7 +152,7 @@ public:
     /// Views that were agreed on so far.
     [[nodiscard]] std::uint64_t views_seen() const { return views_seen_; }
     /// Peers of the view that are alive.
-    [[nodiscard]] std::vector<LogId> live_peers() const;
+    [[nodiscard]] const std::vector<LogId>& live_peers() const;
     /// The own beacon as it would be sent now.
     [[nodiscard]] Beacon beacon(const broker::BrokerCore& broker) const;
 
@@ -272,8 +273,10 @@ private:
     Roaming roaming_;
     EndedLogs ended_;
     SnapshotSender snapshots_;
-    std::set<Endpoint> silent_;  // of those that are served
-    std::uint32_t predefined_;   // digest
+    mutable LivePeers live_peers_;
+    bool has_frozen_logs_ = false;  // as of the last tick
+    std::set<Endpoint> silent_;     // of those that are served
+    std::uint32_t predefined_;      // digest
     Agreement agreement_;
 
     Listening listening_;

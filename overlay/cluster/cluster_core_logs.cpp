@@ -20,7 +20,8 @@ Seq ClusterCore::safe(Instant now) {
     if (listening_.is_on() || may_be_deaf(now)) return watermark_.safe();
     // In no view there are no clients: whoever promised them something alone is not replaced.
     if (!is_in_view() || view_change_.is_stranded(membership_, logs_)) return watermark_.safe();
-    return watermark_.advance(own_.last(), live_peers());
+    const auto& peers = live_peers();
+    return watermark_.advance(own_.last(), peers, live_peers_.version());
 }
 
 void ClusterCore::forward(const MessagePtr& message, Outbox& out) const {

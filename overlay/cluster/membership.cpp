@@ -65,6 +65,7 @@ Membership::Heard Membership::on_beacon(Instant now, const Beacon& beacon) {
     const bool is_new_tick = !is_same_life || beacon.tick > peer.beacon.tick;
     const election::NodeId node = node_of(id);
     if (!is_same_life) {
+        ++changes_;
         heard_->on_restart(node);
         linked_->on_restart(node);
     }
@@ -120,7 +121,7 @@ void Membership::on_pulse(Instant now, const Pulse& pulse) {
 }
 
 void Membership::find_again(Instant now, Peer& peer, bool is_alive) {
-    peer.alive = is_alive;
+    if (std::exchange(peer.alive, is_alive) != is_alive) ++changes_;
     if (is_alive && std::exchange(peer.lost_at, std::nullopt)) weigh_losses(now);
 }
 
@@ -181,6 +182,7 @@ void Membership::bury_suspects(Instant now) {
     for (const auto node : linked_->take_suspects()) {
         Peer& peer = peers_[broker_of(node)];
         peer.alive = false;
+        ++changes_;
         peer.lost_at = now;
         lost_.push_back(broker_of(node));
         elector_->on_suspect(now, node);

@@ -101,6 +101,8 @@ public:
     [[nodiscard]] bool leads() const;
     /// The peer's name, as its beacons say it; empty when unknown.
     [[nodiscard]] std::string name_of(BrokerId id) const;
+    /// Grows whenever somebody else is alive, or in another life.
+    [[nodiscard]] std::uint64_t changes() const { return changes_; }
     /// Peers that were taken for dead since the last call.
     [[nodiscard]] std::vector<BrokerId> take_lost();
     [[nodiscard]] Duration detection_time() const { return linked_->detection_time(); }
@@ -124,6 +126,7 @@ private:
     std::unique_ptr<election::Elector> elector_;
     std::map<BrokerId, Peer> peers_;
     std::vector<BrokerId> lost_;
+    std::uint64_t changes_ = 0;
     bool lost_too_many_ = false;             // by silence: more than are left
     Instant missed_until_ = Instant::min();  // since then: they may say that they live
 };

@@ -8,6 +8,7 @@
 #include <functional>
 #include <map>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "broker/core/log_position.h"
@@ -24,14 +25,24 @@ public:
     /// The peer's beacon tells all that it holds: less than it once had, when it let our log go
     /// while we were out of its sight.
     void on_beacon(const broker::LogId& peer, broker::Seq holds) { hold(peer, holds); }
-    void forget(const broker::LogId& peer) { held_.erase(peer); }
+    void forget(const broker::LogId& peer) {
+        held_.erase(peer);
+        is_news_ = true;
+    }
     void restart() {
         held_.clear();
         most_held_ = safe_ = 0;
+        is_news_ = true;
     }
 
     /// Never falls: what was once shown to clients stays shown.
-    broker::Seq advance(broker::Seq last, std::span<const broker::LogId> peers) {
+    /// `among`: another number when these are other peers than the last time.
+    broker::Seq advance(broker::Seq last, std::span<const broker::LogId> peers,
+                        std::uint64_t among) {
+        const bool is_news = std::exchange(is_news_, false) || last != last_ || among != among_;
+        if (!is_news) return safe_;
+        last_ = last;
+        among_ = among;
         const std::size_t needed = std::min<std::size_t>(acks_, peers.size());
         broker::Seq reached = last;
         if (needed > 0) {
@@ -56,7 +67,8 @@ public:
 
 private:
     void hold(const broker::LogId& peer, broker::Seq through) {
-        held_[peer] = through;
+        const broker::Seq before = std::exchange(held_[peer], through);
+        is_news_ |= before != through;
         most_held_ = std::max(most_held_, through);
     }
 
@@ -64,6 +76,9 @@ private:
     std::map<broker::LogId, broker::Seq> held_;
     broker::Seq most_held_ = 0;
     broker::Seq safe_ = 0;
+    broker::Seq last_ = 0;      // as of the last advance()
+    std::uint64_t among_ = 0;   // as well
+    bool is_news_ = true;       // since then
 };
 
 }  // namespace romano::cluster
