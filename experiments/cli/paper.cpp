@@ -19,7 +19,7 @@
 namespace romano::experiments {
 namespace {
 
-constexpr const char* examples = R"(Examples:
+constexpr const char* paper_examples = R"(Examples:
   romano paper                                   (all parts)
   romano paper --parts table                     (ten rates, ten runs of 5,000 messages each)
   romano paper --parts table --runs 2 --messages 1000 --rates 180,200,220 --baud 230400 --seed 7
@@ -136,7 +136,7 @@ void add_paper(CLI::App& program, int& exit_code) {
     command.add_option("--output", options->output, "Folder of runs, tables, figure and report")
         ->capture_default_str();
     command.add_flag("--fresh", options->fresh, "Forget the runs that stand in --output");
-    command.footer(examples);
+    command.footer(paper_examples);
     command.callback([options, &exit_code] {
         options->table.seed = options->seed;
         options->cells.seed = options->seed;
