@@ -1,5 +1,5 @@
-// The members of the view that are alive, looked up when either has changed: each message that comes
-// asks for them several times, and there may be a hundred.
+// The members of the view that are alive, looked up when either has changed: each message that
+// comes asks for them several times, and there may be a hundred.
 #pragma once
 
 #include <cstdint>

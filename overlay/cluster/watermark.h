@@ -76,9 +76,9 @@ private:
     std::map<broker::LogId, broker::Seq> held_;
     broker::Seq most_held_ = 0;
     broker::Seq safe_ = 0;
-    broker::Seq last_ = 0;      // as of the last advance()
-    std::uint64_t among_ = 0;   // as well
-    bool is_news_ = true;       // since then
+    broker::Seq last_ = 0;     // as of the last advance()
+    std::uint64_t among_ = 0;  // as well
+    bool is_news_ = true;      // since then
 };
 
 }  // namespace romano::cluster

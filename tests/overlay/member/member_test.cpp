@@ -258,7 +258,7 @@ TEST(Member, FormerLivesOfABrokerAreForgotten) {  // P8
         return brokers.member(1).broker().image("robot")->worked_through.size();
     };
     EXPECT_GE(logs_known(), 10U);  // while their sessions may still be on their way
-    brokers.run_for(61s);  // 600 detection times, and the next turn
+    brokers.run_for(61s);          // 600 detection times, and the next turn
     EXPECT_LE(logs_known(), 2U);
 }
 
