@@ -5,16 +5,17 @@
 #include <string_view>
 #include <utility>
 
+#include "overlay/cluster/digest.h"
+
 namespace romano::cluster {
 namespace {
 
 constexpr std::size_t longest_value = 200;
 
-/// FNV-1a: the same number at every broker, in every build.
 std::uint32_t digest_of(std::string_view text) {
-    std::uint32_t hash = 0x811C9DC5;
-    for (const char c : text) hash = (hash ^ static_cast<unsigned char>(c)) * 0x01000193;
-    return hash;
+    Digest digest;
+    digest.add(text);
+    return digest.value();
 }
 
 Setting setting(std::string name, std::string value) {

@@ -4,37 +4,21 @@
 #include <string_view>
 #include <utility>
 
+#include "overlay/cluster/digest.h"
+
 namespace romano::cluster {
 namespace {
 
-/// FNV-1a.
-class Digest {
-public:
-    void add(std::uint64_t number) {
-        for (int octet = 0; octet < 8; ++octet, number >>= 8U) {
-            mix(static_cast<std::uint8_t>(number & 0xFFU));
-        }
-    }
-    void add(std::string_view text) {
-        add(text.size());
-        for (const char c : text) mix(static_cast<std::uint8_t>(c));
-    }
-    void add(const Endpoint& endpoint) {
-        add(static_cast<std::uint64_t>(endpoint.family));
-        for (const std::uint8_t octet : endpoint.address) mix(octet);
-        add(std::uint64_t{endpoint.port} << 32U | endpoint.scope);
-    }
-    void add(const std::vector<Endpoint>& endpoints) {
-        add(endpoints.size());
-        for (const Endpoint& endpoint : endpoints) add(endpoint);
-    }
-    [[nodiscard]] std::uint32_t value() const { return hash_; }
+void add(Digest& digest, const Endpoint& endpoint) {
+    digest.add(static_cast<std::uint64_t>(endpoint.family));
+    for (const std::uint8_t octet : endpoint.address) digest.add(octet);
+    digest.add(std::uint64_t{endpoint.port} << 32U | endpoint.scope);
+}
 
-private:
-    void mix(std::uint8_t octet) { hash_ = (hash_ ^ octet) * 0x01000193; }
-
-    std::uint32_t hash_ = 0x811C9DC5;
-};
+void add(Digest& digest, const std::vector<Endpoint>& endpoints) {
+    digest.add(std::uint64_t{endpoints.size()});
+    for (const Endpoint& endpoint : endpoints) add(digest, endpoint);
+}
 
 /// Its place among the members.
 std::optional<std::uint32_t> place_of(const LogId& log, const View& view) {
@@ -62,14 +46,15 @@ void set_held(std::vector<LogPosition>& held, const LogPosition& position) {
 
 std::uint32_t digest_of_particulars(const Beacon& beacon) {
     Digest digest;
-    digest.add(beacon.name);
-    digest.add(beacon.home_addresses);
-    digest.add(beacon.serving);
-    digest.add(beacon.link.endpoint);
+    digest.add(std::uint64_t{beacon.name.size()});
+    digest.add(std::string_view{beacon.name});
+    add(digest, beacon.home_addresses);
+    add(digest, beacon.serving);
+    add(digest, beacon.link.endpoint);
     digest.add(beacon.link.process);
     digest.add(std::uint64_t{beacon.cannot_take});
-    digest.add(beacon.settings);
-    digest.add(beacon.predefined);
+    digest.add(std::uint64_t{beacon.settings});
+    digest.add(std::uint64_t{beacon.predefined});
     return digest.value();
 }
 

@@ -47,11 +47,11 @@ private:
 /// Puts the peers' beacons together.
 class HeartbeatReader {
 public:
-    /// Where the reader stands: a sender in its own view needs not say who is in it.
     explicit HeartbeatReader(BrokerId self) : self_(self) {}
 
-    /// The peer's newest beacon, as far as it is known; null while its particulars are not here.
-    /// Valid until the next call.
+    /// The peer's newest beacon, as far as it is known; null while its particulars are not here,
+    /// and when it was heard before. Valid until the next call. A sender in `own_view` needs not
+    /// say who is in it.
     [[nodiscard]] const Beacon* read(const Heartbeat& heartbeat, const View& own_view);
     /// The same. Null when they are old, or no heartbeat of that log was heard yet.
     [[nodiscard]] const Beacon* read(const Particulars& particulars, const View& own_view);
