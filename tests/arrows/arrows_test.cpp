@@ -34,6 +34,7 @@ const std::map<std::string, Folders>& allowed() {
         {"romano/server", {"romano/base", "romano/message"}},
         {"broker/server", {"romano/base", "romano/mqttsn", "romano/server", "broker/core"}},
         {"romano/node", {"romano/base", "romano/mqttsn", "romano/message", "romano/client"}},
+        {"romano/control", {"romano/base", "romano/mqttsn", "romano/message"}},
         {"overlay/cluster", {"romano/base", "romano/mqttsn", "election", "broker/core"}},
         {"overlay",  // transport.h
          {"romano/base", "broker/core", "election", "overlay/cluster"}},
@@ -70,9 +71,9 @@ const std::map<std::string, Folders>& allowed() {
 // Folders whose code has no heap, clock, thread, file or socket of its own.
 const std::set<std::string>& cores() {
     static const std::set<std::string> folders = {
-        "romano/base",   "romano/mqttsn", "romano/message",  "romano/client",
-        "romano/node",   "romano/server", "election",        "broker/core",
-        "broker/server", "broker/uplink", "overlay/cluster", "overlay/member"};
+        "romano/base",    "romano/mqttsn",   "romano/message", "romano/client", "romano/node",
+        "romano/control", "romano/server",   "election",       "broker/core",   "broker/server",
+        "broker/uplink",  "overlay/cluster", "overlay/member"};
     return folders;
 }
 
