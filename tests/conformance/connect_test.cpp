@@ -2,7 +2,7 @@
 
 #include "tests/conformance/suite.h"
 
-namespace romano::conformance {
+namespace romano::conformance::connect_test {
 namespace {
 
 CONFORMANCE_SUITE(S6_2_Connect, PatientSuite);
@@ -372,4 +372,4 @@ TEST_P(S6_3_CleanSession, g11_IsErasedNoSoonerThanAtTheNextCleanConnect) {
 }
 
 }  // namespace
-}  // namespace romano::conformance
+}  // namespace romano::conformance::connect_test

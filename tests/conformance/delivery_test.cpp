@@ -4,7 +4,7 @@
 
 #include "tests/conformance/suite.h"
 
-namespace romano::conformance {
+namespace romano::conformance::delivery_test {
 namespace {
 
 class Delivering : public PatientSuite {
@@ -383,4 +383,4 @@ TEST_P(S6_13_Retries, g5_ASilentClientsMessagesWaitUntilItIsHeard) {
 }
 
 }  // namespace
-}  // namespace romano::conformance
+}  // namespace romano::conformance::delivery_test

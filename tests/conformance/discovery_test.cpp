@@ -3,7 +3,7 @@
 
 #include "tests/conformance/suite.h"
 
-namespace romano::conformance {
+namespace romano::conformance::discovery_test {
 namespace {
 
 CONFORMANCE_SUITE(S6_1_Discovery, PatientSuite);
@@ -41,4 +41,4 @@ TEST_P(S6_1_Discovery, c_WhatOtherGatewaysSayIsNotAnswered) {
 }
 
 }  // namespace
-}  // namespace romano::conformance
+}  // namespace romano::conformance::discovery_test

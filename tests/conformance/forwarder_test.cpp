@@ -2,7 +2,7 @@
 
 #include "tests/conformance/suite.h"
 
-namespace romano::conformance {
+namespace romano::conformance::forwarder_test {
 namespace {
 
 class Forwarding : public PatientSuite {
@@ -139,4 +139,4 @@ TEST_P(S5_5_Forwarder, SearchgwIsAnsweredThroughIt) {
 }
 
 }  // namespace
-}  // namespace romano::conformance
+}  // namespace romano::conformance::forwarder_test

@@ -4,7 +4,7 @@
 
 #include "tests/conformance/suite.h"
 
-namespace romano::conformance {
+namespace romano::conformance::frame_test {
 namespace {
 
 CONFORMANCE_SUITE(S5_2_Frame, PatientSuite);
@@ -267,4 +267,4 @@ TEST_P(S5_3_Flags, s4_TheSameBitsNameOtherTopicsInEachNumberSpace) {  // 5.3.4a
 }
 
 }  // namespace
-}  // namespace romano::conformance
+}  // namespace romano::conformance::frame_test

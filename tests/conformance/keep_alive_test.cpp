@@ -4,7 +4,7 @@
 
 #include "tests/conformance/suite.h"
 
-namespace romano::conformance {
+namespace romano::conformance::keep_alive_test {
 namespace {
 
 CONFORMANCE_SUITE(S6_11_KeepAlive, PatientSuite);
@@ -141,4 +141,4 @@ TEST_P(S6_12_Disconnect, AfterItNothingIsDelivered) {
 }
 
 }  // namespace
-}  // namespace romano::conformance
+}  // namespace romano::conformance::keep_alive_test

@@ -5,7 +5,7 @@
 
 #include "tests/conformance/suite.h"
 
-namespace romano::conformance {
+namespace romano::conformance::limits_test {
 namespace {
 
 CONFORMANCE_SUITE(S5_3_10_Congestion, NarrowSuite);
@@ -157,4 +157,4 @@ TEST_P(S5_3_10_Congestion, s6_6d_AbandonedQos2PublishesAreForgottenOldestFirst) 
 }
 
 }  // namespace
-}  // namespace romano::conformance
+}  // namespace romano::conformance::limits_test

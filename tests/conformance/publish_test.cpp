@@ -2,7 +2,7 @@
 
 #include "tests/conformance/suite.h"
 
-namespace romano::conformance {
+namespace romano::conformance::publish_test {
 namespace {
 
 CONFORMANCE_SUITE(S6_6_Publish, PatientSuite);
@@ -274,4 +274,4 @@ TEST_P(S6_8_QosMinus1, g19_TheFormOfRsmbAndPahoIsTaken) {
 }
 
 }  // namespace
-}  // namespace romano::conformance
+}  // namespace romano::conformance::publish_test

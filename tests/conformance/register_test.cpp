@@ -2,7 +2,7 @@
 
 #include "tests/conformance/suite.h"
 
-namespace romano::conformance {
+namespace romano::conformance::register_test {
 namespace {
 
 CONFORMANCE_SUITE(S6_5_Register, PatientSuite);
@@ -115,4 +115,4 @@ TEST_P(S6_5_Register, ManyTopicsAreTaken) {
 }
 
 }  // namespace
-}  // namespace romano::conformance
+}  // namespace romano::conformance::register_test

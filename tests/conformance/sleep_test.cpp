@@ -2,7 +2,7 @@
 
 #include "tests/conformance/suite.h"
 
-namespace romano::conformance {
+namespace romano::conformance::sleep_test {
 namespace {
 
 class Sleeping : public PatientSuite {
@@ -224,4 +224,4 @@ TEST_P(S6_14_Sleep, RetainedMessagesOfASleepersSubscriptionWaitToo) {
 }
 
 }  // namespace
-}  // namespace romano::conformance
+}  // namespace romano::conformance::sleep_test

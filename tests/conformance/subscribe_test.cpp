@@ -3,7 +3,7 @@
 
 #include "tests/conformance/suite.h"
 
-namespace romano::conformance {
+namespace romano::conformance::subscribe_test {
 namespace {
 
 CONFORMANCE_SUITE(S6_9_Subscribe, PatientSuite);
@@ -405,4 +405,4 @@ TEST_P(Retained, ForPredefinedIdsAndShortNames) {
 }
 
 }  // namespace
-}  // namespace romano::conformance
+}  // namespace romano::conformance::subscribe_test

@@ -2,7 +2,7 @@
 
 #include "tests/conformance/suite.h"
 
-namespace romano::conformance {
+namespace romano::conformance::will_test {
 namespace {
 
 class WithWatcher : public PatientSuite {
@@ -230,4 +230,4 @@ TEST_P(S6_4_Will, g8_UpdatesOfStrangersAreAnsweredByDisconnect) {
 }
 
 }  // namespace
-}  // namespace romano::conformance
+}  // namespace romano::conformance::will_test

@@ -5,7 +5,7 @@
 
 #include "tests/election/electorate.h"
 
-namespace romano::election {
+namespace romano::election::bully_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -94,4 +94,4 @@ TEST(BullyElector, SettlesOnTheHighestAfterCrashesAndCuts) {
 }
 
 }  // namespace
-}  // namespace romano::election
+}  // namespace romano::election::bully_test

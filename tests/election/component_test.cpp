@@ -9,7 +9,7 @@
 #include <set>
 #include <utility>
 
-namespace romano::election {
+namespace romano::election::component_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -178,4 +178,4 @@ TEST(ComponentElector, ANodeWhoseNeighbourFollowsAStrangerLeadsItself) {
 }
 
 }  // namespace
-}  // namespace romano::election
+}  // namespace romano::election::component_test

@@ -2,7 +2,7 @@
 
 #include <gmock/gmock.h>
 
-namespace romano::election {
+namespace romano::election::fixed_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -86,4 +86,4 @@ TEST(FixedDetector, AnUnknownNodeIsNotAlive) {
 }
 
 }  // namespace
-}  // namespace romano::election
+}  // namespace romano::election::fixed_test

@@ -2,7 +2,7 @@
 
 #include <gmock/gmock.h>
 
-namespace romano::election {
+namespace romano::election::link_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -85,4 +85,4 @@ TEST(LinkDetector, ANodeThatWasNeverHeardIsNotSuspected) {
 }
 
 }  // namespace
-}  // namespace romano::election
+}  // namespace romano::election::link_test

@@ -8,7 +8,7 @@
 
 #include "romano/base/random.h"
 
-namespace romano::election {
+namespace romano::election::phi_accrual_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -113,4 +113,4 @@ TEST_F(PhiAccrual, TellsItsDetectionTime) {
 }
 
 }  // namespace
-}  // namespace romano::election
+}  // namespace romano::election::phi_accrual_test

@@ -5,7 +5,7 @@
 
 #include "tests/election/electorate.h"
 
-namespace romano::election {
+namespace romano::election::raft_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -176,4 +176,4 @@ TEST(RaftElector, AtMostOneLeaderATermUnderCrashesCutsAndLoss) {  // P1
 }
 
 }  // namespace
-}  // namespace romano::election
+}  // namespace romano::election::raft_test

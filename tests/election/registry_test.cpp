@@ -3,7 +3,7 @@
 #include "election/elector.h"
 #include "election/failure_detector.h"
 
-namespace romano::election {
+namespace romano::election::registry_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -28,4 +28,4 @@ TEST(Registry, AnUnknownNameMakesNothing) {
 }
 
 }  // namespace
-}  // namespace romano::election
+}  // namespace romano::election::registry_test

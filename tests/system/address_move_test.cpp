@@ -15,7 +15,7 @@
 #include "tests/system/broker_process.h"
 #include "tests/system/test_client.h"
 
-namespace romano::system {
+namespace romano::system::address_move_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -241,4 +241,4 @@ INSTANTIATE_TEST_SUITE_P(Of, AddressMove,
                          [](const auto& test) { return std::string(test.param.name); });
 
 }  // namespace
-}  // namespace romano::system
+}  // namespace romano::system::address_move_test

@@ -12,7 +12,7 @@
 #include "tests/system/test_addresses.h"
 #include "tests/system/test_client.h"
 
-namespace romano::system {
+namespace romano::system::cluster_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -263,4 +263,4 @@ TEST_F(Cluster, AnOrderlyLeaveHandsTheClientsOver) {
 }
 
 }  // namespace
-}  // namespace romano::system
+}  // namespace romano::system::cluster_test

@@ -17,17 +17,19 @@ using namespace std::chrono_literals;
 using Clock = std::chrono::steady_clock;
 
 // emcute's own numbers, MQTT-SN 1.2 section 5.2.2.
-constexpr std::uint8_t connect = 0x04;
-constexpr std::uint8_t connack = 0x05;
-constexpr std::uint8_t register_type = 0x0A;
-constexpr std::uint8_t regack = 0x0B;
-constexpr std::uint8_t publish_type = 0x0C;
-constexpr std::uint8_t puback = 0x0D;
-constexpr std::uint8_t subscribe_type = 0x12;
-constexpr std::uint8_t suback = 0x13;
-constexpr std::uint8_t pingreq = 0x16;
-constexpr std::uint8_t pingresp = 0x17;
-constexpr std::uint8_t disconnect = 0x18;
+enum : std::uint8_t {
+    connect = 0x04,
+    connack = 0x05,
+    register_type = 0x0A,
+    regack = 0x0B,
+    publish_type = 0x0C,
+    puback = 0x0D,
+    subscribe_type = 0x12,
+    suback = 0x13,
+    pingreq = 0x16,
+    pingresp = 0x17,
+    disconnect = 0x18,
+};
 
 constexpr auto retry = 15s;
 constexpr int sendings = 3;

@@ -14,7 +14,7 @@
 #include "tests/system/test_client.h"
 #include "tests/temporary_folder.h"
 
-namespace romano::system {
+namespace romano::system::legacy_robot_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -152,4 +152,4 @@ TEST_F(OldRobot, GoesOnWithALoneBrokerThatIsKilledAndStartedAgainOnItsStore) {
 }
 
 }  // namespace
-}  // namespace romano::system
+}  // namespace romano::system::legacy_robot_test

@@ -8,7 +8,7 @@
 #include "tests/system/test_addresses.h"
 #include "tests/system/test_client.h"
 
-namespace romano::system {
+namespace romano::system::lone_broker_test {
 namespace {
 
 using mqttsn::Qos;
@@ -103,4 +103,4 @@ TEST_F(LoneBroker, TellsAboutItselfUnderSys) {
 }
 
 }  // namespace
-}  // namespace romano::system
+}  // namespace romano::system::lone_broker_test

@@ -17,7 +17,7 @@
 #include "tests/system/test_addresses.h"
 #include "tests/system/test_client.h"
 
-namespace romano::system {
+namespace romano::system::metrics_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -167,4 +167,4 @@ TEST_F(Metrics, ALoneBrokerHasNoDdsInItsMemory) {
 }
 
 }  // namespace
-}  // namespace romano::system
+}  // namespace romano::system::metrics_test

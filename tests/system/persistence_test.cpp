@@ -19,7 +19,7 @@
 #include "tests/system/test_client.h"
 #include "tests/temporary_folder.h"
 
-namespace romano::system {
+namespace romano::system::persistence_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -217,4 +217,4 @@ TEST_F(Persistence, AnImpossibleStoreIsRefusedWithExitCode2) {
 }
 
 }  // namespace
-}  // namespace romano::system
+}  // namespace romano::system::persistence_test

@@ -14,7 +14,7 @@
 #include "tests/system/process.h"
 #include "tests/temporary_folder.h"
 
-namespace romano::system {
+namespace romano::system::radio_test {
 namespace {
 
 /// The controller's end of a line, as QEMU offers it to the radio.
@@ -68,4 +68,4 @@ TEST(Radio, EndsWhenToldThoughItsLineIsStuck) {
 }
 
 }  // namespace
-}  // namespace romano::system
+}  // namespace romano::system::radio_test

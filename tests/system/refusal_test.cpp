@@ -10,7 +10,7 @@
 #include "tests/system/broker_process.h"
 #include "tests/system/test_addresses.h"
 
-namespace romano::system {
+namespace romano::system::refusal_test {
 namespace {
 
 using testing::AllOf;
@@ -102,4 +102,4 @@ TEST(Help, AndVersionEndWithSuccess) {
 }
 
 }  // namespace
-}  // namespace romano::system
+}  // namespace romano::system::refusal_test

@@ -11,7 +11,7 @@
 #include "tests/system/broker_process.h"
 #include "tests/system/test_client.h"
 
-namespace romano::system {
+namespace romano::system::roaming_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -110,4 +110,4 @@ TEST_F(OneAddressInEveryCell, WhatWasPublishedOnTheWayArrivesInTheNextCell) {
 }
 
 }  // namespace
-}  // namespace romano::system
+}  // namespace romano::system::roaming_test

@@ -23,7 +23,7 @@
 #include "tests/system/test_client.h"
 #include "tests/temporary_folder.h"
 
-namespace romano::system {
+namespace romano::system::robots_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -405,4 +405,4 @@ INSTANTIATE_TEST_SUITE_P(In, Example, testing::Values(CONTROLLER_C, CONTROLLER_C
                          [](const auto& test) { return test.index == 0 ? "C" : "Cpp"; });
 
 }  // namespace
-}  // namespace romano::system
+}  // namespace romano::system::robots_test

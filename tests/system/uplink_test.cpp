@@ -18,7 +18,7 @@
 #include "tests/system/test_client.h"
 #include "tests/temporary_folder.h"
 
-namespace romano::system {
+namespace romano::system::uplink_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -272,4 +272,4 @@ TEST(UplinkSettings, ThatAreNotPossibleAreOneSentence) {
 }
 
 }  // namespace
-}  // namespace romano::system
+}  // namespace romano::system::uplink_test

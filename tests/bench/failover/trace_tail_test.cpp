@@ -9,7 +9,7 @@
 
 #include "tests/temporary_folder.h"
 
-namespace romano::bench {
+namespace romano::bench::trace_tail_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -72,4 +72,4 @@ TEST_F(TraceTailTest, FindsTheFirstLineOfATimeOrLater) {
 }
 
 }  // namespace
-}  // namespace romano::bench
+}  // namespace romano::bench::trace_tail_test

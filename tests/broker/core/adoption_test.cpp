@@ -12,7 +12,7 @@
 #include "romano/base/random.h"
 #include "tests/broker/core/adopting_brokers.h"
 
-namespace romano::broker {
+namespace romano::broker::adoption_test {
 namespace {
 
 using Adoption = AdoptingBrokers;
@@ -562,4 +562,4 @@ TEST_P(HandOff, LosesAndDoublesNothing) {
 INSTANTIATE_TEST_SUITE_P(Seeds, HandOff, ::testing::Range<std::uint64_t>(1, 21));
 
 }  // namespace
-}  // namespace romano::broker
+}  // namespace romano::broker::adoption_test

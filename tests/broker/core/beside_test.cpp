@@ -5,7 +5,7 @@
 
 #include "tests/broker/core/scripted_client.h"
 
-namespace romano::broker {
+namespace romano::broker::beside_test {
 namespace {
 
 BrokerOptions observing_options() {
@@ -155,4 +155,4 @@ TEST_F(Beside, ACleanConnectEndsTheHold) {
 }
 
 }  // namespace
-}  // namespace romano::broker
+}  // namespace romano::broker::beside_test

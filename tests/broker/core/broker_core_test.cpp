@@ -7,7 +7,7 @@
 
 #include "tests/broker/core/scripted_client.h"
 
-namespace romano::broker {
+namespace romano::broker::broker_core_test {
 namespace {
 
 class Broker : public ::testing::Test {
@@ -170,4 +170,4 @@ TEST_F(Broker, PublisherHearsItsAnswerBeforeItsOwnCopy) {  // G12
 }
 
 }  // namespace
-}  // namespace romano::broker
+}  // namespace romano::broker::broker_core_test

@@ -6,7 +6,7 @@
 
 #include "tests/broker/core/scripted_client.h"
 
-namespace romano::broker {
+namespace romano::broker::connect_flow_test {
 namespace {
 
 class Connecting : public ::testing::Test {
@@ -351,4 +351,4 @@ TEST_F(Connecting, WhileCongestedNothingIsPromised) {
 }
 
 }  // namespace
-}  // namespace romano::broker
+}  // namespace romano::broker::connect_flow_test

@@ -8,7 +8,7 @@
 
 #include "romano/base/random.h"
 
-namespace romano::broker {
+namespace romano::broker::deadlines_test {
 namespace {
 
 TEST(Deadlines, ComeInOrderOfTimeThenNumber) {
@@ -61,4 +61,4 @@ TEST(Deadlines, AgreeWithASortedTable) {
 }
 
 }  // namespace
-}  // namespace romano::broker
+}  // namespace romano::broker::deadlines_test

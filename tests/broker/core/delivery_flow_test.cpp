@@ -9,7 +9,7 @@
 
 #include "tests/broker/core/scripted_client.h"
 
-namespace romano::broker {
+namespace romano::broker::delivery_flow_test {
 namespace {
 
 class Delivering : public ::testing::Test {
@@ -411,4 +411,4 @@ TEST_F(Delivering, Qos2PublishAndPubrelWaitForTheLog) {  // design: QoS 2 hand-s
 }
 
 }  // namespace
-}  // namespace romano::broker
+}  // namespace romano::broker::delivery_flow_test

@@ -6,7 +6,7 @@
 
 #include "tests/broker/core/scripted_client.h"
 
-namespace romano::broker {
+namespace romano::broker::discovery_test {
 namespace {
 
 class Meeting : public ::testing::Test {
@@ -151,4 +151,4 @@ TEST_F(Meeting, ServesTellsWhetherADatagramBelongsHere) {
 }
 
 }  // namespace
-}  // namespace romano::broker
+}  // namespace romano::broker::discovery_test

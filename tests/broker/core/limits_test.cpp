@@ -9,7 +9,7 @@
 
 #include "tests/broker/core/scripted_client.h"
 
-namespace romano::broker {
+namespace romano::broker::limits_test {
 namespace {
 
 template <typename Number>
@@ -410,4 +410,4 @@ TEST(Census, CountsWhatIsThere) {
 }
 
 }  // namespace
-}  // namespace romano::broker
+}  // namespace romano::broker::limits_test

@@ -5,7 +5,7 @@
 
 #include "tests/broker/core/scripted_client.h"
 
-namespace romano::broker {
+namespace romano::broker::liveness_test {
 namespace {
 
 class Living : public ::testing::Test {
@@ -355,4 +355,4 @@ TEST_F(Living, TicksThatComeEarlyOrTwiceAreHarmless) {
 }
 
 }  // namespace
-}  // namespace romano::broker
+}  // namespace romano::broker::liveness_test

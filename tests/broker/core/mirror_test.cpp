@@ -7,7 +7,7 @@
 #include "tests/broker/core/random_clients.h"
 #include "tests/broker/core/scripted_client.h"
 
-namespace romano::broker {
+namespace romano::broker::mirror_test {
 namespace {
 
 class RandomWorkload : public ::testing::TestWithParam<std::uint64_t> {};
@@ -26,4 +26,4 @@ TEST_P(RandomWorkload, LeavesMirrorAndHomeEqual) {
 INSTANTIATE_TEST_SUITE_P(Seeds, RandomWorkload, ::testing::Range<std::uint64_t>(1, 13));
 
 }  // namespace
-}  // namespace romano::broker
+}  // namespace romano::broker::mirror_test

@@ -9,7 +9,7 @@
 
 #include "romano/base/random.h"
 
-namespace romano::broker {
+namespace romano::broker::pointer_table_test {
 namespace {
 
 TEST(PointerTable, AgreesWithAMapWhateverCollides) {
@@ -42,4 +42,4 @@ TEST(PointerTable, AgreesWithAMapWhateverCollides) {
 }
 
 }  // namespace
-}  // namespace romano::broker
+}  // namespace romano::broker::pointer_table_test

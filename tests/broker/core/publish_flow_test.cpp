@@ -7,7 +7,7 @@
 
 #include "tests/broker/core/scripted_client.h"
 
-namespace romano::broker {
+namespace romano::broker::publish_flow_test {
 namespace {
 
 class Publishing : public ::testing::Test {
@@ -495,4 +495,4 @@ TEST_F(Publishing, SystemTopicsAreRetainedButNeitherLoggedNorForwarded) {
 }
 
 }  // namespace
-}  // namespace romano::broker
+}  // namespace romano::broker::publish_flow_test

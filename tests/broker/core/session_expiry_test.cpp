@@ -5,7 +5,7 @@
 
 #include "tests/broker/core/scripted_client.h"
 
-namespace romano::broker {
+namespace romano::broker::session_expiry_test {
 namespace {
 
 BrokerOptions options_with(std::size_t expiry_s) {
@@ -132,4 +132,4 @@ TEST_F(SessionExpiry, IsNotHastenedByAHomeWhoseClockIsBehind) {
 }
 
 }  // namespace
-}  // namespace romano::broker
+}  // namespace romano::broker::session_expiry_test

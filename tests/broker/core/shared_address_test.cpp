@@ -6,7 +6,7 @@
 
 #include "tests/broker/core/adopting_brokers.h"
 
-namespace romano::broker {
+namespace romano::broker::shared_address_test {
 namespace {
 
 constexpr std::uint16_t port = 7000;
@@ -236,4 +236,4 @@ TEST_F(SharedAddress, ASleeperThatSaysWhoItIsHasItsPlaceBack) {  // 6.14e
 }
 
 }  // namespace
-}  // namespace romano::broker
+}  // namespace romano::broker::shared_address_test

@@ -6,7 +6,7 @@
 
 #include "tests/broker/core/scripted_client.h"
 
-namespace romano::broker {
+namespace romano::broker::subscribe_flow_test {
 namespace {
 
 class Subscribing : public ::testing::Test {
@@ -162,4 +162,4 @@ TEST_F(Subscribing, WildcardsDoNotMatchDollarTopics) {  // G26, M-4.7.2-1
 }
 
 }  // namespace
-}  // namespace romano::broker
+}  // namespace romano::broker::subscribe_flow_test

@@ -6,7 +6,7 @@
 
 #include <string>
 
-namespace romano::broker {
+namespace romano::broker::topic_registry_test {
 namespace {
 
 using mqttsn::TopicId;
@@ -44,4 +44,4 @@ TEST(TopicRegistry, GoesOnAfterTheIdsOfAnImage) {
 }
 
 }  // namespace
-}  // namespace romano::broker
+}  // namespace romano::broker::topic_registry_test

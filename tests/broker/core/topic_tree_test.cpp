@@ -12,7 +12,7 @@
 #include "romano/base/random.h"
 #include "romano/mqttsn/topic.h"
 
-namespace romano::broker {
+namespace romano::broker::topic_tree_test {
 namespace {
 
 using Tree = TopicTree<int, char>;
@@ -139,4 +139,4 @@ TEST(TopicTree, AgreesWithTheMatchingRuleOnRandomFilters) {
 }
 
 }  // namespace
-}  // namespace romano::broker
+}  // namespace romano::broker::topic_tree_test

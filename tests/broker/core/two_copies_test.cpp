@@ -4,7 +4,7 @@
 
 #include <utility>
 
-namespace romano::broker {
+namespace romano::broker::two_copies_test {
 namespace {
 
 using testing::ElementsAre;
@@ -166,4 +166,4 @@ TEST_F(TwoCopies, P2_AFormerHomeThatTheClientHadLeftDeliveredNothing) {
 }
 
 }  // namespace
-}  // namespace romano::broker
+}  // namespace romano::broker::two_copies_test

@@ -7,7 +7,7 @@
 
 #include "tests/broker/core/adopting_brokers.h"
 
-namespace romano::broker {
+namespace romano::broker::two_homes_test {
 namespace {
 
 using TwoHomes = AdoptingBrokers;
@@ -295,4 +295,4 @@ TEST_F(AnExchangeOfOneCopy, P3_OfTheCopyThatGivesWayGoesOnInTheOneThatStays) {
 }
 
 }  // namespace
-}  // namespace romano::broker
+}  // namespace romano::broker::two_homes_test

@@ -9,7 +9,7 @@
 
 #include "tests/broker/daemon/captured_trace.h"
 
-namespace romano::daemon {
+namespace romano::daemon::bad_senders_test {
 namespace {
 
 class NamingBadSenders : public testing::Test {
@@ -41,4 +41,4 @@ TEST_F(NamingBadSenders, AFloodFromEverNewPortsIsCountedOnlyFromSomePointOn) {
 }
 
 }  // namespace
-}  // namespace romano::daemon
+}  // namespace romano::daemon::bad_senders_test

@@ -8,7 +8,7 @@
 
 #include "broker/daemon/refusal.h"
 
-namespace romano::daemon {
+namespace romano::daemon::command_line_test {
 namespace {
 
 using testing::ElementsAre;
@@ -258,4 +258,4 @@ TEST(CommandLine, VersionNamesTheProgram) {
 }
 
 }  // namespace
-}  // namespace romano::daemon
+}  // namespace romano::daemon::command_line_test

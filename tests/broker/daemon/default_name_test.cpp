@@ -9,7 +9,7 @@
 
 #include "broker/net/endpoint_text.h"
 
-namespace romano::daemon {
+namespace romano::daemon::default_name_test {
 namespace {
 
 Endpoint at(const char* text) {
@@ -45,4 +45,4 @@ TEST(DefaultName, TakesTheHardwareAddressOfAnInterfaceThatThereIs) {
 }
 
 }  // namespace
-}  // namespace romano::daemon
+}  // namespace romano::daemon::default_name_test

@@ -7,7 +7,7 @@
 #include "broker/daemon/refusal.h"
 #include "broker/net/endpoint_text.h"
 
-namespace romano::daemon {
+namespace romano::daemon::settings_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -248,4 +248,4 @@ TEST(Settings, RefusesADiscoveryGroupThatIsNone) {
 }
 
 }  // namespace
-}  // namespace romano::daemon
+}  // namespace romano::daemon::settings_test

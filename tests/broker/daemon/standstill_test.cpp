@@ -6,7 +6,7 @@
 
 #include "tests/broker/daemon/captured_trace.h"
 
-namespace romano::daemon {
+namespace romano::daemon::standstill_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -70,4 +70,4 @@ TEST(ThreadProcessorTime, GrowsWithWork) {
 }
 
 }  // namespace
-}  // namespace romano::daemon
+}  // namespace romano::daemon::standstill_test

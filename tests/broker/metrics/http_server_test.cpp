@@ -16,7 +16,7 @@
 
 #include "broker/net/endpoint_text.h"
 
-namespace romano::metrics {
+namespace romano::metrics::http_server_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -125,4 +125,4 @@ TEST_F(HttpServerTest, SaysWhyAPortCannotBeServed) {
 }
 
 }  // namespace
-}  // namespace romano::metrics
+}  // namespace romano::metrics::http_server_test

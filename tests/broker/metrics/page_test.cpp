@@ -9,7 +9,7 @@
 #include "broker/metrics/process_metrics.h"
 #include "tests/broker/metrics/names.h"
 
-namespace romano::metrics {
+namespace romano::metrics::page_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -62,4 +62,4 @@ TEST(Page, AHostileNameStaysWithinItsLabel) {
 }
 
 }  // namespace
-}  // namespace romano::metrics
+}  // namespace romano::metrics::page_test

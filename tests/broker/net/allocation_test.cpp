@@ -30,7 +30,7 @@ void operator delete(void* room, std::size_t) noexcept {
     std::free(room);
 }
 
-namespace romano::net {
+namespace romano::net::allocation_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -85,4 +85,4 @@ TEST(UdpService, EchoesWithoutAllocatingInTheSteadyState) {
 }
 
 }  // namespace
-}  // namespace romano::net
+}  // namespace romano::net::allocation_test

@@ -4,7 +4,7 @@
 
 #include "broker/net/clock.h"
 
-namespace romano::net {
+namespace romano::net::core_timer_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -77,4 +77,4 @@ TEST(CoreTimer, NeverIsNoDeadline) {
 }
 
 }  // namespace
-}  // namespace romano::net
+}  // namespace romano::net::core_timer_test

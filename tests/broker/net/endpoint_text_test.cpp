@@ -4,7 +4,7 @@
 
 #include "broker/net/socket_address.h"
 
-namespace romano::net {
+namespace romano::net::endpoint_text_test {
 namespace {
 
 TEST(EndpointText, ReadsIpv4) {
@@ -64,4 +64,4 @@ TEST(SocketAddress, KnowsWildcardsAndGroups) {
 }
 
 }  // namespace
-}  // namespace romano::net
+}  // namespace romano::net::endpoint_text_test

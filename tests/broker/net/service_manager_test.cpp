@@ -12,7 +12,7 @@
 #include <cstdlib>
 #include <string>
 
-namespace romano::net {
+namespace romano::net::service_manager_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -93,4 +93,4 @@ TEST_F(ServiceManagerTest, MayBeMissing) {
 }
 
 }  // namespace
-}  // namespace romano::net
+}  // namespace romano::net::service_manager_test

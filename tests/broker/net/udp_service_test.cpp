@@ -11,7 +11,7 @@
 #include "broker/net/clock.h"
 #include "broker/net/endpoint_text.h"
 
-namespace romano::net {
+namespace romano::net::udp_service_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -350,4 +350,4 @@ TEST_F(UdpServiceTest, RefusesAGroupWithoutAServiceAddressOfItsFamily) {
 }
 
 }  // namespace
-}  // namespace romano::net
+}  // namespace romano::net::udp_service_test

@@ -15,7 +15,7 @@
 #include "tests/broker/core/scripted_client.h"
 #include "tests/temporary_folder.h"
 
-namespace romano::store {
+namespace romano::store::session_store_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -356,4 +356,4 @@ TEST_F(SessionStoreTest, TellsTheLastIncarnationThatIsReferredTo) {
 }
 
 }  // namespace
-}  // namespace romano::store
+}  // namespace romano::store::session_store_test

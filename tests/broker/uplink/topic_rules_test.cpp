@@ -4,7 +4,7 @@
 
 #include <gmock/gmock.h>
 
-namespace romano::uplink {
+namespace romano::uplink::topic_rules_test {
 namespace {
 
 using mqttsn::Qos;
@@ -80,4 +80,4 @@ TEST(TopicRules, WhatCannotBeATopicHereDoesNotComeIn) {
 }
 
 }  // namespace
-}  // namespace romano::uplink
+}  // namespace romano::uplink::topic_rules_test

@@ -4,7 +4,7 @@
 
 #include <gmock/gmock.h>
 
-namespace romano::uplink {
+namespace romano::uplink::uplink_core_test {
 namespace {
 
 using broker::Delivery;
@@ -275,4 +275,4 @@ TEST(SeenIdentitiesTest, ForgetTheOldest) {
 }
 
 }  // namespace
-}  // namespace romano::uplink
+}  // namespace romano::uplink::uplink_core_test

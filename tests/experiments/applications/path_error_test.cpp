@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace romano::experiments {
+namespace romano::experiments::path_error_test {
 namespace {
 
 using Path = std::vector<firmware::Pose>;
@@ -27,4 +27,4 @@ TEST(PathError, ARobotThatStoodStillHasAPathOfNoLength) {
 }
 
 }  // namespace
-}  // namespace romano::experiments
+}  // namespace romano::experiments::path_error_test

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace romano::experiments {
+namespace romano::experiments::arrivals_test {
 namespace {
 
 TEST(Arrivals, ACopyIsADuplicateHoweverLateItComes) {
@@ -31,4 +31,4 @@ TEST(Arrivals, StreamsAndReceiversAreApart) {
 }
 
 }  // namespace
-}  // namespace romano::experiments
+}  // namespace romano::experiments::arrivals_test

@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace romano::experiments {
+namespace romano::experiments::load_plan_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -44,4 +44,4 @@ TEST(LoadPlan, AClientEitherPublishesOrHears) {
 }
 
 }  // namespace
-}  // namespace romano::experiments
+}  // namespace romano::experiments::load_plan_test

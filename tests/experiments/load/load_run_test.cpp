@@ -12,7 +12,7 @@
 
 #include "broker/net/clock.h"
 
-namespace romano::experiments {
+namespace romano::experiments::load_run_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -155,4 +155,4 @@ TEST(LoadRun, TheClosedLoopGoesOnAfterALoss) {
 }
 
 }  // namespace
-}  // namespace romano::experiments
+}  // namespace romano::experiments::load_run_test

@@ -19,7 +19,7 @@
 
 #include "broker/net/clock.h"
 
-namespace romano::experiments {
+namespace romano::experiments::ready_sockets_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -90,4 +90,4 @@ INSTANTIATE_TEST_SUITE_P(Linux, ReadySockets, testing::Values(Kernel::current, K
                          });
 
 }  // namespace
-}  // namespace romano::experiments
+}  // namespace romano::experiments::ready_sockets_test

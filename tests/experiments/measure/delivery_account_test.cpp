@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace romano::experiments {
+namespace romano::experiments::delivery_account_test {
 namespace {
 
 const std::vector<RobotNumber> only_one = {1};
@@ -122,4 +122,4 @@ TEST(DeliveryAccount, IsSettledWhenAllOfQos1And2IsAcknowledgedAndDelivered) {
 }
 
 }  // namespace
-}  // namespace romano::experiments
+}  // namespace romano::experiments::delivery_account_test

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace romano::experiments {
+namespace romano::experiments::failover_test {
 namespace {
 
 const std::vector<RobotNumber> group = {0, 1, 2};
@@ -35,4 +35,4 @@ TEST(Failover, OfAVictimThatHearsNothingIsEmpty) {
 }
 
 }  // namespace
-}  // namespace romano::experiments
+}  // namespace romano::experiments::failover_test

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace romano::experiments {
+namespace romano::experiments::latency_histogram_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -35,4 +35,4 @@ TEST(LatencyHistogram, WithoutSamplesEverythingIsZero) {
 }
 
 }  // namespace
-}  // namespace romano::experiments
+}  // namespace romano::experiments::latency_histogram_test

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace romano::experiments {
+namespace romano::experiments::percentile_test {
 namespace {
 
 std::vector<double> one_to(int last) {
@@ -44,4 +44,4 @@ TEST(Percentiles, MinAndMaxAreTheEnds) {
 }
 
 }  // namespace
-}  // namespace romano::experiments
+}  // namespace romano::experiments::percentile_test

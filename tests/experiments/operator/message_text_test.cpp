@@ -8,7 +8,7 @@
 
 #include "experiments/operator/robot_message.h"
 
-namespace romano::experiments {
+namespace romano::experiments::message_text_test {
 namespace {
 
 std::string line_of(const Octets& octets) {
@@ -61,4 +61,4 @@ TEST(MessageText, TellsTextFromOctets) {
 }
 
 }  // namespace
-}  // namespace romano::experiments
+}  // namespace romano::experiments::message_text_test

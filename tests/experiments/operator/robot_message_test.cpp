@@ -5,7 +5,7 @@
 
 #include <stdexcept>
 
-namespace romano::experiments {
+namespace romano::experiments::robot_message_test {
 namespace {
 
 using testing::ElementsAre;
@@ -103,4 +103,4 @@ TEST(RobotMessage, ReceiversAreIdsInLowerCaseOrTopics) {
 }
 
 }  // namespace
-}  // namespace romano::experiments
+}  // namespace romano::experiments::robot_message_test

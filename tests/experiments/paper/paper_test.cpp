@@ -15,7 +15,7 @@
 #include "experiments/paper/statements.h"
 #include "tests/temporary_folder.h"
 
-namespace romano::experiments {
+namespace romano::experiments::paper_test {
 namespace {
 
 TEST(PaperRun, TwoHundredMessagesASecondComeThroughAFastLineAndNotThroughASlowOne) {
@@ -140,4 +140,4 @@ TEST(ManyCells, OnOneChannelTheyShareWhatItCarries) {
 }
 
 }  // namespace
-}  // namespace romano::experiments
+}  // namespace romano::experiments::paper_test

@@ -15,7 +15,7 @@
 #include "experiments/process/process_usage.h"
 #include "tests/temporary_folder.h"
 
-namespace romano::experiments {
+namespace romano::experiments::broker_process_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -116,4 +116,4 @@ TEST(ProcessUsages, OfThisProcessAreThere) {
 }
 
 }  // namespace
-}  // namespace romano::experiments
+}  // namespace romano::experiments::broker_process_test

@@ -7,7 +7,7 @@
 
 #include "tests/temporary_folder.h"
 
-namespace romano::experiments {
+namespace romano::experiments::program_test {
 namespace {
 
 TEST(Programs, GetTheirArgumentsAsTheyAre) {
@@ -36,4 +36,4 @@ TEST(Programs, InheritNothingButTheirStreams) {
 }
 
 }  // namespace
-}  // namespace romano::experiments
+}  // namespace romano::experiments::program_test

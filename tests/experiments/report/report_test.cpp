@@ -18,7 +18,7 @@
 #include "experiments/report/summary_table.h"
 #include "experiments/sweep/results_folder.h"
 
-namespace romano::experiments {
+namespace romano::experiments::report_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -334,4 +334,4 @@ TEST(SummaryTables, NeverRoundALossAway) {
 }
 
 }  // namespace
-}  // namespace romano::experiments
+}  // namespace romano::experiments::report_test

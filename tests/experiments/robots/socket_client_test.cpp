@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace romano::experiments {
+namespace romano::experiments::socket_client_test {
 namespace {
 
 using mqttsn::MsgType;
@@ -38,4 +38,4 @@ TEST(Resolving, NamesTheHostThatIsUnknown) {
 }
 
 }  // namespace
-}  // namespace romano::experiments
+}  // namespace romano::experiments::socket_client_test

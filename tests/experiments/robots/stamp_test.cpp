@@ -4,7 +4,7 @@
 
 #include <array>
 
-namespace romano::experiments {
+namespace romano::experiments::stamp_test {
 namespace {
 
 TEST(Stamp, ReadsBackFromTheFrontOfAPayload) {
@@ -25,4 +25,4 @@ TEST(Stamp, IsNoneInAShortPayload) {
 }
 
 }  // namespace
-}  // namespace romano::experiments
+}  // namespace romano::experiments::stamp_test

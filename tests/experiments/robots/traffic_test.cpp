@@ -5,7 +5,7 @@
 
 #include <set>
 
-namespace romano::experiments {
+namespace romano::experiments::traffic_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -71,4 +71,4 @@ TEST(CommandTraffic, GoesToEachRobotInTurn) {
 }
 
 }  // namespace
-}  // namespace romano::experiments
+}  // namespace romano::experiments::traffic_test

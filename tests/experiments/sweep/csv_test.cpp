@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace romano::experiments {
+namespace romano::experiments::csv_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -34,4 +34,4 @@ TEST(Csv, NumbersReadBackExactly) {
 }
 
 }  // namespace
-}  // namespace romano::experiments
+}  // namespace romano::experiments::csv_test

@@ -11,7 +11,7 @@
 
 #include <array>
 
-namespace romano::experiments {
+namespace romano::experiments::place_test {
 namespace {
 
 // Nobody else's on this machine: other tests run at the same time.
@@ -83,4 +83,4 @@ TEST(Domains, InWhichSomebodySpeaksAreLeftAlone) {
 }
 
 }  // namespace
-}  // namespace romano::experiments
+}  // namespace romano::experiments::place_test

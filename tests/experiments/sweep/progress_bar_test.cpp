@@ -4,7 +4,7 @@
 
 #include <array>
 
-namespace romano::experiments {
+namespace romano::experiments::progress_bar_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -40,4 +40,4 @@ TEST(ProgressBar, IsOneLineACellWhereThereIsNoTerminal) {
 }
 
 }  // namespace
-}  // namespace romano::experiments
+}  // namespace romano::experiments::progress_bar_test

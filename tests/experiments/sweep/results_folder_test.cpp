@@ -9,7 +9,7 @@
 
 #include "tests/temporary_folder.h"
 
-namespace romano::experiments {
+namespace romano::experiments::results_folder_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -137,4 +137,4 @@ TEST_F(ResultsFolders, ThatCannotBeMadeAreRefused) {
 }
 
 }  // namespace
-}  // namespace romano::experiments
+}  // namespace romano::experiments::results_folder_test

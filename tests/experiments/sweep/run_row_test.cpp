@@ -4,7 +4,7 @@
 
 #include <set>
 
-namespace romano::experiments {
+namespace romano::experiments::run_row_test {
 namespace {
 
 TEST(RunRow, ReadsBackFromItsCsv) {
@@ -67,4 +67,4 @@ TEST(RunRow, HasEachColumnOnce) {
 }
 
 }  // namespace
-}  // namespace romano::experiments
+}  // namespace romano::experiments::run_row_test

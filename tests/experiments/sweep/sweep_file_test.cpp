@@ -7,7 +7,7 @@
 
 #include <filesystem>
 
-namespace romano::experiments {
+namespace romano::experiments::sweep_file_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -221,4 +221,4 @@ TEST(SweepFiles, OfThisRepositoryAreValid) {
 }
 
 }  // namespace
-}  // namespace romano::experiments
+}  // namespace romano::experiments::sweep_file_test

@@ -11,7 +11,7 @@
 #include "tests/experiments/system/processes.h"
 #include "tests/temporary_folder.h"
 
-namespace romano::experiments {
+namespace romano::experiments::cli_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -236,4 +236,4 @@ INSTANTIATE_TEST_SUITE_P(
         Refused{"status 127.50.250.9:9", "no metrics at http://127.50.250.9:9/metrics: "}));
 
 }  // namespace
-}  // namespace romano::experiments
+}  // namespace romano::experiments::cli_test

@@ -7,7 +7,7 @@
 
 #include "tests/experiments/system/processes.h"
 
-namespace romano::experiments {
+namespace romano::experiments::load_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -86,4 +86,4 @@ TEST(LoadWithoutABroker, SaysSoInOneSentence) {
 }
 
 }  // namespace
-}  // namespace romano::experiments
+}  // namespace romano::experiments::load_test

@@ -12,7 +12,7 @@
 #include "tests/experiments/system/processes.h"
 #include "tests/temporary_folder.h"
 
-namespace romano::experiments {
+namespace romano::experiments::paper_system_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -67,4 +67,4 @@ INSTANTIATE_TEST_SUITE_P(
         std::pair{"--output /proc/none", "cannot write into --output `/proc/none`"}));
 
 }  // namespace
-}  // namespace romano::experiments
+}  // namespace romano::experiments::paper_system_test

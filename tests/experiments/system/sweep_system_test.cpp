@@ -13,7 +13,7 @@
 #include "tests/experiments/system/processes.h"
 #include "tests/temporary_folder.h"
 
-namespace romano::experiments {
+namespace romano::experiments::sweep_system_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -206,4 +206,4 @@ TEST_F(SmallSweep, RunsBesideAnother) {
 }
 
 }  // namespace
-}  // namespace romano::experiments
+}  // namespace romano::experiments::sweep_system_test

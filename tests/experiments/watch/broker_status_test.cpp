@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace romano::experiments {
+namespace romano::experiments::broker_status_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -46,4 +46,4 @@ TEST(BrokerStatus, IsNoneForOtherText) {
 }
 
 }  // namespace
-}  // namespace romano::experiments
+}  // namespace romano::experiments::broker_status_test

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace romano::experiments {
+namespace romano::experiments::metrics_page_test {
 namespace {
 
 TEST(MetricsPage, ReadsNamesLabelsAndNumbers) {
@@ -26,4 +26,4 @@ TEST(MetricsPage, PassesOverWhatIsNoSample) {
 }
 
 }  // namespace
-}  // namespace romano::experiments
+}  // namespace romano::experiments::metrics_page_test

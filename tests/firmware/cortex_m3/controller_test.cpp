@@ -12,7 +12,7 @@
 #include "tests/system/test_addresses.h"
 #include "tests/temporary_folder.h"
 
-namespace romano::system {
+namespace romano::system::controller_test {
 namespace {
 
 using testing::HasSubstr;
@@ -111,4 +111,4 @@ TEST_F(ControllerOnCortexM3, ConnectsAnewBeforeItsClockEnds) {
 }
 
 }  // namespace
-}  // namespace romano::system
+}  // namespace romano::system::controller_test

@@ -7,7 +7,7 @@
 
 #include "romano/base/random.h"
 
-namespace romano::hdlc {
+namespace romano::hdlc::frame_test {
 namespace {
 
 using Octets = std::vector<std::uint8_t>;
@@ -109,4 +109,4 @@ TEST(FrameDecoder, AnyOctetsAreFramesOrCounted) {
 }
 
 }  // namespace
-}  // namespace romano::hdlc
+}  // namespace romano::hdlc::frame_test

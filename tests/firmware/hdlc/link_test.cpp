@@ -9,7 +9,7 @@
 
 #include "romano/base/random.h"
 
-namespace romano::hdlc {
+namespace romano::hdlc::link_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -130,4 +130,4 @@ TEST(Link, DeliversEverythingInOrderOverALineThatLosesAndBendsOctets) {
 }
 
 }  // namespace
-}  // namespace romano::hdlc
+}  // namespace romano::hdlc::link_test

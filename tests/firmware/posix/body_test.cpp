@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace romano::firmware {
+namespace romano::firmware::body_test {
 namespace {
 
 romano_command command(std::uint16_t type, std::uint32_t amount) {
@@ -64,4 +64,4 @@ TEST(Body, CommandsReadAsPeopleWriteThem) {
 }
 
 }  // namespace
-}  // namespace romano::firmware
+}  // namespace romano::firmware::body_test

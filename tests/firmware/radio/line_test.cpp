@@ -11,7 +11,7 @@
 
 #include "romano/base/random.h"
 
-namespace romano::radio {
+namespace romano::radio::line_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -156,4 +156,4 @@ TEST(Assembler, WhatIsNoPartOrTooMuchIsDropped) {
 }
 
 }  // namespace
-}  // namespace romano::radio
+}  // namespace romano::radio::line_test

@@ -12,7 +12,7 @@
 #include "firmware/robot/robot.h"
 #include "romano/base/random.h"
 
-namespace romano::firmware {
+namespace romano::firmware::bad_line_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -141,4 +141,4 @@ TEST_F(BadLine, AMillionFramesWithAnythingInThemLeaveTheRobotWorking) {
 }
 
 }  // namespace
-}  // namespace romano::firmware
+}  // namespace romano::firmware::bad_line_test

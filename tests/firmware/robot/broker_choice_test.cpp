@@ -7,7 +7,7 @@
 
 #include "romano/mqttsn/codec.h"
 
-namespace romano::firmware {
+namespace romano::firmware::broker_choice_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -156,4 +156,4 @@ TEST_F(Choosing, LooksAroundWhenItsBrokerGetsWeaker) {
 }
 
 }  // namespace
-}  // namespace romano::firmware
+}  // namespace romano::firmware::broker_choice_test

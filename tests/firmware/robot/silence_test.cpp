@@ -14,7 +14,7 @@
 #include "firmware/robot/robot.h"
 #include "romano/mqttsn/codec.h"
 
-namespace romano::firmware {
+namespace romano::firmware::silence_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -184,4 +184,4 @@ TEST(Silence, OfTheOnlyBrokerIsWaitedOut) {
 }
 
 }  // namespace
-}  // namespace romano::firmware
+}  // namespace romano::firmware::silence_test

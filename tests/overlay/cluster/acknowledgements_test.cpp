@@ -4,7 +4,7 @@
 
 #include "tests/overlay/cluster/events.h"
 
-namespace romano::cluster {
+namespace romano::cluster::acknowledgements_test {
 namespace {
 
 const broker::LogId home = test::log_of("home");
@@ -75,4 +75,4 @@ TEST_F(AcknowledgementsOfAHomesLog, WaitForNothingThatIsForgotten) {
 }
 
 }  // namespace
-}  // namespace romano::cluster
+}  // namespace romano::cluster::acknowledgements_test

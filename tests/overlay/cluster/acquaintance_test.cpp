@@ -8,7 +8,7 @@
 
 #include "tests/overlay/cluster/events.h"
 
-namespace romano::cluster {
+namespace romano::cluster::acquaintance_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -116,4 +116,4 @@ TEST_F(AcquaintanceTest, StrangersAreAnsweredAfterTwoSecondsAtLast) {
 }
 
 }  // namespace
-}  // namespace romano::cluster
+}  // namespace romano::cluster::acquaintance_test

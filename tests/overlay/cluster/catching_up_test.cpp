@@ -6,7 +6,7 @@
 #include "tests/overlay/cluster/beacons.h"
 #include "tests/overlay/cluster/events.h"
 
-namespace romano::cluster {
+namespace romano::cluster::catching_up_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -241,4 +241,4 @@ TEST_F(CatchingUp, NothingOfASnapshotWithAHoleIsHandedOnBehindTheHole) {
 }
 
 }  // namespace
-}  // namespace romano::cluster
+}  // namespace romano::cluster::catching_up_test

@@ -4,7 +4,7 @@
 
 #include "tests/overlay/cluster/events.h"
 
-namespace romano::cluster {
+namespace romano::cluster::ended_logs_test {
 namespace {
 
 using testing::ElementsAre;
@@ -74,4 +74,4 @@ TEST(View, KnowsOfTheLaterLifeOfABroker) {
 }
 
 }  // namespace
-}  // namespace romano::cluster
+}  // namespace romano::cluster::ended_logs_test

@@ -4,7 +4,7 @@
 
 #include "tests/overlay/cluster/events.h"
 
-namespace romano::cluster {
+namespace romano::cluster::hand_back_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -204,4 +204,4 @@ TEST(HandBack, AnOwnAddressIsSilentForARivalForSomeTimeOnly) {
 }
 
 }  // namespace
-}  // namespace romano::cluster
+}  // namespace romano::cluster::hand_back_test

@@ -8,7 +8,7 @@
 #include "romano/base/random.h"
 #include "tests/overlay/cluster/events.h"
 
-namespace romano::cluster {
+namespace romano::cluster::heartbeat_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -226,4 +226,4 @@ TEST_F(HeartbeatTest, LossIsMadeUpFor) {
 }
 
 }  // namespace
-}  // namespace romano::cluster
+}  // namespace romano::cluster::heartbeat_test

@@ -4,7 +4,7 @@
 
 #include "tests/overlay/cluster/events.h"
 
-namespace romano::cluster {
+namespace romano::cluster::heirs_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -265,4 +265,4 @@ TEST_F(Heirs, OnlyOneThatHoldsTheLogInherits) {
 }
 
 }  // namespace
-}  // namespace romano::cluster
+}  // namespace romano::cluster::heirs_test

@@ -4,7 +4,7 @@
 
 #include "tests/overlay/cluster/events.h"
 
-namespace romano::cluster {
+namespace romano::cluster::homes_test {
 namespace {
 
 using test::erased;
@@ -118,4 +118,4 @@ TEST(Homes, AnotherClientSharesTheAddressUnlessItWasHeardEarlierAtTheSamePlace) 
 }
 
 }  // namespace
-}  // namespace romano::cluster
+}  // namespace romano::cluster::homes_test

@@ -4,7 +4,7 @@
 
 #include "tests/overlay/cluster/events.h"
 
-namespace romano::cluster {
+namespace romano::cluster::interest_test {
 namespace {
 
 using test::erased;
@@ -70,4 +70,4 @@ TEST(Interest, ASnapshotReplacesWhatWasKnown) {
 }
 
 }  // namespace
-}  // namespace romano::cluster
+}  // namespace romano::cluster::interest_test

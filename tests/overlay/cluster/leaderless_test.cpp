@@ -4,8 +4,10 @@
 
 #include "tests/overlay/cluster/two_brokers.h"
 
-namespace romano::cluster {
+namespace romano::cluster::leaderless_test {
 namespace {
+
+using namespace two_brokers;
 
 TEST(Leaderless, IsToldOfAgainAndAgainWithoutALeader) {
     Leaderless leaderless;
@@ -47,4 +49,4 @@ TEST(Leaderless, ABrokerThatLeadsItselfIsSilent) {
 }
 
 }  // namespace
-}  // namespace romano::cluster
+}  // namespace romano::cluster::leaderless_test

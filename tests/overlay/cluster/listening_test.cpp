@@ -4,7 +4,7 @@
 
 #include "tests/overlay/cluster/events.h"
 
-namespace romano::cluster {
+namespace romano::cluster::listening_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -90,4 +90,4 @@ TEST_F(ListeningTest, ANewcomerInNoViewTellsNothing) {
 }
 
 }  // namespace
-}  // namespace romano::cluster
+}  // namespace romano::cluster::listening_test

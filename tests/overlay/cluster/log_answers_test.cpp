@@ -4,8 +4,10 @@
 
 #include "tests/overlay/cluster/two_brokers.h"
 
-namespace romano::cluster {
+namespace romano::cluster::log_answers_test {
 namespace {
+
+using namespace two_brokers;
 
 class LogAnswers : public testing::Test {
 protected:
@@ -46,4 +48,4 @@ TEST_F(LogAnswers, AnAcknowledgementCountsForAllBefore) {
 }
 
 }  // namespace
-}  // namespace romano::cluster
+}  // namespace romano::cluster::log_answers_test

@@ -6,7 +6,7 @@
 
 #include "tests/overlay/cluster/events.h"
 
-namespace romano::cluster {
+namespace romano::cluster::log_history_test {
 namespace {
 
 using test::published;
@@ -107,4 +107,4 @@ TEST(LogHistory, GoesOnAfterASnapshot) {
 }
 
 }  // namespace
-}  // namespace romano::cluster
+}  // namespace romano::cluster::log_history_test

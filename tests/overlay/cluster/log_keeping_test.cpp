@@ -7,7 +7,7 @@
 
 #include "tests/overlay/cluster/events.h"
 
-namespace romano::cluster {
+namespace romano::cluster::log_keeping_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -144,4 +144,4 @@ TEST(LogKeeping, ALogIsOverWhenALaterLifeWasHeardAndNobodyHoldsIt) {
 }
 
 }  // namespace
-}  // namespace romano::cluster
+}  // namespace romano::cluster::log_keeping_test

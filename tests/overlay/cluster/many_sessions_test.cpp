@@ -4,9 +4,10 @@
 
 #include "tests/overlay/cluster/two_brokers.h"
 
-namespace romano::cluster {
+namespace romano::cluster::many_sessions_test {
 namespace {
 
+using namespace two_brokers;
 using namespace std::chrono_literals;
 
 constexpr std::size_t sessions = 600;
@@ -188,4 +189,4 @@ TEST(ManySessions, WhatIsHalfAdoptedIsNotHandedOn) {
 }
 
 }  // namespace
-}  // namespace romano::cluster
+}  // namespace romano::cluster::many_sessions_test

@@ -4,7 +4,7 @@
 
 #include "tests/overlay/cluster/events.h"
 
-namespace romano::cluster {
+namespace romano::cluster::membership_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -302,4 +302,4 @@ TEST(Membership, ARestartedPeerIsBelievedAtOnceAfterALostLink) {
 }
 
 }  // namespace
-}  // namespace romano::cluster
+}  // namespace romano::cluster::membership_test

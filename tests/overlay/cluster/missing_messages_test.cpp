@@ -4,8 +4,10 @@
 
 #include "tests/overlay/cluster/two_brokers.h"
 
-namespace romano::cluster {
+namespace romano::cluster::missing_messages_test {
 namespace {
+
+using namespace two_brokers;
 
 const LogPosition unknown{test::log_of("unknown"), 7};
 
@@ -70,4 +72,4 @@ TEST_F(MissingMessagesTest, WhatIsDeliveredIsMissedNoMore) {
 }
 
 }  // namespace
-}  // namespace romano::cluster
+}  // namespace romano::cluster::missing_messages_test

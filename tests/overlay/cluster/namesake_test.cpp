@@ -4,8 +4,10 @@
 
 #include "tests/overlay/cluster/two_brokers.h"
 
-namespace romano::cluster {
+namespace romano::cluster::namesake_test {
 namespace {
+
+using namespace two_brokers;
 
 constexpr std::uint64_t own_process = 5;
 
@@ -41,4 +43,4 @@ TEST(Namesake, AClusterCoreWarnsOfIt) {
 }
 
 }  // namespace
-}  // namespace romano::cluster
+}  // namespace romano::cluster::namesake_test

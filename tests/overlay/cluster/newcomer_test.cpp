@@ -7,9 +7,10 @@
 
 #include "tests/overlay/cluster/two_brokers.h"
 
-namespace romano::cluster {
+namespace romano::cluster::newcomer_test {
 namespace {
 
+using namespace two_brokers;
 using testing::ElementsAre;
 using testing::IsEmpty;
 
@@ -71,4 +72,4 @@ TEST_F(Newcomer, P3_PromisesNothingBeforeItsFirstView) {
 }
 
 }  // namespace
-}  // namespace romano::cluster
+}  // namespace romano::cluster::newcomer_test

@@ -4,7 +4,7 @@
 
 #include "tests/overlay/cluster/events.h"
 
-namespace romano::cluster {
+namespace romano::cluster::own_log_test {
 namespace {
 
 const LogId self = test::log_of("b1");
@@ -129,4 +129,4 @@ TEST(OwnLog, WhoLagsByMoreThanIsKeptNeedsASnapshot) {
 }
 
 }  // namespace
-}  // namespace romano::cluster
+}  // namespace romano::cluster::own_log_test

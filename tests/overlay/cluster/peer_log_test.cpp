@@ -4,7 +4,7 @@
 
 #include "tests/overlay/cluster/events.h"
 
-namespace romano::cluster {
+namespace romano::cluster::peer_log_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -309,4 +309,4 @@ TEST(PeerLog, WhatAFrozenLogMissedIsAskedForAsSoonAsItsWriterIsBack) {
 }
 
 }  // namespace
-}  // namespace romano::cluster
+}  // namespace romano::cluster::peer_log_test

@@ -4,7 +4,7 @@
 
 #include "tests/overlay/cluster/events.h"
 
-namespace romano::cluster {
+namespace romano::cluster::peer_sessions_test {
 namespace {
 
 const LogId peer = test::log_of("peer");
@@ -62,4 +62,4 @@ TEST_F(PeerSessionsTest, OfALogWhoseLateEventsTheyLackTheyDoNotHaveAll) {
 }
 
 }  // namespace
-}  // namespace romano::cluster
+}  // namespace romano::cluster::peer_sessions_test

@@ -7,7 +7,7 @@
 
 #include "tests/overlay/cluster/events.h"
 
-namespace romano::cluster {
+namespace romano::cluster::publish_order_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -358,4 +358,4 @@ TEST_F(PublishOrderTest, WhatWaitedIsHandedOnInPieces) {
 }
 
 }  // namespace
-}  // namespace romano::cluster
+}  // namespace romano::cluster::publish_order_test

@@ -9,7 +9,7 @@
 #include "overlay/cluster/options.h"
 #include "tests/overlay/cluster/events.h"
 
-namespace romano::cluster {
+namespace romano::cluster::quick_holder_test {
 namespace {
 
 using broker::LogId;
@@ -70,4 +70,4 @@ TEST(QuickHolder, WhoIsNotHeardCountsForNobody) {
 }
 
 }  // namespace
-}  // namespace romano::cluster
+}  // namespace romano::cluster::quick_holder_test

@@ -10,8 +10,10 @@
 #include "romano/mqttsn/codec.h"
 #include "tests/overlay/cluster/two_brokers.h"
 
-namespace romano::cluster {
+namespace romano::cluster::roaming_test {
 namespace {
+
+using namespace two_brokers;
 
 constexpr Duration patience = 100ms;  // as in test::times
 
@@ -103,4 +105,4 @@ TEST(RoamingAway, P2_IsNoStrangerToTheHomeThatJustLetItGo) {
 }
 
 }  // namespace
-}  // namespace romano::cluster
+}  // namespace romano::cluster::roaming_test

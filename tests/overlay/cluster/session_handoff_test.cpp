@@ -5,9 +5,10 @@
 
 #include "tests/overlay/cluster/two_brokers.h"
 
-namespace romano::cluster {
+namespace romano::cluster::session_handoff_test {
 namespace {
 
+using namespace two_brokers;
 using namespace std::chrono_literals;
 constexpr std::size_t sessions = 600;
 constexpr std::size_t per_turn = 256;
@@ -195,4 +196,4 @@ TEST(SessionHandoff, P2_WhoHasLetTheAddressGoServesItOnceMore) {
 }
 
 }  // namespace
-}  // namespace romano::cluster
+}  // namespace romano::cluster::session_handoff_test

@@ -7,7 +7,7 @@
 
 #include "tests/overlay/cluster/events.h"
 
-namespace romano::cluster {
+namespace romano::cluster::slow_receivers_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -199,4 +199,4 @@ TEST_F(SlowReceiversTest, OneThatTakesMessagesFindsRoomAmongManyThatDoNot) {
 }
 
 }  // namespace
-}  // namespace romano::cluster
+}  // namespace romano::cluster::slow_receivers_test

@@ -4,7 +4,7 @@
 
 #include "tests/overlay/cluster/events.h"
 
-namespace romano::cluster {
+namespace romano::cluster::snapshot_sender_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -66,4 +66,4 @@ TEST_F(SnapshotSenderTest, WhatIsForAnEarlierLifeOfThePeerIsDropped) {
 }
 
 }  // namespace
-}  // namespace romano::cluster
+}  // namespace romano::cluster::snapshot_sender_test

@@ -4,7 +4,7 @@
 
 #include "tests/overlay/cluster/events.h"
 
-namespace romano::cluster {
+namespace romano::cluster::snapshot_test {
 namespace {
 
 const LogId self = test::log_of("self");
@@ -62,4 +62,4 @@ TEST_F(SnapshotTest, LastWordsAreThePublishesThatTheOtherLacks) {
 }
 
 }  // namespace
-}  // namespace romano::cluster
+}  // namespace romano::cluster::snapshot_test

@@ -8,8 +8,10 @@
 
 #include "tests/overlay/cluster/two_brokers.h"
 
-namespace romano::cluster {
+namespace romano::cluster::stranded_test {
 namespace {
+
+using namespace two_brokers;
 
 const LogId other = test::log_of("other");
 
@@ -112,4 +114,4 @@ TEST_F(Stranded, P3_WhoListensPromisesNothing) {
 }
 
 }  // namespace
-}  // namespace romano::cluster
+}  // namespace romano::cluster::stranded_test

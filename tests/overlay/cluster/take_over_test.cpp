@@ -4,7 +4,7 @@
 
 #include "tests/overlay/cluster/events.h"
 
-namespace romano::cluster {
+namespace romano::cluster::take_over_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -128,4 +128,4 @@ TEST_F(TakeOverTest, P3_AndNothingElse) {
 }
 
 }  // namespace
-}  // namespace romano::cluster
+}  // namespace romano::cluster::take_over_test

@@ -10,7 +10,7 @@
 #include "tests/overlay/cluster/beacons.h"
 #include "tests/overlay/cluster/events.h"
 
-namespace romano::cluster {
+namespace romano::cluster::two_brokers {
 
 using namespace std::chrono_literals;
 
@@ -102,4 +102,4 @@ struct Cluster : Owner {
     }
 };
 
-}  // namespace romano::cluster
+}  // namespace romano::cluster::two_brokers

@@ -6,7 +6,7 @@
 
 #include "tests/overlay/cluster/events.h"
 
-namespace romano::cluster {
+namespace romano::cluster::view_change_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -393,4 +393,4 @@ TEST(ViewChange, SomebodyGoesOnForABrokerThatDiedOutsideOfTheView) {
 }
 
 }  // namespace
-}  // namespace romano::cluster
+}  // namespace romano::cluster::view_change_test

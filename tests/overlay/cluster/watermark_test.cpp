@@ -7,7 +7,7 @@
 #include "overlay/cluster/options.h"
 #include "tests/overlay/cluster/events.h"
 
-namespace romano::cluster {
+namespace romano::cluster::watermark_test {
 namespace {
 
 const std::array peers = {test::log_of("b1"), test::log_of("b2"), test::log_of("b3")};
@@ -76,4 +76,4 @@ TEST(Watermark, KnowsWhenSomethingWasPromisedThatNobodyHolds) {
 }
 
 }  // namespace
-}  // namespace romano::cluster
+}  // namespace romano::cluster::watermark_test

@@ -6,7 +6,7 @@
 
 #include "tests/broker/metrics/names.h"
 
-namespace romano::daemon {
+namespace romano::daemon::cluster_metrics_test {
 namespace {
 
 using testing::HasSubstr;
@@ -43,4 +43,4 @@ TEST(ClusterMetrics, TellWhatCameOfEachMessageOfTheUplink) {
 }
 
 }  // namespace
-}  // namespace romano::daemon
+}  // namespace romano::daemon::cluster_metrics_test

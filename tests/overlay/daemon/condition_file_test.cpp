@@ -8,7 +8,7 @@
 #include "tests/broker/daemon/captured_trace.h"
 #include "tests/temporary_folder.h"
 
-namespace romano::daemon {
+namespace romano::daemon::condition_file_test {
 namespace {
 
 using testing::HasSubstr;
@@ -54,4 +54,4 @@ TEST_F(ConditionFileTest, WhatIsNoNumberLaterIsSaidOnce) {
 }
 
 }  // namespace
-}  // namespace romano::daemon
+}  // namespace romano::daemon::condition_file_test

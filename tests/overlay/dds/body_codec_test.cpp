@@ -6,7 +6,7 @@
 #include "tests/overlay/dds/field_count.h"
 #include "tests/overlay/dds/random_message.h"
 
-namespace romano::dds {
+namespace romano::dds::body_codec_test {
 namespace {
 
 namespace proto = overlay::proto;
@@ -282,4 +282,4 @@ TEST(BodyCodec, CarriesTheLargestPayload) {
 }
 
 }  // namespace
-}  // namespace romano::dds
+}  // namespace romano::dds::body_codec_test

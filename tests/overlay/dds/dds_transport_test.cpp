@@ -15,7 +15,7 @@
 
 #include "tests/overlay/dds/test_domain.h"
 
-namespace romano::dds {
+namespace romano::dds::dds_transport_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -332,4 +332,4 @@ TEST(Domain, CanBeOpenedAgainAfterItWasClosed) {
 }
 
 }  // namespace
-}  // namespace romano::dds
+}  // namespace romano::dds::dds_transport_test

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace romano::dds {
+namespace romano::dds::packing_test {
 namespace {
 
 using broker::BrokerId;
@@ -88,4 +88,4 @@ TEST(Packing, LeavesOtherMessagesAsTheyAre) {
 }
 
 }  // namespace
-}  // namespace romano::dds
+}  // namespace romano::dds::packing_test

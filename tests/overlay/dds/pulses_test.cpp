@@ -4,7 +4,7 @@
 
 #include <vector>
 
-namespace romano::overlay {
+namespace romano::overlay::pulses_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -63,4 +63,4 @@ TEST_F(Rhythm, NothingFollowsTheLastBeacon) {
 }
 
 }  // namespace
-}  // namespace romano::overlay
+}  // namespace romano::overlay::pulses_test

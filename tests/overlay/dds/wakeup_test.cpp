@@ -8,7 +8,7 @@
 #include <chrono>
 #include <thread>
 
-namespace romano::dds {
+namespace romano::dds::wakeup_test {
 namespace {
 
 TEST(Wakeup, FromOtherThreadsIsAnsweredInTheBrokersAndAfterTheLastRing) {
@@ -54,4 +54,4 @@ TEST(Wakeup, ThatIsGoneAnswersNoRing) {
 }
 
 }  // namespace
-}  // namespace romano::dds
+}  // namespace romano::dds::wakeup_test

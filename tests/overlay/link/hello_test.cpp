@@ -4,7 +4,7 @@
 
 #include <string>
 
-namespace romano::link {
+namespace romano::link::hello_test {
 namespace {
 
 constexpr Hello hello{.from = {broker::BrokerId{0x0102030405060708}, 0x1112131415161718},
@@ -39,4 +39,4 @@ TEST(Hello, AnyOtherOpeningIsNone) {
 }
 
 }  // namespace
-}  // namespace romano::link
+}  // namespace romano::link::hello_test

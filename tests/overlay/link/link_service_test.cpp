@@ -15,7 +15,7 @@
 
 #include "overlay/link/hello.h"
 
-namespace romano::link {
+namespace romano::link::link_service_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -207,4 +207,4 @@ TEST_F(LinkServiceTest, ConnectionsAreBounded) {
 }
 
 }  // namespace
-}  // namespace romano::link
+}  // namespace romano::link::link_service_test

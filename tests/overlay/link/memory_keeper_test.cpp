@@ -14,7 +14,7 @@
 #include <csignal>
 #include <optional>
 
-namespace romano::link {
+namespace romano::link::memory_keeper_test {
 namespace {
 
 /// A process with memory that we know of, and with the end of a pipe as its only file of interest.
@@ -107,4 +107,4 @@ TEST_F(MemoryKeeperTest, ItEndsWhenItIsDismissed) {
 }
 
 }  // namespace
-}  // namespace romano::link
+}  // namespace romano::link::memory_keeper_test

@@ -5,7 +5,7 @@
 
 #include "tests/overlay/member/steps.h"
 
-namespace romano::test {
+namespace romano::test::agreement_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -131,4 +131,4 @@ TEST_F(OtherMeanings, OneHomeIsLeftOfAClientThatConnectsAnewElsewhere) {
 }
 
 }  // namespace
-}  // namespace romano::test
+}  // namespace romano::test::agreement_test

@@ -6,7 +6,7 @@
 
 #include "tests/overlay/member/brokers.h"
 
-namespace romano::test {
+namespace romano::test::cells_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -113,4 +113,4 @@ TEST_F(MemberInCells, AReturningBrokerTakesNothingFromOtherCells) {
 }
 
 }  // namespace
-}  // namespace romano::test
+}  // namespace romano::test::cells_test

@@ -6,7 +6,7 @@
 
 #include "tests/overlay/member/steps.h"
 
-namespace romano::test {
+namespace romano::test::condition_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -130,4 +130,4 @@ TEST(Abilities, AnAddressGoesToOneWhoseMachineCanServeIt) {
 }
 
 }  // namespace
-}  // namespace romano::test
+}  // namespace romano::test::condition_test

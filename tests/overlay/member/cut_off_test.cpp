@@ -10,7 +10,7 @@
 
 #include "tests/overlay/member/steps.h"
 
-namespace romano::test {
+namespace romano::test::cut_off_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -383,4 +383,4 @@ TEST(CutOff, ClientsOfAPartThatIsCutOffAreServedAfterAMoment) {
 }
 
 }  // namespace
-}  // namespace romano::test
+}  // namespace romano::test::cut_off_test

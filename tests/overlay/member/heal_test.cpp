@@ -8,7 +8,7 @@
 #include "tests/overlay/member/brokers.h"
 #include "tests/overlay/member/steps.h"
 
-namespace romano::test {
+namespace romano::test::heal_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -92,4 +92,4 @@ TEST(Member, P1_WhatWasPublishedAtABrokerThatCameAndDiedMeanwhileIsKeptForAbsent
 }
 
 }  // namespace
-}  // namespace romano::test
+}  // namespace romano::test::heal_test

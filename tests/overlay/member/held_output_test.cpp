@@ -4,7 +4,7 @@
 
 #include <string_view>
 
-namespace romano::overlay {
+namespace romano::overlay::held_output_test {
 namespace {
 
 using testing::ElementsAre;
@@ -96,4 +96,4 @@ TEST(HeldOutput, P8_BeyondItsBoundNewDatagramsAreDropped) {
 }
 
 }  // namespace
-}  // namespace romano::overlay
+}  // namespace romano::overlay::held_output_test

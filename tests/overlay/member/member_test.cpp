@@ -6,7 +6,7 @@
 
 #include "tests/overlay/member/steps.h"
 
-namespace romano::test {
+namespace romano::test::member_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -393,4 +393,4 @@ TEST(Member, AllButOneDieAndTheLastServesEverybody) {
 }
 
 }  // namespace
-}  // namespace romano::test
+}  // namespace romano::test::member_test

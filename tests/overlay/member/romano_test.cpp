@@ -9,7 +9,7 @@
 #include "romano/server/node_entry.h"
 #include "tests/overlay/member/brokers.h"
 
-namespace romano::test {
+namespace romano::test::romano_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -194,4 +194,4 @@ TEST_F(MemberWithRomano, CommandsThatWaitOutliveTheHome) {
 }
 
 }  // namespace
-}  // namespace romano::test
+}  // namespace romano::test::romano_test

@@ -5,7 +5,7 @@
 
 #include "tests/overlay/member/steps.h"
 
-namespace romano::test {
+namespace romano::test::shared_address_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -158,4 +158,4 @@ TEST(RobotStartedAgainUnderAnotherId, IsWhoSpeaksThereToTheHeirOfBothSessions) {
 }
 
 }  // namespace
-}  // namespace romano::test
+}  // namespace romano::test::shared_address_test

@@ -7,7 +7,7 @@
 #include "overlay/member/member.h"
 #include "tests/overlay/member/steps.h"
 
-namespace romano::test {
+namespace romano::test::slow_receiver_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -50,4 +50,4 @@ TEST(SlowReceiverAtAPeer, DoesNotHoldUpWhoPublishesForOthers) {
 }
 
 }  // namespace
-}  // namespace romano::test
+}  // namespace romano::test::slow_receiver_test

@@ -4,7 +4,7 @@
 
 #include <vector>
 
-namespace romano::overlay {
+namespace romano::overlay::stall_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -111,4 +111,4 @@ TEST_F(StallTest, P3_WhoIsTakenForDeadCallsForADetectionTimeBeforeItSpeaks) {
 }
 
 }  // namespace
-}  // namespace romano::overlay
+}  // namespace romano::overlay::stall_test

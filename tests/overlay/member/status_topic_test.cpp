@@ -2,7 +2,7 @@
 
 #include <gmock/gmock.h>
 
-namespace romano::overlay {
+namespace romano::overlay::status_topic_test {
 namespace {
 
 using testing::HasSubstr;
@@ -63,4 +63,4 @@ TEST(StatusTopic, SaysWhichSettingsDisagreeAndWhoHasWhat) {
 }
 
 }  // namespace
-}  // namespace romano::overlay
+}  // namespace romano::overlay::status_topic_test

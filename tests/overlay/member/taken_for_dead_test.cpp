@@ -5,7 +5,7 @@
 
 #include "tests/overlay/member/steps.h"
 
-namespace romano::test {
+namespace romano::test::taken_for_dead_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -465,4 +465,4 @@ TEST(Member, AReplacedLeaderIsNotMisledByBeaconsFromBeforeItWasReplaced) {
 }
 
 }  // namespace
-}  // namespace romano::test
+}  // namespace romano::test::taken_for_dead_test

@@ -4,7 +4,7 @@
 
 #include "tests/overlay/member/brokers.h"
 
-namespace romano::test {
+namespace romano::test::uplink_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -274,4 +274,4 @@ TEST_F(MemberWithUplink, ItsSessionIsNobodyElses) {
 }
 
 }  // namespace
-}  // namespace romano::test
+}  // namespace romano::test::uplink_test

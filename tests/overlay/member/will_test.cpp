@@ -4,7 +4,7 @@
 
 #include "tests/overlay/member/steps.h"
 
-namespace romano::test {
+namespace romano::test::will_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -121,4 +121,4 @@ TEST(Will, P7_OfClientsThatLiveElsewhereIsNotPublishedByABrokerThatWasCutOff) {
 }
 
 }  // namespace
-}  // namespace romano::test
+}  // namespace romano::test::will_test

@@ -7,7 +7,7 @@
 #include <deque>
 #include <map>
 
-namespace romano::lowpan {
+namespace romano::lowpan::channel_test {
 namespace {
 
 constexpr std::int64_t ms = 1'000'000;
@@ -221,4 +221,4 @@ TEST(Channel, CellsOnOneChannelShareItAndOthersDoNot) {
 }
 
 }  // namespace
-}  // namespace romano::lowpan
+}  // namespace romano::lowpan::channel_test

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace romano::radio {
+namespace romano::radio::propagation_test {
 namespace {
 
 TEST(Propagation, LosesTheExponentTimesTenDbInTenTimesTheDistance) {
@@ -28,4 +28,4 @@ TEST(Propagation, ShadowingStaysWhileNobodyMoves) {
 }
 
 }  // namespace
-}  // namespace romano::radio
+}  // namespace romano::radio::propagation_test

@@ -12,7 +12,7 @@
 
 #include "overlay/sim/lone_world.h"
 
-namespace romano::radio {
+namespace romano::radio::radio_network_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -185,4 +185,4 @@ TEST(RadioOptions, ImpossibleChannelsAndBaudRatesGetOneSentence) {
 }
 
 }  // namespace
-}  // namespace romano::radio
+}  // namespace romano::radio::radio_network_test

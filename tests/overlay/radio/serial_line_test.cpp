@@ -4,7 +4,7 @@
 
 #include <chrono>
 
-namespace romano::radio {
+namespace romano::radio::serial_line_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -68,4 +68,4 @@ TEST(SerialLine, WaitsWhileTheOtherEndHasNoRoom) {
 }
 
 }  // namespace
-}  // namespace romano::radio
+}  // namespace romano::radio::serial_line_test

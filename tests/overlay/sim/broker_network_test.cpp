@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-namespace romano::sim {
+namespace romano::sim::broker_network_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -139,4 +139,4 @@ TEST_F(BrokerNetworkTest, AStoppedProcessGetsItsReliableMessagesLater) {
 }
 
 }  // namespace
-}  // namespace romano::sim
+}  // namespace romano::sim::broker_network_test

@@ -4,7 +4,7 @@
 
 #include <string>
 
-namespace romano::sim {
+namespace romano::sim::client_network_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -78,4 +78,4 @@ TEST_F(ClientNetworkTest, LosesAndDoublesByItsQuality) {
 }
 
 }  // namespace
-}  // namespace romano::sim
+}  // namespace romano::sim::client_network_test

@@ -5,7 +5,7 @@
 #include "romano/mqttsn/codec.h"
 #include "tests/overlay/sim/cluster_scenario.h"
 
-namespace romano::sim {
+namespace romano::sim::cluster_scenarios_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -333,4 +333,4 @@ TEST_F(ClusterScenario, NoWillIsPublishedBecauseAHomeDied) {
 }
 
 }  // namespace
-}  // namespace romano::sim
+}  // namespace romano::sim::cluster_scenarios_test

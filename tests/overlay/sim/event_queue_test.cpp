@@ -7,7 +7,7 @@
 #include "overlay/sim/local_clock.h"
 #include "overlay/sim/seed.h"
 
-namespace romano::sim {
+namespace romano::sim::event_queue_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -54,4 +54,4 @@ TEST(SeedOf, PartsAndNumbersHaveTheirOwnStreams) {
 }
 
 }  // namespace
-}  // namespace romano::sim
+}  // namespace romano::sim::event_queue_test

@@ -9,7 +9,7 @@
 
 #include "tests/overlay/sim/cluster_scenario.h"
 
-namespace romano::sim {
+namespace romano::sim::heal_scenarios_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -160,4 +160,4 @@ TEST_F(HealScenario, RetainedMessagesAreTheSameEverywhereAfterAHeal) {
 }
 
 }  // namespace
-}  // namespace romano::sim
+}  // namespace romano::sim::heal_scenarios_test

@@ -7,7 +7,7 @@
 
 #include "tests/overlay/sim/cluster_scenario.h"
 
-namespace romano::sim {
+namespace romano::sim::invariants_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -220,4 +220,4 @@ TEST_F(SightTest, IsWhatBrokersAre) {
 }
 
 }  // namespace
-}  // namespace romano::sim
+}  // namespace romano::sim::invariants_test

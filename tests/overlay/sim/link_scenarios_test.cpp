@@ -2,7 +2,7 @@
 
 #include "tests/overlay/sim/cluster_scenario.h"
 
-namespace romano::sim {
+namespace romano::sim::link_scenarios_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -111,4 +111,4 @@ TEST_F(RaftLinkScenario, ADeadLeaderIsReplacedBeforeABeaconIsMissed) {
 }
 
 }  // namespace
-}  // namespace romano::sim
+}  // namespace romano::sim::link_scenarios_test

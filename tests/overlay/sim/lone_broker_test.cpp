@@ -9,7 +9,7 @@
 #include "overlay/sim/promises.h"
 #include "tests/overlay/sim/traced.h"
 
-namespace romano::sim {
+namespace romano::sim::lone_broker_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -166,4 +166,4 @@ TEST(LoneBroker, GoesOnAfterItWasStopped) {
 }
 
 }  // namespace
-}  // namespace romano::sim
+}  // namespace romano::sim::lone_broker_test

@@ -11,7 +11,7 @@
 
 #include "overlay/sim/run.h"
 
-namespace romano::sim {
+namespace romano::sim::once_bad_seeds_test {
 namespace {
 
 struct OnceBad {
@@ -63,4 +63,4 @@ INSTANTIATE_TEST_SUITE_P(Sweep, OnceBadSeeds, testing::ValuesIn(once_bad()),
                          [](const auto& group) { return group.param.name; });
 
 }  // namespace
-}  // namespace romano::sim
+}  // namespace romano::sim::once_bad_seeds_test

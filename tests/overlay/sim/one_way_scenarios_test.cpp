@@ -7,7 +7,7 @@
 
 #include "tests/overlay/sim/cluster_scenario.h"
 
-namespace romano::sim {
+namespace romano::sim::one_way_scenarios_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -104,4 +104,4 @@ TEST_F(OneWayScenario, WhoRoamsToABrokerThatDoesNotHearItsHomeGoesOnFromTheCopyT
 }
 
 }  // namespace
-}  // namespace romano::sim
+}  // namespace romano::sim::one_way_scenarios_test

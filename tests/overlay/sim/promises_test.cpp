@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-namespace romano::sim {
+namespace romano::sim::promises_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -124,4 +124,4 @@ TEST_F(PromisesTest, P7AWillTwice) {
 }
 
 }  // namespace
-}  // namespace romano::sim
+}  // namespace romano::sim::promises_test

@@ -11,7 +11,7 @@
 
 #include "overlay/sim/run.h"
 
-namespace romano::sim {
+namespace romano::sim::seeds_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -141,4 +141,4 @@ TEST(Simulation, IsTheSameWhetherOrNotSomebodyListens) {
 }
 
 }  // namespace
-}  // namespace romano::sim
+}  // namespace romano::sim::seeds_test

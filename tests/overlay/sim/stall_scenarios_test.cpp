@@ -7,7 +7,7 @@
 
 #include "tests/overlay/sim/cluster_scenario.h"
 
-namespace romano::sim {
+namespace romano::sim::stall_scenarios_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -205,4 +205,4 @@ TEST_F(SlowMatchScenario, AReplacedLeaderWaitsForThePeersOfItsPeers) {
 }
 
 }  // namespace
-}  // namespace romano::sim
+}  // namespace romano::sim::stall_scenarios_test

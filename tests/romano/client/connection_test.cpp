@@ -5,7 +5,7 @@
 #include "tests/romano/client/exchange.h"
 #include "tests/romano/client/sequence_chart.h"
 
-namespace romano::client {
+namespace romano::client::connection_test {
 namespace {
 
 using namespace mqttsn;
@@ -250,4 +250,4 @@ TEST(Disconnected, RefusesQos0AndKeepsQos1ForLater) {
 }
 
 }  // namespace
-}  // namespace romano::client
+}  // namespace romano::client::connection_test

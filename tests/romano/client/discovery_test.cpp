@@ -10,7 +10,7 @@
 
 #include "romano/mqttsn/codec.h"
 
-namespace romano::client {
+namespace romano::client::discovery_test {
 namespace {
 
 using namespace mqttsn;
@@ -157,4 +157,4 @@ TEST_F(DiscoveryTest, NotesAsManyGatewaysAsItHoldsAndNoMore) {  // P8
 }
 
 }  // namespace
-}  // namespace romano::client
+}  // namespace romano::client::discovery_test

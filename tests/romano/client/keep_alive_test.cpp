@@ -5,7 +5,7 @@
 #include "tests/romano/client/exchange.h"
 #include "tests/romano/client/sequence_chart.h"
 
-namespace romano::client {
+namespace romano::client::keep_alive_test {
 namespace {
 
 using namespace mqttsn;
@@ -150,4 +150,4 @@ TEST(KeepAlive, AnswersTheBrokersPing) {  // 6.11b
 }
 
 }  // namespace
-}  // namespace romano::client
+}  // namespace romano::client::keep_alive_test

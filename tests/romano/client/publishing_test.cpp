@@ -7,7 +7,7 @@
 #include "tests/romano/client/exchange.h"
 #include "tests/romano/client/sequence_chart.h"
 
-namespace romano::client {
+namespace romano::client::publishing_test {
 namespace {
 
 using namespace mqttsn;
@@ -265,4 +265,4 @@ TEST_F(Publishing, RefusesMoreWhenTheQueueIsFull) {  // P8
 }
 
 }  // namespace
-}  // namespace romano::client
+}  // namespace romano::client::publishing_test

@@ -5,7 +5,7 @@
 #include "tests/romano/client/exchange.h"
 #include "tests/romano/client/sequence_chart.h"
 
-namespace romano::client {
+namespace romano::client::receiving_test {
 namespace {
 
 using namespace mqttsn;
@@ -147,4 +147,4 @@ TEST_F(Receiving, CountsWhatIsNoMessageOrNotForAClient) {
 }
 
 }  // namespace
-}  // namespace romano::client
+}  // namespace romano::client::receiving_test

@@ -7,7 +7,7 @@
 #include "tests/romano/client/exchange.h"
 #include "tests/romano/client/sequence_chart.h"
 
-namespace romano::client {
+namespace romano::client::registering_test {
 namespace {
 
 using namespace mqttsn;
@@ -148,4 +148,4 @@ TEST_F(Registering, ByTheBrokerIsAnsweredByCongestionWhenTheTableIsFull) {
 }
 
 }  // namespace
-}  // namespace romano::client
+}  // namespace romano::client::registering_test

@@ -11,7 +11,7 @@
 
 #include "romano/mqttsn/codec.h"
 
-namespace romano::client {
+namespace romano::client::search_answer_test {
 namespace {
 
 using namespace mqttsn;
@@ -65,4 +65,4 @@ TEST_F(SearchAnswerTest, IsNoneWithoutAGateway) {
 }
 
 }  // namespace
-}  // namespace romano::client
+}  // namespace romano::client::search_answer_test

@@ -5,7 +5,7 @@
 #include "tests/romano/client/exchange.h"
 #include "tests/romano/client/sequence_chart.h"
 
-namespace romano::client {
+namespace romano::client::sleeping_test {
 namespace {
 
 using namespace mqttsn;
@@ -118,4 +118,4 @@ TEST_F(Sleeping, EndsByDisconnect) {
 }
 
 }  // namespace
-}  // namespace romano::client
+}  // namespace romano::client::sleeping_test

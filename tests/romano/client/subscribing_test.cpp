@@ -5,7 +5,7 @@
 #include "tests/romano/client/exchange.h"
 #include "tests/romano/client/sequence_chart.h"
 
-namespace romano::client {
+namespace romano::client::subscribing_test {
 namespace {
 
 using namespace mqttsn;
@@ -131,4 +131,4 @@ TEST_F(Subscribing, RefusesImpossibleTopics) {
 }
 
 }  // namespace
-}  // namespace romano::client
+}  // namespace romano::client::subscribing_test

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace romano::client {
+namespace romano::client::topic_table_test {
 namespace {
 
 using mqttsn::TopicId;
@@ -77,4 +77,4 @@ TEST_F(TopicTableTest, ForgetsFromTheMiddle) {
 }
 
 }  // namespace
-}  // namespace romano::client
+}  // namespace romano::client::topic_table_test

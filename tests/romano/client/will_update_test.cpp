@@ -5,7 +5,7 @@
 #include "tests/romano/client/exchange.h"
 #include "tests/romano/client/sequence_chart.h"
 
-namespace romano::client {
+namespace romano::client::will_update_test {
 namespace {
 
 using namespace mqttsn;
@@ -56,4 +56,4 @@ TEST_F(WillUpdate, RefusedFails) {
 }
 
 }  // namespace
-}  // namespace romano::client
+}  // namespace romano::client::will_update_test

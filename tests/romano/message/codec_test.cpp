@@ -9,7 +9,7 @@
 
 #include "romano/base/random.h"
 
-namespace romano::message {
+namespace romano::message::codec_test {
 namespace {
 
 using Octets = std::vector<std::uint8_t>;
@@ -199,4 +199,4 @@ TEST(Decode, AnyOctetsGiveAMessageThatEncodesToThemOrAReason) {
 }
 
 }  // namespace
-}  // namespace romano::message
+}  // namespace romano::message::codec_test

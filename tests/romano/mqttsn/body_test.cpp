@@ -11,7 +11,7 @@
 
 #include "romano/mqttsn/codec.h"
 
-namespace romano::mqttsn {
+namespace romano::mqttsn::body_test {
 namespace {
 
 using Octets = std::vector<std::uint8_t>;
@@ -95,4 +95,4 @@ TEST(BodyAsData, IsNotWrittenWhereItDoesNotFit) {
 }
 
 }  // namespace
-}  // namespace romano::mqttsn
+}  // namespace romano::mqttsn::body_test

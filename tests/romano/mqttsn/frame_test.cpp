@@ -10,7 +10,7 @@
 
 #include "romano/mqttsn/codec.h"
 
-namespace romano::mqttsn {
+namespace romano::mqttsn::frame_test {
 namespace {
 
 using testing::ElementsAre;
@@ -124,4 +124,4 @@ TEST(Frame, LargestMessageHas65535Octets) {
 }
 
 }  // namespace
-}  // namespace romano::mqttsn
+}  // namespace romano::mqttsn::frame_test

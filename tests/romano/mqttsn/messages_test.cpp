@@ -9,7 +9,7 @@
 
 #include "romano/mqttsn/codec.h"
 
-namespace romano::mqttsn {
+namespace romano::mqttsn::messages_test {
 namespace {
 
 using testing::ElementsAre;
@@ -401,4 +401,4 @@ TEST(Flags, EveryOctetGoesBothWays) {
 }
 
 }  // namespace
-}  // namespace romano::mqttsn
+}  // namespace romano::mqttsn::messages_test

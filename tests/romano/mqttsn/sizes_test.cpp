@@ -8,7 +8,7 @@
 
 #include "romano/mqttsn/codec.h"
 
-namespace romano::mqttsn {
+namespace romano::mqttsn::sizes_test {
 namespace {
 
 using Octets = std::vector<std::uint8_t>;
@@ -105,4 +105,4 @@ TEST(Sizes, EveryTruncationOfADatagramIsDropped) {
 }
 
 }  // namespace
-}  // namespace romano::mqttsn
+}  // namespace romano::mqttsn::sizes_test

@@ -7,7 +7,7 @@
 #include <string>
 #include <string_view>
 
-namespace romano::mqttsn {
+namespace romano::mqttsn::topic_test {
 namespace {
 
 using namespace std::string_view_literals;
@@ -118,4 +118,4 @@ TEST(TopicFilter, ThatBeginsWithAWildcardDoesNotMatchDollarNames) {  // [MQTT-4.
 }
 
 }  // namespace
-}  // namespace romano::mqttsn
+}  // namespace romano::mqttsn::topic_test

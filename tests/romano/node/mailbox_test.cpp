@@ -8,7 +8,7 @@
 
 extern "C" std::uint32_t front_millimetres_in_c(romano_mailbox* box);
 
-namespace romano::node {
+namespace romano::node::mailbox_test {
 namespace {
 
 using Amount = std::array<std::uint8_t, 4>;
@@ -82,4 +82,4 @@ TEST(Mailbox, OneWriterAndOneReaderNeverLoseOrReorderWhatWasAccepted) {
 }
 
 }  // namespace
-}  // namespace romano::node
+}  // namespace romano::node::mailbox_test

@@ -12,7 +12,7 @@
 
 #include "tests/romano/node/cell.h"
 
-namespace romano::node {
+namespace romano::node::node_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -301,4 +301,4 @@ TEST_F(NodeTest, ConnectsAgainWhenTheBrokerHasForgottenIt) {
 }
 
 }  // namespace
-}  // namespace romano::node
+}  // namespace romano::node::node_test

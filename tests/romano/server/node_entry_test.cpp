@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace romano::server {
+namespace romano::server::node_entry_test {
 namespace {
 
 NodeEntry entry() {
@@ -43,4 +43,4 @@ TEST(NodeEntry, OtherTopicsAndUnknownWordsAreRefused) {
 }
 
 }  // namespace
-}  // namespace romano::server
+}  // namespace romano::server::node_entry_test

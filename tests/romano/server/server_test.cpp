@@ -12,7 +12,7 @@
 
 #include "romano/message/codec.h"
 
-namespace romano::server {
+namespace romano::server::server_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -326,4 +326,4 @@ TEST(NeverRetained, IsNobodysInnocentText) {
 }
 
 }  // namespace
-}  // namespace romano::server
+}  // namespace romano::server::server_test
