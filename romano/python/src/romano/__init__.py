@@ -1,0 +1,63 @@
+"""ROMANO for Python programs: MQTT-SN messages, robots and their commands, the results of sweeps.
+
+    import asyncio
+    import romano
+
+    async def main() -> None:
+        async with romano.Client("127.0.0.1") as client:
+            await client.publish("robots/abcd1234/pose", "x=1 y=2", qos=1)
+
+    asyncio.run(main())
+
+Pure Python on asyncio; nothing else is needed. Times are seconds unless a name says another unit (``_ms``). Everything that
+is raised is a RomanoError, or Python's own error for what it says. The package logs to the logger ``romano``.
+"""
+
+from .core.client import State
+from .core.connection import Will
+from .core.discovery import Gateway
+from .core.timing import Limits, Timing
+from .errors import (
+    CannotSay,
+    Congestion,
+    ConnectionLost,
+    InvalidTopic,
+    InvalidTopicId,
+    NoAnswer,
+    NoSweep,
+    NotConnected,
+    NotSupported,
+    QueueFull,
+    Rejected,
+    RomanoError,
+    TooLong,
+    UnknownRobot,
+)
+from .mqttsn.topic import PredefinedTopic, ShortTopic, Topic
+from .mqttsn.types import Qos
+
+__all__ = [
+    "CannotSay",
+    "Congestion",
+    "ConnectionLost",
+    "Gateway",
+    "InvalidTopic",
+    "InvalidTopicId",
+    "Limits",
+    "NoAnswer",
+    "NoSweep",
+    "NotConnected",
+    "NotSupported",
+    "PredefinedTopic",
+    "Qos",
+    "QueueFull",
+    "Rejected",
+    "RomanoError",
+    "ShortTopic",
+    "State",
+    "Timing",
+    "TooLong",
+    "Topic",
+    "UnknownRobot",
+    "Will",
+]
