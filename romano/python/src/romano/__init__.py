@@ -13,6 +13,7 @@ Pure Python on asyncio; nothing else is needed. Times are seconds unless a name 
 is raised is a RomanoError, or Python's own error for what it says. The package logs to the logger ``romano``.
 """
 
+from .client import Client
 from .core.client import State
 from .core.connection import Will
 from .core.discovery import Gateway
@@ -35,15 +36,19 @@ from .errors import (
 )
 from .mqttsn.topic import PredefinedTopic, ShortTopic, Topic
 from .mqttsn.types import Qos
+from .search import find_brokers
+from .subscription import Message, Subscription
 
 __all__ = [
     "CannotSay",
+    "Client",
     "Congestion",
     "ConnectionLost",
     "Gateway",
     "InvalidTopic",
     "InvalidTopicId",
     "Limits",
+    "Message",
     "NoAnswer",
     "NoSweep",
     "NotConnected",
@@ -55,9 +60,11 @@ __all__ = [
     "RomanoError",
     "ShortTopic",
     "State",
+    "Subscription",
     "Timing",
     "TooLong",
     "Topic",
     "UnknownRobot",
     "Will",
+    "find_brokers",
 ]
