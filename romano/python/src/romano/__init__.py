@@ -13,6 +13,7 @@ Pure Python on asyncio; nothing else is needed. Times are seconds unless a name 
 is raised is a RomanoError, or Python's own error for what it says. The package logs to the logger ``romano``.
 """
 
+from . import message
 from .client import Client
 from .core.client import State
 from .core.connection import Will
@@ -34,16 +35,20 @@ from .errors import (
     TooLong,
     UnknownRobot,
 )
+from .fleet import Change, Fleet
 from .mqttsn.topic import PredefinedTopic, ShortTopic, Topic
 from .mqttsn.types import Qos
+from .node_entry import Robot
 from .search import find_brokers
 from .subscription import Message, Subscription
 
 __all__ = [
     "CannotSay",
+    "Change",
     "Client",
     "Congestion",
     "ConnectionLost",
+    "Fleet",
     "Gateway",
     "InvalidTopic",
     "InvalidTopicId",
@@ -57,6 +62,7 @@ __all__ = [
     "Qos",
     "QueueFull",
     "Rejected",
+    "Robot",
     "RomanoError",
     "ShortTopic",
     "State",
@@ -67,4 +73,5 @@ __all__ = [
     "UnknownRobot",
     "Will",
     "find_brokers",
+    "message",
 ]
