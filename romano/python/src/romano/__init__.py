@@ -41,6 +41,7 @@ from .mqttsn.types import Qos
 from .node_entry import Robot
 from .search import find_brokers
 from .subscription import Message, Subscription
+from .sweep import Sweep, Table
 
 __all__ = [
     "CannotSay",
@@ -67,6 +68,8 @@ __all__ = [
     "ShortTopic",
     "State",
     "Subscription",
+    "Sweep",
+    "Table",
     "Timing",
     "TooLong",
     "Topic",
