@@ -1,4 +1,4 @@
-# The programs as Debian packages, a component each: romano-broker, romano-robot, romano-tools.
+# What is installed, as Debian packages, a component each: romano-broker, romano-robot, romano-tools, python3-romano.
 #
 #     cd build/release && cpack        (for robots with a 64-bit ARM: build/arm64, see cmake/arm64-sysroot)
 
@@ -61,17 +61,26 @@ install(FILES experiments/demo.toml DESTINATION share/doc/romano-tools/examples 
 install(DIRECTORY experiments/sweeps DESTINATION share/doc/romano-tools/examples COMPONENT tools
         FILES_MATCHING PATTERN "*.toml")
 
+# Python reads it where Debian's own packages are, whatever the architecture.
+install(DIRECTORY romano/python/src/romano DESTINATION lib/python3/dist-packages COMPONENT python
+        FILES_MATCHING PATTERN "*.py" PATTERN py.typed PATTERN __pycache__ EXCLUDE)
+install(FILES romano/python/README.md DESTINATION share/doc/python3-romano COMPONENT python)
+install(DIRECTORY romano/python/examples DESTINATION share/doc/python3-romano COMPONENT python
+        FILES_MATCHING PATTERN "*.py")
+
 # What has changed is told by the history of the sources; a package must name its version all the same.
 set(ROMANO_MAINTAINER "The ROMANO project <romano@example.org>" CACHE STRING
     "Whom the packages name as their maintainer")
 string(TIMESTAMP today "%a, %d %b %Y 00:00:00 +0000" UTC)
-foreach(component broker robot tools)
-    install(FILES ${package_folder}/copyright DESTINATION share/doc/romano-${component}
-            COMPONENT ${component})
+foreach(component broker robot tools python)
     set(package romano-${component})
+    if(component STREQUAL python)
+        set(package python3-romano)
+    endif()
+    install(FILES ${package_folder}/copyright DESTINATION share/doc/${package} COMPONENT ${component})
     configure_file(${package_folder}/changelog.in ${package_build}/${component}/changelog @ONLY)
     execute_process(COMMAND gzip -9nf ${package_build}/${component}/changelog)
-    install(FILES ${package_build}/${component}/changelog.gz DESTINATION share/doc/romano-${component}
+    install(FILES ${package_build}/${component}/changelog.gz DESTINATION share/doc/${package}
             COMPONENT ${component})
 endforeach()
 
@@ -103,7 +112,7 @@ maintainer_scripts(robot romano-robot.service false "" /etc/default/romano-robot
 
 set(CPACK_GENERATOR DEB)
 set(CPACK_DEB_COMPONENT_INSTALL ON)
-set(CPACK_COMPONENTS_ALL broker robot tools)
+set(CPACK_COMPONENTS_ALL broker robot tools python)
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_STRIP_FILES ON)
 set(CPACK_PACKAGE_CONTACT ${ROMANO_MAINTAINER})
@@ -129,5 +138,16 @@ set(CPACK_DEBIAN_ROBOT_DESCRIPTION "ROMANO on a robot with Linux
 set(CPACK_DEBIAN_TOOLS_PACKAGE_NAME romano-tools)
 set(CPACK_DEBIAN_TOOLS_DESCRIPTION "commands for ROMANO brokers and robots
  Publish, subscribe, look at brokers and robots, steer robots, and experiment.")
+set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-romano)
+set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
+set(CPACK_DEBIAN_PYTHON_PACKAGE_ARCHITECTURE all)
+set(CPACK_DEBIAN_PYTHON_PACKAGE_SHLIBDEPS OFF)
+set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "python3 (>= 3.11)")
+set(CPACK_DEBIAN_PYTHON_PACKAGE_SUGGESTS "python3-pandas")
+set(CPACK_DEBIAN_PYTHON_PACKAGE_CONTROL_EXTRA
+    ${package_folder}/python/postinst ${package_folder}/python/prerm)
+set(CPACK_DEBIAN_PYTHON_DESCRIPTION "ROMANO and MQTT-SN for Python programs
+ An MQTT-SN 1.2 client for asyncio, robots and their commands, and the results
+ of experiments as tables.")
 
 include(CPack)
