@@ -3,7 +3,7 @@
 import unittest
 
 from chart import Chart
-from romano import NotConnected, State, Will
+from romano import NotConnected, PredefinedTopic, State, Will
 from romano.core.connection import ConnectOptions
 from romano.core.events import Asleep, Connected, Disconnected, Interrupted, Lost, Received, Refused, SubscriptionLost
 from romano.mqttsn import messages as m
@@ -169,6 +169,44 @@ class Reconnecting(Chart):
         self.hears(m.Connack(0))
         self.assertEqual(self.sent(), [m.Publish(publish.flags | 0x80, 1, publish.msg_id, b"x")])
 
+    def test_a_clean_session_begins_an_open_publish_anew(self) -> None:
+        self.connect()
+        self.core.publish(self.now, PredefinedTopic(5), b"x", qos=1)
+        first = self.sent_one()
+        assert isinstance(first, m.Publish)
+        self.connect(clean_session=True)
+        again = self.sent_one()
+        assert isinstance(again, m.Publish)
+        self.assertEqual((again.flags, again.msg_id != first.msg_id), (first.flags, True))
+
+    def test_subscriptions_are_made_again_once_however_often_the_connection_is_lost(self) -> None:
+        self.connect()
+        self.subscribe("a/+")
+        self.subscribe("b/+")
+        for _ in range(3):
+            self.hears(m.Disconnect())
+            self.runs(2)
+            self.sent()
+            self.hears(m.Connack(0))
+        filters = []
+        while sent := self.sent():
+            (request,) = sent
+            assert isinstance(request, m.Subscribe)
+            filters.append(request.topic)
+            self.hears(m.Suback(0, 0, request.msg_id, 0))
+        self.assertEqual(filters, [b"a/+", b"b/+"])
+
+    def test_a_new_connection_ends_the_pause_of_the_last_one(self) -> None:
+        self.connect()
+        self.core.publish(self.now, PredefinedTopic(5), b"x", qos=1)
+        publish = self.sent_one()
+        self.hears(m.Puback(5, publish.msg_id, 1))  # type: ignore[attr-defined]
+        self.hears(m.Disconnect())
+        self.runs(0)
+        self.sent()
+        self.hears(m.Connack(0))
+        self.assertEqual(self.core.paused_for(self.now), 0)
+
     def test_attempts_become_rarer_and_never_end(self) -> None:
         self.connect(keep_alive_s=0)
         self.hears(m.Disconnect())
@@ -233,6 +271,14 @@ class Sleeping(Chart):
         self.assertEqual(self.sent(), [m.Puback(5, 2, 0)])
         self.hears(m.Pingresp())
         self.assertEqual([type(e) for e in self.events()], [Received, Asleep])
+
+    def test_whatever_comes_while_it_collects_puts_the_repetition_off(self) -> None:
+        self.core.collect(self.now)
+        self.sent()
+        for _ in range(3):
+            self.runs(9)
+            self.hears(m.Publish(0x01, 5, 0, b"x"))
+        self.assertEqual(self.sent(), [])
 
     def test_a_broker_that_does_not_answer_lets_it_sleep_on(self) -> None:
         self.core.collect(self.now)

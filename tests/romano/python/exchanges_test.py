@@ -132,6 +132,21 @@ class Publishing(Connected):
         with self.assertRaises(InvalidTopic):
             self.core.publish(self.now, "a", b"x", qos=-1)
 
+    def test_a_name_whose_id_the_broker_gave_away_is_registered_again(self) -> None:
+        self.register("a", 1)
+        self.hears(m.Register(1, 1, b"b"))
+        self.sent()
+        self.core.publish(self.now, "a", b"x")
+        self.assertIsInstance(self.sent_one(), m.Register)
+
+    def test_a_cancelled_qos_0_message_holds_nobody_up(self) -> None:
+        self.register("a", 1)
+        self.core.publish(self.now, "a", b"1", qos=1)
+        self.assertTrue(self.core.cancel(self.core.publish(self.now, "b", b"waits for an id")))
+        self.sent()
+        self.core.publish(self.now, "a", b"0")
+        self.assertEqual(self.sent(), [m.Publish(0, 1, 0, b"0")])
+
     def test_what_cannot_be_said_is_refused_at_once(self) -> None:
         with self.assertRaises(InvalidTopic):
             self.core.publish(self.now, "a/+", b"x")

@@ -54,23 +54,31 @@ class Fleet:
         self._reader: asyncio.Task[None] | None = None
         self._heard = 0
 
-    async def __aenter__(self) -> Fleet:
-        """Returns when the robots that are known now are listed. Raises as Client.subscribe() does."""
+    async def watch(self) -> None:
+        """Begins; `async with` does it too. Returns when the robots that are known now are listed. Raises as
+        Client.subscribe() does."""
         self._entries = await self.client.subscribe(ENTRIES, qos=1, room=MOST_ROBOTS)
         self._reader = asyncio.create_task(self._read(self._entries))
         heard = -1
         while heard != self._heard:
             heard = self._heard
             await asyncio.sleep(SETTLED_S)
+
+    def close(self) -> None:
+        """Ends; the client stays connected."""
+        if self._reader is not None:
+            self._reader.cancel()
+        if self._entries is not None:
+            self._entries.close()
+
+    async def __aenter__(self) -> Fleet:
+        await self.watch()
         return self
 
     async def __aexit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        if self._reader is not None:
-            self._reader.cancel()
-        if self._entries is not None:
-            self._entries.close()
+        self.close()
 
     # --- who is there
 
