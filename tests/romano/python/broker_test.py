@@ -5,7 +5,7 @@ import socket
 import unittest
 import unittest.mock
 
-from programs import QUICK, Broker
+from programs import BROKER, QUICK, Broker, Program, free_port
 from romano import (
     Client, Congestion, ConnectionLost, InvalidTopicId, Message, NotConnected, PredefinedTopic, ShortTopic, State,
     Subscription, Timing, TooLong, Will, find_brokers,
@@ -256,6 +256,21 @@ class Searching(unittest.IsolatedAsyncioTestCase):
         await broker.start()
         found = await find_brokers(PATIENCE, local="127.0.0.1", group="225.77.1.1", port=17883, first=True)
         self.assertEqual([(gateway.host, gateway.port) for gateway in found], [(broker.host, broker.port)])
+
+    async def test_an_address_of_one_network_is_found_and_reached_by_its_interface(self) -> None:
+        with open("/proc/net/if_inet6") as interfaces:
+            names = [line.split()[5] for line in interfaces if line.startswith("fe80")]
+        if not names:
+            self.skipTest("no interface here has a link-local address")
+        port = free_port()
+        broker = Program(BROKER, "--listen", f"[::]:{port}", "--discovery-group", f"[ff02::77:1]:{port}")
+        self.addAsyncCleanup(broker.kill)
+        await broker.start()
+        await broker.line("serving")
+        found = await find_brokers(PATIENCE, local=names[0], group="ff02::77:1", port=port, first=True)
+        self.assertRegex(found[0].host, f"^fe80::.*%{names[0]}$")
+        async with Client(found[0].host, found[0].port, timing=QUICK) as client:
+            await client.publish("a", "x", qos=1)
 
     async def test_where_nobody_is_nobody_is_found(self) -> None:
         self.assertEqual(await find_brokers(0.2, local="127.0.0.1", group="225.77.1.2", port=17884), [])

@@ -8,6 +8,7 @@ import secrets
 import socket
 from collections import Counter, deque
 from types import TracebackType
+from typing import TypeAlias
 
 from .core import events
 from .core.client import ClientCore, State
@@ -18,6 +19,8 @@ from .mqttsn.topic import Topic
 from .subscription import Message, Subscription
 
 _log = logging.getLogger("romano")
+_Address: TypeAlias = tuple[str, int] | tuple[str, int, int, int]
+"""Of IPv4, or of IPv6 with its flow and scope."""
 
 MOST_UNCLAIMED = 100
 """Messages of a kept session that no subscription of this program wants yet. The oldest goes."""
@@ -97,18 +100,25 @@ class Client:
             raise NotConnected("connect() while connected: disconnect() first")
         loop = asyncio.get_running_loop()
         found = await loop.getaddrinfo(self.host, self.port, type=socket.SOCK_DGRAM)
-        addresses = list(dict.fromkeys((place[0], place[1]) for *_, place in found))
+        addresses = list(dict.fromkeys((family, place) for family, *_, place in found))
         for address in addresses:  # "localhost" may be ::1, where perhaps nobody listens, and 127.0.0.1
             try:
-                return await self._connect_to(address)
+                return await self._connect_to(*address)
             except OSError as error:
                 may_go_on = isinstance(error, _NobodyListens) or not isinstance(error, RomanoError)
                 if address == addresses[-1] or not may_go_on:
                     raise
 
-    async def _connect_to(self, address: tuple[str, int]) -> None:
+    async def _connect_to(self, family: int, address: _Address) -> None:
         loop = asyncio.get_running_loop()
-        self._transport, _ = await loop.create_datagram_endpoint(lambda: _Protocol(self), remote_addr=address)
+        own = socket.socket(family, socket.SOCK_DGRAM)
+        try:
+            own.setblocking(False)
+            own.connect(address)
+        except OSError:
+            own.close()
+            raise
+        self._transport, _ = await loop.create_datagram_endpoint(lambda: _Protocol(self), sock=own)
         self._is_blocked = False
         self._core = ClientCore(self._timing, self._limits)
         self._opening = loop.create_future()

@@ -7,6 +7,7 @@ import ipaddress
 import logging
 import socket
 import struct
+from typing import Any
 
 from .core.discovery import DiscoveryCore, Gateway
 
@@ -40,7 +41,7 @@ async def find_brokers(
         asker.bind(("", 0))
         for own in (asker, _listener(where, port, local)):
             if own is not None:
-                transport, _ = await loop.create_datagram_endpoint(lambda: _Ear(core, heard), sock=own)
+                transport, _ = await loop.create_datagram_endpoint(lambda: _Ear(core, heard, local), sock=own)
                 transports.append(transport)
         core.search(loop.time())
         end = loop.time() + within_s
@@ -61,12 +62,16 @@ async def find_brokers(
 
 
 class _Ear(asyncio.DatagramProtocol):
-    def __init__(self, core: DiscoveryCore, heard: asyncio.Event) -> None:
+    def __init__(self, core: DiscoveryCore, heard: asyncio.Event, local: str | None) -> None:
         self._core = core
         self._heard = heard
+        self._local = local
 
-    def datagram_received(self, data: bytes, addr: tuple[str, int]) -> None:
-        self._core.on_datagram(asyncio.get_running_loop().time(), addr[0], addr[1], data)
+    def datagram_received(self, data: bytes, addr: tuple[Any, ...]) -> None:
+        host, port, *ipv6 = addr
+        if any(ipv6):  # an address of one network: only with its interface it leads there
+            host = f"{host}%{self._local}"
+        self._core.on_datagram(asyncio.get_running_loop().time(), host, port, data)
         self._heard.set()
 
 
