@@ -26,8 +26,8 @@ def show(fleet: romano.Fleet) -> None:
         print(f"robot {robot.id}: {robot.state}, home {robot.home}")
 
 
-# %% Move. A command goes at QoS 2, so no robot drives a way twice. `await` ends when the broker has the command; the robot
-# itself answers when it is asked something, and it answers in order.
+# %% Move. A command goes at QoS 2, so no robot drives a way twice. `await` ends when the broker has the command; the
+# robot itself answers when it is asked something, and it answers in order.
 async def square(fleet: romano.Fleet, robot: str, side_mm: int) -> None:
     for _ in range(4):
         await fleet.move(robot, "front", mm=side_mm)

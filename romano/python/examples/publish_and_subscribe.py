@@ -6,8 +6,8 @@ Start a broker first, then this:
     romano-broker --listen 127.0.0.1:1883 &
     python3 publish_and_subscribe.py [HOST [PORT]]
 
-The parts between the lines with %% are cells for editors that know them. In a notebook write `await main()` instead of the
-last two lines.
+The parts between the lines with %% are cells for editors that know them. In a notebook write `await main()` instead of
+the last two lines.
 """
 
 # %% Where the broker is. Any MQTT-SN 1.2 broker will do.
@@ -20,8 +20,8 @@ HOST = sys.argv[1] if len(sys.argv) > 1 else "127.0.0.1"
 PORT = int(sys.argv[2]) if len(sys.argv) > 2 else 1883
 
 
-# %% Publish and subscribe. A client is connected within `async with`; if it were to vanish without a goodbye, the broker
-# would publish its will.
+# %% Publish and subscribe. A client is connected within `async with`; if it were to vanish without a goodbye, the
+# broker would publish its will.
 async def messages() -> None:
     async with (
         romano.Client(HOST, PORT) as listener,

@@ -6,6 +6,7 @@ import unittest
 import unittest.mock
 
 from programs import BROKER, QUICK, Broker, Program, free_port
+
 from romano import (
     Client, Congestion, ConnectionLost, InvalidTopicId, Message, NotConnected, PredefinedTopic, ShortTopic, State,
     Subscription, Timing, TooLong, Will, find_brokers,
@@ -120,12 +121,17 @@ class Messages(WithBroker):
 class Sessions(WithBroker):
     async def test_a_name_with_several_addresses_is_tried_at_each(self) -> None:
         # As "localhost" has them: ::1 and 127.0.0.1.
-        found = [(socket.AF_INET, socket.SOCK_DGRAM, 17, "", (host, self.broker.port)) for host in ("127.77.0.9", "127.0.0.1")]
+        found = [
+            (socket.AF_INET, socket.SOCK_DGRAM, 17, "", (host, self.broker.port))
+            for host in ("127.77.0.9", "127.0.0.1")
+        ]
         with unittest.mock.patch("socket.getaddrinfo", return_value=found):
             client = await self.client()
         await client.publish("a", "x", qos=1)
 
-    async def test_the_will_of_a_client_that_vanishes_is_published_and_that_of_one_that_says_goodbye_is_not(self) -> None:
+    async def test_the_will_of_a_client_that_vanishes_is_published_and_that_of_one_that_says_goodbye_is_not(
+        self,
+    ) -> None:
         heard = await (await self.client()).subscribe("gone")
         polite = await self.client(will=Will("gone", b"polite", qos=1), keep_alive_s=1)
         await polite.disconnect()

@@ -3,7 +3,7 @@
 import asyncio
 import unittest
 
-from programs import QUICK, Broker, Domain
+from programs import Broker, Domain
 
 
 class TakeOver(unittest.IsolatedAsyncioTestCase):

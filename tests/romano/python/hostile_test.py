@@ -75,7 +75,13 @@ class Hostile(Chart):
                 self.assertTrue(type(refused).__module__.startswith("romano"), repr(refused))
 
     def test_every_octet_of_every_message_changed(self) -> None:
-        for message in (m.Register(3, 1, b"a"), m.Publish(0x40, 3, 1, b"x"), m.Suback(0, 3, 1, 0), m.Connack(0), m.Disconnect()):
+        for message in (
+            m.Register(3, 1, b"a"),
+            m.Publish(0x40, 3, 1, b"x"),
+            m.Suback(0, 3, 1, 0),
+            m.Connack(0),
+            m.Disconnect(),
+        ):
             for at in range(len(encode(message))):
                 for octet in range(256):
                     if self.core.state is not State.CONNECTED:

@@ -5,6 +5,7 @@ import unittest
 
 from romano import CannotSay, InvalidTopic, TooLong
 from romano.command import BINARY, LEGACY, move_message, request_message, subscribe_message, unsubscribe_message
+
 from romano.message import (
     ApplicationData, Battery, ConnectedNodes, ConnectionAck, ConnectionRequest, Gyroscope, Heartbeat, LineReflectance,
     Location, Malformed, MovementControl, MqttPublishRequest, MqttSubscribe, MqttUnsubscribe, NormalData, OwnMovement,

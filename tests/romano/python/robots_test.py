@@ -30,7 +30,9 @@ class Robots(unittest.IsolatedAsyncioTestCase):
     async def test_the_list_has_all_robots_and_heeds_those_that_come_and_go(self) -> None:
         await self.robot("abcd1234")
         async with Fleet(self.client) as fleet:
-            self.assertEqual([(r.id, r.state, r.home, r.form) for r in fleet.robots], [("abcd1234", "connected", "home", "binary")])
+            self.assertEqual(
+                [(r.id, r.state, r.home, r.form) for r in fleet.robots], [("abcd1234", "connected", "home", "binary")]
+            )
             second = await self.robot("00000002", "--heartbeat", "1")
             await self.until(lambda: [r.id for r in fleet.robots] == ["00000002", "abcd1234"])
             await self.until(lambda: fleet.robot("00000002").heartbeat is not None)

@@ -23,7 +23,9 @@ class Sweeps(unittest.TestCase):
         (self.folder / "samples").mkdir()
         (self.folder / "runs.csv").write_text(RUNS)
         (self.folder / "manifest.json").write_text('{"cells": 3}')
-        (self.folder / "samples" / "cell-0002.csv").write_text("publisher,sequence,sent_s,delay_ms\n0,1,0.5,1.5\n0,2,1,\n")
+        (self.folder / "samples" / "cell-0002.csv").write_text(
+            "publisher,sequence,sent_s,delay_ms\n0,1,0.5,1.5\n0,2,1,\n"
+        )
 
     def test_columns_have_the_types_of_what_they_hold(self) -> None:
         runs = Sweep(self.folder).runs

@@ -9,8 +9,8 @@
 
     asyncio.run(main())
 
-Pure Python on asyncio; nothing else is needed. Times are seconds unless a name says another unit (``_ms``). Everything that
-is raised is a RomanoError, or Python's own error for what it says. The package logs to the logger ``romano``.
+Pure Python on asyncio; nothing else is needed. Times are seconds unless a name says another unit (``_ms``). Everything
+that is raised is a RomanoError, or Python's own error for what it says. The package logs to the logger ``romano``.
 """
 
 from . import message

@@ -88,14 +88,14 @@ class Client:
 
     @property
     def drops(self) -> Counter[str]:
-        """Datagrams from the broker's address that had no effect, by reason: malformed ones, unexpected ones, ``no_room``
-        for messages that found full queues; ``unsent`` for datagrams that the kernel had no room for, ``errors`` of the socket
-        beside them."""
+        """Datagrams from the broker's address that had no effect, by reason: malformed ones, unexpected ones,
+        ``no_room`` for messages that found full queues; ``unsent`` for datagrams that the kernel had no room for,
+        ``errors`` of the socket beside them."""
         return self._core.drops
 
     async def connect(self) -> None:
-        """Raises NotConnected when nobody listens there, ConnectionLost when nobody answers (with the usual Timing after
-        40 s), Rejected when the broker refuses, OSError for a host that is not known."""
+        """Raises NotConnected when nobody listens there, ConnectionLost when nobody answers (with the usual Timing
+        after 40 s), Rejected when the broker refuses, OSError for a host that is not known."""
         if self._transport is not None:
             raise NotConnected("connect() while connected: disconnect() first")
         loop = asyncio.get_running_loop()
@@ -133,8 +133,8 @@ class Client:
             self._opening = None
 
     async def disconnect(self, patience_s: float = 2.0) -> None:
-        """Says goodbye, so that no will is published, and waits ``patience_s`` seconds at most for the answer. Whatever was
-        still asked for fails with NotConnected; subscriptions end."""
+        """Says goodbye, so that no will is published, and waits ``patience_s`` seconds at most for the answer. Whatever
+        was still asked for fails with NotConnected; subscriptions end."""
         if self._transport is None:
             return
         loop = asyncio.get_running_loop()
@@ -164,9 +164,9 @@ class Client:
     async def publish(self, topic: Topic, data: bytes | str = b"", qos: int = 0, retain: bool = False) -> None:
         """Returns when the message was sent (QoS -1, 0), acknowledged (1), or completed (2).
 
-        ``topic``: a name (registered at the broker by itself), a ShortTopic or a PredefinedTopic. ``retain``: the broker
-        keeps it for later subscribers; with empty ``data`` it forgets the one that it kept.
-        A message of QoS 1 or 2 waits for a lost connection to come back; one of QoS 0 raises NotConnected then.
+        ``topic``: a name (registered at the broker by itself), a ShortTopic or a PredefinedTopic. ``retain``: the
+        broker keeps it for later subscribers; with empty ``data`` it forgets the one that it kept. A message of QoS 1
+        or 2 waits for a lost connection to come back; one of QoS 0 raises NotConnected then.
 
         Raises Congestion and other Rejected, InvalidTopic, QueueFull, TooLong (65,498 octets of data at most),
         NotConnected; ValueError for a QoS that is none.
@@ -177,10 +177,11 @@ class Client:
         await self._end_of(operation, f"PUBLISH on {topic!r}")
 
     async def subscribe(self, topic: Topic, qos: int = 1, room: int = 1000) -> Subscription:
-        """Messages on a name, a filter (``+`` a level, ``#`` the rest), a ShortTopic or a PredefinedTopic, at ``qos`` at most.
+        """Messages on a name, a filter (``+`` a level, ``#`` the rest), a ShortTopic or a PredefinedTopic, at ``qos``
+        at most.
 
-        ``room``: messages that may wait unread; see Subscription. Several subscriptions may match a message: each gets it.
-        Raises Congestion and other Rejected, InvalidTopic, QueueFull, NotConnected, ValueError.
+        ``room``: messages that may wait unread; see Subscription. Several subscriptions may match a message: each gets
+        it. Raises Congestion and other Rejected, InvalidTopic, QueueFull, NotConnected, ValueError.
         """
         subscription = Subscription(topic, room, self._leave)
         self._check_open()
@@ -223,8 +224,9 @@ class Client:
     # --- sleep
 
     async def sleep(self, duration_s: int) -> None:
-        """The broker keeps all messages from now on; they are collected at least every ``duration_s`` (1 to 65535) seconds,
-        and by collect(). Nothing can be published or asked for until wake_up(). Raises NotConnected, ValueError."""
+        """The broker keeps all messages from now on; they are collected at least every ``duration_s`` (1 to 65535)
+        seconds, and by collect(). Nothing can be published or asked for until wake_up(). Raises NotConnected,
+        ValueError."""
         self._core.sleep(self._now(), duration_s)
         await self._until_asleep()
 
@@ -413,7 +415,8 @@ class Client:
         self._carry_out()
 
     def _on_error(self, error: OSError) -> None:
-        """ICMP says that nobody listens. Who begins wants to know; later it may be a broker that is about to come back."""
+        """ICMP says that nobody listens. Who begins wants to know; later it may be a broker that is about to come
+        back."""
         self._core.drops["errors"] += 1
         if self._opening is not None and isinstance(error, ConnectionRefusedError):
             why = f"no broker serves at {self.host} port {self.port}: nobody listens there"

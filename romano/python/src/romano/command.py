@@ -1,5 +1,5 @@
-"""What an operator wants of a robot, as the octets that this robot understands: the paper's messages, or the ASCII of the
-authors' own firmware ("legacy")."""
+"""What an operator wants of a robot, as the octets that this robot understands: the paper's messages, or the ASCII of
+the authors' own firmware ("legacy")."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ def unsubscribe_message(form: str, topic: str) -> bytes:
 
 
 def request_message(form: str, topic: str, kind: str) -> bytes:
-    """"Publish that kind of data on that topic." """
+    """ "Publish that kind of data on that topic." """
     check_name(topic)
     if form == BINARY:
         return encode(MqttPublishRequest(topic, kind.encode()))
@@ -59,9 +59,7 @@ def request_message(form: str, topic: str, kind: str) -> bytes:
     return _legacy("2" + chr(ord("0") + len(_legacy_topic(topic).encode())) + topic + "0" + kind)
 
 
-def _amount(
-    form: str, movement: str, mm: float | None, deg: float | None, ms: float | None
-) -> tuple[str, float]:
+def _amount(form: str, movement: str, mm: float | None, deg: float | None, ms: float | None) -> tuple[str, float]:
     given = {unit: amount for unit, amount in (("mm", mm), ("deg", deg), ("ms", ms)) if amount is not None}
     if movement.startswith("rotate"):
         wanted = "deg"

@@ -139,9 +139,9 @@ class Fleet:
     ) -> None:
         """Moves a robot. Returns when the broker has the message (QoS 1, 2), not when the robot has moved: see ask().
 
-        ``movement``: front, back, left, right with ``mm`` (millimetres), rotate-left, rotate-right with ``deg`` (degrees).
-        Robots with the authors' firmware drive front and back for ``ms`` (milliseconds) at ``speed_percent`` of their
-        power. ``qos``: at 2 no robot carries a movement out twice.
+        ``movement``: front, back, left, right with ``mm`` (millimetres), rotate-left, rotate-right with ``deg``
+        (degrees). Robots with the authors' firmware drive front and back for ``ms`` (milliseconds) at ``speed_percent``
+        of their power. ``qos``: at 2 no robot carries a movement out twice.
 
         Raises UnknownRobot, CannotSay, and as Client.publish() does.
         """
@@ -163,8 +163,8 @@ class Fleet:
     async def ask(self, robot: str, kind: str, timeout_s: float = 5.0) -> RomanoMessage | bytes:
         """Requests that kind of data and waits for the answer: a ROMANO message, or octets that are none.
 
-        Messages of one publisher on one topic arrive in order: the answer says that the robot has had all commands before.
-        Raises NoAnswer after ``timeout_s`` seconds, else as move() does.
+        Messages of one publisher on one topic arrive in order: the answer says that the robot has had all commands
+        before. Raises NoAnswer after ``timeout_s`` seconds, else as move() does.
         """
         topic = "answer-" + secrets.token_hex(4)  # 15 octets: what the authors' firmware can name
         async with await self.client.subscribe(topic, qos=2, room=10) as answers:
@@ -172,7 +172,9 @@ class Fleet:
             try:
                 answer = await answers.get(timeout_s)
             except TimeoutError:
-                raise NoAnswer(f"the broker has the message, but {robot} did not answer within {timeout_s:g} s") from None
+                raise NoAnswer(
+                    f"the broker has the message, but {robot} did not answer within {timeout_s:g} s"
+                ) from None
         decoded = message.decode(answer.data)
         return answer.data if isinstance(decoded, Malformed) else decoded
 

@@ -26,7 +26,8 @@ class Robot:
     id: str
     """Eight hexadecimal digits; also the topic that reaches it alone."""
     state: str
-    """"connected"; "silent": its heartbeats are missing, messages to it wait; "away": not connected, its session is kept."""
+    """"connected"; "silent": its heartbeats are missing, messages to it wait; "away": not connected, its session is
+    kept."""
     home: str
     """The name of the broker that serves it."""
     form: str

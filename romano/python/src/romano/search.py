@@ -21,9 +21,9 @@ async def find_brokers(
 ) -> list[Gateway]:
     """Brokers that answer SEARCHGW, or advertise themselves, within so many seconds; perhaps none.
 
-    ``local``: an own IPv4 address, whose network is searched, or an own interface's name, which searches IPv6; None: IPv4 in
-    the system's choice. ``group``, ``port``: where brokers listen (``romano-broker --discovery-group``). ``first``: return as
-    soon as one has answered.
+    ``local``: an own IPv4 address, whose network is searched, or an own interface's name, which searches IPv6; None:
+    IPv4 in the system's choice. ``group``, ``port``: where brokers listen (``romano-broker --discovery-group``).
+    ``first``: return as soon as one has answered.
 
     A broker that serves all addresses of its machine is told by the one that it answered from.
     Raises OSError when the search cannot be sent, ValueError for a ``group`` that is none.

@@ -33,10 +33,11 @@ class Message:
 
 
 class Subscription:
-    """Read it with ``async for``, ``get()`` or ``drain()``; end it with ``unsubscribe()``, ``close()`` or ``async with``.
+    """Read it with ``async for``, ``get()`` or ``drain()``; end it with ``unsubscribe()``, ``close()`` or ``async
+    with``.
 
-    When ``room`` messages wait unread, further ones of QoS 0 are lost and counted in ``dropped``; those of QoS 1 and 2 are
-    not acknowledged, and the broker, which keeps them, sends them again until there is room.
+    When ``room`` messages wait unread, further ones of QoS 0 are lost and counted in ``dropped``; those of QoS 1 and 2
+    are not acknowledged, and the broker, which keeps them, sends them again until there is room.
     """
 
     def __init__(self, topic: Topic, room: int, leave: Callable[[Subscription], Awaitable[object] | None]) -> None:
@@ -57,8 +58,8 @@ class Subscription:
         return self
 
     async def __anext__(self) -> Message:
-        """Ends with StopAsyncIteration after unsubscribe() or disconnect(). Raises ConnectionLost when the connection is
-        lost for good, and Rejected when the broker does not grant the subscription again after a new connection."""
+        """Ends with StopAsyncIteration after unsubscribe() or disconnect(). Raises ConnectionLost when the connection
+        is lost for good, and Rejected when the broker does not grant the subscription again after a new connection."""
         while not self._messages:
             if self._end is not None:
                 raise self._end
@@ -67,7 +68,8 @@ class Subscription:
         return self._messages.popleft()
 
     async def get(self, timeout_s: float | None = None) -> Message:
-        """The next message. Raises TimeoutError after ``timeout_s`` seconds, NotConnected when the subscription is over."""
+        """The next message. Raises TimeoutError after ``timeout_s`` seconds, NotConnected when the subscription is
+        over."""
         try:
             async with asyncio.timeout(timeout_s):
                 return await self.__anext__()

@@ -1,6 +1,7 @@
 """The results of ``romano sweep``: tables in plain Python, or as data frames where pandas is installed.
 
-The columns are explained in ``experiments/README.md``, "What it measures"; times in them say their unit (``_s``, ``_ms``).
+The columns are explained in ``experiments/README.md``, "What it measures"; times in them say their unit (``_s``,
+``_ms``).
 """
 
 from __future__ import annotations
@@ -76,10 +77,10 @@ class Table:
 class Sweep:
     """A results folder, such as ``results/demo``. A running sweep's folder can be read too.
 
-        sweep = romano.Sweep("results/demo")
-        for run in sweep.runs.where(status="ok"):
-            print(run["brokers"], run["delay_p50_ms"])
-        frame = sweep.runs.to_pandas()
+    sweep = romano.Sweep("results/demo")
+    for run in sweep.runs.where(status="ok"):
+        print(run["brokers"], run["delay_p50_ms"])
+    frame = sweep.runs.to_pandas()
     """
 
     def __init__(self, folder: Path | str) -> None:

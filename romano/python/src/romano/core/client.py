@@ -8,8 +8,8 @@ Times are seconds on any clock that never goes back. After each call the owner c
 datagrams go to the broker, events to the application. It calls ``on_datagram()`` with what comes from the broker's
 address, and ``on_tick()`` at ``next_wakeup()``.
 
-The core connects with or without a will, registers names by itself before it publishes on them, publishes and receives at
-every QoS (QoS 2 exactly once), repeats what is not answered, registers anew after PUBACK 2, keeps the session alive,
+The core connects with or without a will, registers names by itself before it publishes on them, publishes and receives
+at every QoS (QoS 2 exactly once), repeats what is not answered, registers anew after PUBACK 2, keeps the session alive,
 sleeps, and connects again when a connection was lost. Operations may be asked for at any time: they wait in a bounded
 queue and go out one after the other, as the specification wants.
 """
@@ -95,8 +95,8 @@ class ClientCore:
         self._leave(now, 0, State.DISCONNECTING)
 
     def sleep(self, now: float, duration_s: int) -> None:
-        """Tells the broker to keep messages; ends in Asleep. From then on the client collects them by itself within each
-        ``duration_s`` (1 to 65535 s). wake_up() ends the sleep.
+        """Tells the broker to keep messages; ends in Asleep. From then on the client collects them by itself within
+        each ``duration_s`` (1 to 65535 s). wake_up() ends the sleep.
 
         Raises NotConnected, ValueError.
         """
@@ -160,8 +160,8 @@ class ClientCore:
         return self._ask(now, Operation(MsgType.REGISTER, name))
 
     def update_will(self, now: float, will: Will | None) -> list[int]:
-        """Two operations, or one that deletes the will; each ends in Done or Failed. A connection that is made again has
-        the new will. Raises QueueFull, TooLong."""
+        """Two operations, or one that deletes the will; each ends in Done or Failed. A connection that is made again
+        has the new will. Raises QueueFull, TooLong."""
         if will is None:
             operations = [Operation(MsgType.WILLTOPICUPD)]
         else:

@@ -12,7 +12,8 @@ from ..mqttsn.types import PROTOCOL_ID, MsgType, flags_octet
 
 @dataclass(frozen=True)
 class Will:
-    """What the broker publishes when this client is lost. Raises InvalidTopic, TooLong; ValueError for a QoS that is none."""
+    """What the broker publishes when this client is lost. Raises InvalidTopic, TooLong; ValueError for a QoS that is
+    none."""
 
     topic: str
     message: bytes

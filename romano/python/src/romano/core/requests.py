@@ -51,8 +51,8 @@ class Requests:
         return self._queue.cancel(operation)
 
     def publish_at_once(self, topic: Topic, data: bytes, qos: int, retain: bool) -> int | None:
-        """Below QoS 1, beside whatever exchange is open (6.6c): the operation's id. None when the topic has no id yet, or
-        when a message of QoS 0 waits for one: this one must stay behind it."""
+        """Below QoS 1, beside whatever exchange is open (6.6c): the operation's id. None when the topic has no id yet,
+        or when a message of QoS 0 waits for one: this one must stay behind it."""
         topic_id = self._topic_id(topic)
         if topic_id is None or (self._queue.qos0 and qos == 0):
             return None
@@ -78,8 +78,8 @@ class Requests:
 
     def resume(self, now: float, is_clean: bool) -> None:
         """There is a new connection. What was on its way is repeated where the session knows its message id, and else
-        begun anew; PUBREL is answered by any broker (6.6d). Subscriptions are made again: nothing tells a client whether
-        the broker has kept them."""
+        begun anew; PUBREL is answered by any broker (6.6d). Subscriptions are made again: nothing tells a client
+        whether the broker has kept them."""
         self._paused_until = -NEVER
         front = self._queue.front
         if front is not None and front.sent is not None:
@@ -176,9 +176,7 @@ class Requests:
         if type is MsgType.WILLMSGUPD:
             return messages.Willmsgupd(operation.data)
         if type is MsgType.UNSUBSCRIBE:
-            return messages.Unsubscribe(
-                flags_octet(topic_type=topic_type), operation.msg_id, to_wire(operation.topic)
-            )
+            return messages.Unsubscribe(flags_octet(topic_type=topic_type), operation.msg_id, to_wire(operation.topic))
         flags = flags_octet(dup=dup, qos=operation.qos, retain=operation.retain, topic_type=topic_type)
         if type is MsgType.SUBSCRIBE:
             return messages.Subscribe(flags, operation.msg_id, to_wire(operation.topic))
