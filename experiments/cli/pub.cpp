@@ -171,16 +171,22 @@ private:
     }
 
     void heed_trouble() {
-        if (!error_.empty()) throw CommandError(error_);
-        if (interrupt_.has_come()) {
-            client_.disconnect();
-            throw CommandError("interrupted before all was published");
+        if (error_.empty() && interrupt_.has_come()) {
+            error_ = "interrupted before all was published";
         }
+        if (error_.empty()) return;
+        if (client_.core().is_connected()) client_.disconnect();
+        throw CommandError(error_);
     }
 
     template <typename Done>
     void wait_for(const Done& done) {
         while (!done()) turn();
+    }
+
+    std::string refused_message(mqttsn::ReturnCode code) const {
+        return "the broker at " + options_.broker.where() + " refused the message on " +
+               options_.topic.words() + ": " + words_for(code);
     }
 
     void on_event(const client::Event& event) {
@@ -197,8 +203,9 @@ private:
             error_ = "the broker at " + options_.broker.where() +
                      " refused the connection: " + words_for(refused->return_code);
         } else if (const auto* failed = std::get_if<client::Failed>(&event)) {
-            error_ = "the broker at " + options_.broker.where() + " refused the message on " +
-                     options_.topic.words() + ": " + words_for(failed->return_code);
+            error_ = refused_message(failed->return_code);
+        } else if (std::holds_alternative<client::Congested>(event)) {
+            error_ = refused_message(mqttsn::ReturnCode::congestion);
         }
     }
 

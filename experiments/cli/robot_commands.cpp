@@ -74,6 +74,10 @@ public:
           encode_(encode),
           watch_(io_, resolve_broker(io_, options.broker.host, options.broker.port),
                  options.broker.id_or("romano-command"), options.broker.timing()) {}
+    /// Says goodbye, whatever came of it.
+    ~Commander() { watch_.leave(); }
+    Commander(const Commander&) = delete;
+    Commander& operator=(const Commander&) = delete;
 
     void run() {
         if (options_.wait_s) {
@@ -87,7 +91,6 @@ public:
             turn_until([this] { return watch_.is_connected() && watch_.is_idle(); });
         }
         for (const std::string& receiver : receivers_in(options_.receivers)) command(receiver);
-        watch_.leave();
         if (options_.as_json) std::puts(sent_.dump(2).c_str());
     }
 
@@ -116,7 +119,7 @@ private:
                         static_cast<int>(state.size()), state.data());
         } else {
             std::printf(
-                "sent to %s: the broker %s; %s does not say whether it got it (--wait asks)\n",
+                "sent to %s: the broker %s; %s does not say whether it got it (--wait 5 asks)\n",
                 receiver.c_str(), options_.qos > 0 ? "has it" : "did not confirm it",
                 id ? "the robot" : "who listens there");
         }
@@ -167,7 +170,6 @@ private:
             throw CommandError(why_not(options_.broker, watch_.denial(), watch_.was_refused()));
         }
         if (interrupt_.has_come()) {
-            watch_.leave();
             throw CommandError("interrupted before all was said and answered");
         }
     }

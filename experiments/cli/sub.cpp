@@ -74,7 +74,7 @@ public:
             timeout_.expires_after(std::chrono::duration_cast<std::chrono::nanoseconds>(
                 std::chrono::duration<double>{options_.timeout_s}));
             timeout_.async_wait([this](const auto& stopped) {
-                if (!stopped) finish(timed_out);
+                if (!stopped) on_time_out();
             });
         }
         connect();
@@ -88,6 +88,11 @@ private:
         client_.connect({.client_id = client_id_,
                          .clean_session = !options_.keep_session,
                          .keep_alive = std::chrono::seconds{options_.broker.keep_alive_s}});
+    }
+
+    void on_time_out() {
+        if (!was_connected_) return fail(options_.broker.unreachable(client_.was_refused()));
+        finish(timed_out);
     }
 
     /// Says goodbye; the end comes with Disconnected.
@@ -106,7 +111,13 @@ private:
 
     void fail(std::string sentence) {
         error_ = std::move(sentence);
+        if (client_.core().is_connected()) client_.disconnect();
         io_.stop();
+    }
+
+    void fail_to_subscribe(mqttsn::ReturnCode code) {
+        fail("the broker at " + options_.broker.where() +
+             " refused a subscription: " + words_for(code));
     }
 
     void on_event(const client::Event& event) {
@@ -118,8 +129,9 @@ private:
         } else if (const auto* received = std::get_if<client::Received>(&event)) {
             print(*received);
         } else if (const auto* failed = std::get_if<client::Failed>(&event)) {
-            fail("the broker at " + options_.broker.where() +
-                 " refused a subscription: " + words_for(failed->return_code));
+            fail_to_subscribe(failed->return_code);
+        } else if (std::holds_alternative<client::Congested>(event)) {
+            fail_to_subscribe(mqttsn::ReturnCode::congestion);
         } else if (const auto* refused = std::get_if<client::Refused>(&event)) {
             fail("the broker at " + options_.broker.where() +
                  " refused the connection: " + words_for(refused->return_code));

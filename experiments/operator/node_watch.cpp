@@ -37,6 +37,9 @@ void NodeWatch::on_event(const client::Event& event) {
     }
     if (const auto* refused = std::get_if<client::Refused>(&event)) denial_ = refused->return_code;
     if (const auto* failed = std::get_if<client::Failed>(&event)) denial_ = failed->return_code;
+    if (std::holds_alternative<client::Congested>(event)) {
+        denial_ = mqttsn::ReturnCode::congestion;
+    }
     const auto* disconnected = std::get_if<client::Disconnected>(&event);
     failed_ = failed_ || denial_ || std::holds_alternative<client::Lost>(event) ||
               (disconnected != nullptr && disconnected->by_broker);

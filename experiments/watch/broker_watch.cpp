@@ -37,6 +37,9 @@ void BrokerWatch::on_event(const client::Event& event) {
     } else if (const auto* denied = std::get_if<client::Failed>(&event)) {
         failed_ = true;
         denial_ = denied->return_code;
+    } else if (std::holds_alternative<client::Congested>(event)) {
+        failed_ = true;
+        denial_ = mqttsn::ReturnCode::congestion;
     } else if (std::holds_alternative<client::Disconnected>(event)) {
         // A broker that is asked while it starts may not know its clients a moment later.
         if (!leaving_) connect();

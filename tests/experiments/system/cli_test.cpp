@@ -69,7 +69,7 @@ TEST_F(Cli, ShowsHowTheBrokerIsDoing) {
 }
 
 TEST_F(Cli, EndsWithItsOwnCodeWhenTimeRunsOut) {
-    EXPECT_EQ(run_romano("sub " + at_ + "-t nothing -W 0.3").exit_code, 27);
+    EXPECT_EQ(run_romano("sub " + at_ + "-t nothing -W 2").exit_code, 27);
 }
 
 TEST_F(Cli, SaysRomanoMessagesInWords) {
@@ -132,6 +132,31 @@ INSTANTIATE_TEST_SUITE_P(Commands, FullBroker,
                                            "robots --follow", "move common front 1m",
                                            "request common t location", "load --rate 10",
                                            "apply group-control"));
+
+struct BrokerWithoutRoom : ::testing::TestWithParam<const char*> {};
+
+// What is refused with "congestion" would be asked for again after T_WAIT, minutes later.
+TEST_P(BrokerWithoutRoom, IsSaidToBeFull) {
+    // $SYS/brokers/b1 is the only retained message.
+    const ServingBroker broker("127.50.250.4", {"--max-retained", "1", "--max-subscriptions", "1"});
+    const Ran ran = run_romano(GetParam() + (" -h 127.50.250.4 -p " + own_port()));
+    EXPECT_EQ(ran.exit_code, 2);
+    EXPECT_THAT(ran.output, HasSubstr("congestion"));
+    EXPECT_EQ(std::count(ran.output.begin(), ran.output.end(), '\n'), 1) << ran.output;
+}
+
+INSTANTIATE_TEST_SUITE_P(Commands, BrokerWithoutRoom,
+                         ::testing::Values("pub -t a -m b -q 1 -r", "sub -t a -t b -W 60",
+                                           "robots --follow", "move abcd1234 front 1m --wait 60"));
+
+// The broker need not wait for the end of their keep-alive.
+TEST_F(Cli, RefusedCommandsSayGoodbye) {
+    EXPECT_EQ(run_romano("pub " + at_ + "-t 'no/#' -m x").exit_code, 2);
+    EXPECT_EQ(run_romano("sub " + at_ + "-t 'no/#/name'").exit_code, 2);
+    EXPECT_EQ(run_romano("move " + at_ + "abcd1234 front 1m").exit_code, 2);
+    const Ran screen = run_romano("status " + address_ + ":" + own_port() + " --every 0.2");
+    EXPECT_THAT(screen.output, HasSubstr("sessions  3 disconnected"));
+}
 
 TEST(Simulate, IsTheSameByteForByteForTheSameSeed) {
     const Ran once = run_romano("simulate --seeds 3 --fault crash --trace");
@@ -221,6 +246,8 @@ INSTANTIATE_TEST_SUITE_P(
                 "no broker serves at 127.50.250.9 port 9: nobody listens there"},
         Refused{"sub", "a topic is needed: -t FILTER or --predefined ID"},
         Refused{"sub -t a -c", "-c needs -i ID"},
+        Refused{"sub -t a -W 0.5 -h 127.50.250.9 -p 9",
+                "no broker serves at 127.50.250.9 port 9: nobody listens there"},
         Refused{"brokers -h 127.50.250.9 -p 9 --broker-timeout 0.2", "no broker serves at"},
         Refused{"sub -t a -h 'no such host'", "cannot find the host `no such host`"},
         Refused{"sweep /nowhere.toml", "cannot read the sweep file `/nowhere.toml`: no such file"},
