@@ -61,7 +61,10 @@ void add_options(CLI::App& app, Settings& to) {
     app.add_option("--broker", to.brokers, "The broker (repeatable: robots are dealt in turn)")
         ->type_name("ADDR:PORT");
     app.add_flag("--discover", to.discovers, "Find the nearest broker instead");
-    app.add_option("--local", to.local, "Own IP address (default: the system's choice)")
+    app.add_option(
+           "--local", to.local,
+           "Own IP address; its family is spoken, :: for IPv6 (default: the system's choice, "
+           "of the family of --broker or --group, else IPv4)")
         ->type_name("ADDR");
     app.add_option("--group", to.group,
                    "Where discovery asks (default: 225.1.1.1:1883 or [ff02::225:1:1:1]:1883)")
@@ -135,6 +138,14 @@ SimulatedRobotOptions check(const Settings& settings) {
     }
     if (!settings.group.empty()) {
         options.group = firmware::address_of(parse_address("group", settings.group));
+        if (settings.discovers && settings.local.empty()) {
+            options.local.family = options.group.family;
+        }
+    }
+    if (options.group.family != 0 && options.local.family != 0 &&
+        options.group.family != options.local.family) {
+        refuse("--group '" + settings.group + "': is not of the family of --local '" +
+               settings.local + "'; give both of IPv4, or both of IPv6");
     }
     options.robot.node.keep_alive = std::chrono::seconds{settings.keep_alive_s};
     options.robot.node.heartbeat_every = seconds(settings.heartbeat_s);

@@ -288,6 +288,13 @@ TEST_F(Robots, ARobotFindsItsBrokerByDiscovery) {
     EXPECT_NE(robot.wait_for("established"), "");
 }
 
+TEST_F(Robots, ARobotThatCannotAskItsGroupSaysSo) {
+    Process robot(ROMANO_ROBOT,
+                  {"--discover", "--local", "127.0.0.1", "--group", "[ff02::1]:1883"});
+    EXPECT_EQ(robot.wait_for_exit(), 2);
+    EXPECT_THAT(robot.errors(), HasSubstr("--group '[ff02::1]:1883'"));
+}
+
 TEST_F(Robots, WithoutARomanoServerNobodyIsEstablished) {
     start_broker(1, {"--no-romano"});
     Process& robot = start_robot("abcd1234", 1, {"--seconds", "2"});
