@@ -234,19 +234,20 @@ void CellRun::measure_failover(RunRow& row) const {
         const auto served = probe_ ? probe_->failover(strike.broker, strike.at) : std::nullopt;
         if (served) probed.push_back(in_ms(*served));
         const auto victims = swarm_->clients_of(strike.broker);
-        struck += victims.size();
-        for (const ClientFailover& failover :
-             client_failovers(swarm_->account(), victims, swarm_->seconds_at(strike.at))) {
+        const auto failovers =
+            client_failovers(swarm_->account(), victims, swarm_->seconds_at(strike.at));
+        struck += failovers.size();
+        for (const ClientFailover& failover : failovers) {
             if (failover.after_ms) times.push_back(*failover.after_ms);
         }
     }
-    const Percentiles failovers{std::move(times)};
+    const Percentiles recovered{std::move(times)};
     row.strikes = as_number(strikes.size());
     row.failover_clients = as_number(struck);
-    row.failover_recovered_clients = as_number(failovers.count());
-    row.failover_first_ms = failovers.min();
-    row.failover_p50_ms = failovers.at(0.5);
-    row.failover_last_ms = failovers.max();
+    row.failover_recovered_clients = as_number(recovered.count());
+    row.failover_first_ms = recovered.min();
+    row.failover_p50_ms = recovered.at(0.5);
+    row.failover_last_ms = recovered.max();
     row.failover_probe_ms = Percentiles{std::move(probed)}.max();
     row.connects_after_fault = as_number(swarm_->sent(again_types[0]) - sent_before_fault_[0]);
     row.registers_after_fault = as_number(swarm_->sent(again_types[1]) - sent_before_fault_[1]);

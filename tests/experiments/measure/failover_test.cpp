@@ -27,11 +27,25 @@ TEST(Failover, IgnoresMessagesPublishedBeforeTheFault) {
     DeliveryAccount account;
     const auto before = account.on_published(0, Stream::group, 1, 3.999, group);
     account.on_arrived(0, before, 1, 4.001);  // lay in the socket's buffer
+    account.on_published(0, Stream::group, 1, 4.5, group);
     EXPECT_EQ(client_failovers(account, victims, 4.0)[0].after_ms, std::nullopt);
 }
 
 TEST(Failover, OfAVictimThatHearsNothingIsEmpty) {
-    EXPECT_EQ(client_failovers(DeliveryAccount{}, victims, 4.0)[1].after_ms, std::nullopt);
+    DeliveryAccount account;
+    account.on_published(0, Stream::group, 1, 4.5, group);
+    EXPECT_EQ(client_failovers(account, victims, 4.0)[1].after_ms, std::nullopt);
+}
+
+// A broker that is struck just before the load ends has clients that were due nothing more.
+TEST(Failover, LeavesOutAVictimToWhichNothingWasPublished) {
+    DeliveryAccount account;
+    account.on_published(0, Stream::group, 1, 3.9, group);
+    const std::vector<RobotNumber> one = {2};
+    account.on_published(0, Stream::one_to_one, 1, 4.5, one);
+    const auto failovers = client_failovers(account, victims, 4.0);
+    ASSERT_EQ(failovers.size(), 1u);
+    EXPECT_EQ(failovers[0].client, 2u);
 }
 
 }  // namespace
