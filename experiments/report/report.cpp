@@ -18,7 +18,7 @@ body { font: 16px/1.55 system-ui, "Segoe UI", Roboto, "DejaVu Sans", sans-serif;
        max-width: 1180px; margin: 0 auto; padding: 2rem 1.5rem 4rem; background: #fff; }
 h1 { font-size: 1.9rem; margin: 0 0 .2rem; } h2 { font-size: 1.3rem; margin: 2.6rem 0 .4rem; }
 .sub { color: var(--soft); margin: 0 0 1.4rem; }
-.tiles { display: grid; grid-template-columns: repeat(auto-fit, minmax(180px, 1fr)); gap: .8rem; }
+.tiles { display: grid; grid-template-columns: repeat(auto-fit, minmax(240px, 1fr)); gap: .8rem; }
 .tile { border: 1px solid var(--line); border-radius: 10px; padding: .8rem 1rem; }
 .tile b { display: block; font-size: 1.55rem; line-height: 1.25; }
 .tile span { color: var(--soft); font-size: .88rem; line-height: 1.35; display: block; }
