@@ -401,6 +401,7 @@ Beacon ClusterCore::beacon(const broker::BrokerCore& broker) const {
                   .last_seq = broker.last_seq(),  // with what this turn wrote
                   .tick = beacons_sent_,
                   .view = view(),
+                  .promised = promised(),
                   .ended = ended_.list(),
                   .home_addresses = addresses_.home(),
                   .serving = addresses_.claimed(),

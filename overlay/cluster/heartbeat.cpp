@@ -66,6 +66,7 @@ Heartbeat HeartbeatWriter::write(const Beacon& beacon) {
                   .last_seq = beacon.last_seq,
                   .particulars = digest_of_particulars(beacon),
                   .view = beacon.view.number,
+                  .promised = beacon.promised,
                   .claim = beacon.claim,
                   .members = static_cast<std::uint32_t>(beacon.view.members.size()),
                   .logs_held = static_cast<std::uint32_t>(beacon.applied.size()),
@@ -163,6 +164,7 @@ const Beacon* HeartbeatReader::read(const Particulars& told, const View& own_vie
     if (told.beacon.tick < peer.heartbeat.tick) return join(peer, own_view);
     peer.heartbeat.tick = told.beacon.tick;
     peer.heartbeat.view = told.beacon.view.number;
+    peer.heartbeat.promised = told.beacon.promised;
     peer.heartbeat.members = static_cast<std::uint32_t>(told.beacon.view.members.size());
     peer.heartbeat.particulars = peer.particulars;
     peer.lacks_view = false;
@@ -175,6 +177,7 @@ const Beacon* HeartbeatReader::join(Peer& peer, const View& own_view) const {
     Beacon& beacon = *peer.beacon;
     beacon.tick = said.tick;
     beacon.last_seq = said.last_seq;
+    beacon.promised = said.promised;
     beacon.claim = said.claim;
     beacon.sessions = said.sessions;
     beacon.connected = said.connected;

@@ -70,6 +70,7 @@ struct Beacon {
     Seq last_seq = 0;        // end of the sender's log
     std::uint64_t tick = 0;  // counts the sender's beacons
     View view{};
+    ViewNumber promised{};  // the highest that the sender promised; not below its view's
     election::Claim claim{};
     std::vector<BrokerId> hears{};       // whose beacons reach the sender: a link counts both ways
     std::vector<LogPosition> applied{};  // how far the sender holds each peer's log
@@ -102,6 +103,7 @@ struct Heartbeat {
     Seq last_seq = 0;
     std::uint32_t particulars = 0;  // digest of the other part
     ViewNumber view{};
+    ViewNumber promised{};
     election::Claim claim{};
     std::uint32_t members = 0;                  // so many are in it; 0: the sender is in no view
     std::vector<std::uint8_t> hears_members{};  // a bit each, in the order of that view's members

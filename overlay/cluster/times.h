@@ -44,7 +44,6 @@ struct Times {
     /// A leader waits for the answer of a member that follows somebody else, and a member for a
     /// leader to hear again whom it hears itself.
     [[nodiscard]] Duration disagreement_lasts() const { return 2 * detection; }
-    [[nodiscard]] Duration announcement_waited_for() const { return 4 * detection; }
     [[nodiscard]] Duration announcement_arrives_within() const { return 2 * detection; }
     /// A newcomer listens before it opens a view.
     [[nodiscard]] Duration newcomer_listens_for() const { return 2 * detection; }

@@ -31,6 +31,15 @@ ViewHoldings without_the_living(ViewHoldings holdings, const PeerLogs& logs) {
     return holdings;
 }
 
+/// A member has promised a higher one, and enters none below that.
+bool is_below_a_promise(const ViewNumber& number, const std::vector<LogId>& members,
+                        const Membership& membership) {
+    return std::ranges::any_of(members, [&](const LogId& member) {
+        return membership.is_alive(member) &&
+               membership.find(member.broker)->beacon.promised > number;
+    });
+}
+
 }  // namespace
 
 bool ViewChange::contains(const LogId& log) const {
@@ -75,12 +84,6 @@ void ViewChange::on_tick(Instant now, Surroundings around, Outbox& out) {
         led_since_ = never;
         call_off(around.logs);
         refusing_.clear();
-        // A proposal whose leader went away before it announced.
-        if (promised_ > view_.number &&
-            now > promised_at_ + around.membership.times().announcement_waited_for()) {
-            promised_ = view_.number;
-            thaw_members(view_, around.logs);
-        }
         return;
     }
     if (around.membership.may_be_deaf(now) || waits_for_company(now, around)) {
@@ -191,8 +194,10 @@ bool ViewChange::needs_change(Instant now, const std::vector<LogId>& desired,
                               Surroundings around) const {
     if (desired != view_.members || view_.number.leader != self_.broker) return true;
     // A proposal of ours or of another leader came to nothing: logs that it froze must live on.
-    if (promised_ > view_.number) return true;
     const Membership& membership = around.membership;
+    if (promised_ > view_.number || is_below_a_promise(view_.number, desired, membership)) {
+        return true;
+    }
     // A broker died that was in no view of ours: somebody must go on for it, too.
     const bool has_orphans = std::ranges::any_of(around.logs, [&](const auto& entry) {
         return !entry.second.is_frozen() && !contains(entry.first) &&
@@ -211,7 +216,6 @@ void ViewChange::propose(Instant now, std::vector<LogId> members, Surroundings a
                          Outbox& out) {
     const ViewNumber number = next_number(around.membership);
     promised_ = number;
-    promised_at_ = now;
 
     proposal_.emplace(Proposal{.message = {.view = {number, std::move(members)}, .removed = {}},
                                .answers = {},
@@ -228,12 +232,12 @@ void ViewChange::propose(Instant now, std::vector<LogId> members, Surroundings a
     conclude(now, around, out);
 }
 
-/// Higher than all that was proposed here, and than the views that the others are in: one of them
-/// may have been in a view of its own while it was out of sight.
+/// Higher than all that was proposed here, and than what the others are in or have promised: one of
+/// them may have been in a view of its own while it was out of sight.
 ViewNumber ViewChange::next_number(const Membership& membership) const {
     ViewNumber newest = std::max(promised_, view_.number);
     for (const auto& [id, peer] : membership.peers()) {
-        if (peer.alive) newest = std::max(newest, peer.beacon.view.number);
+        if (peer.alive) newest = std::max(newest, peer.beacon.promised);
     }
     ViewNumber number{.term = std::max(membership.leadership().term, newest.term),
                       .leader = self_.broker,
@@ -247,14 +251,12 @@ ViewNumber ViewChange::next_number(const Membership& membership) const {
     return number;
 }
 
-/// Nobody may follow the proposal any more: it is of an earlier term, or a member's view is newer.
+/// Nobody may follow the proposal any more: it is of an earlier term, or a member has promised
+/// more.
 bool ViewChange::is_outnumbered(const Membership& membership) const {
     const View& proposed = proposal_->message.view;
     if (membership.leadership().term > proposed.number.term) return true;
-    return std::ranges::any_of(membership.peers(), [&](const auto& entry) {
-        const Beacon& beacon = entry.second.beacon;
-        return proposed.contains(beacon.log) && beacon.view.number > proposed.number;
-    });
+    return is_below_a_promise(proposed.number, proposed.members, membership);
 }
 
 void ViewChange::ask(Instant now, Outbox& out) {
@@ -327,8 +329,8 @@ void ViewChange::on_proposal(Instant now, const ViewProposal& proposal, Surround
         return;
     }
     early_.reset();
+    proposal_.reset();
     promised_ = view.number;
-    promised_at_ = now;
     thaw_members(view, around.logs);
     freeze_the_dead(view, around);
     for (const LogId& id : proposal.removed) {

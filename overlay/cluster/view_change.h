@@ -6,6 +6,9 @@
 // answers only the leader that its own elector follows, so a leader must wait until the others see
 // the same world; one that stays silent and follows somebody else is left out. Whatever a broker
 // asks for with the number of an old view is ignored.
+//
+// A promise is given up for a higher number only, and no clock takes it back (invariant I4): its
+// view may be announced at any time. Heartbeats say what was promised, and a leader goes beyond it.
 #pragma once
 
 #include <map>
@@ -103,7 +106,6 @@ private:
     };
     std::optional<EarlyProposal> early_;
     ViewNumber promised_;  // the highest proposal that was answered; never below view_.number
-    Instant promised_at_{};
 
     Instant led_since_ = never;
     std::optional<Proposal> proposal_;  // while leading

@@ -111,6 +111,7 @@ struct MessageWriter {
         to.set_tick(m.tick);
         to.set_particulars(m.particulars);
         to_proto(m.view, *to.mutable_view());
+        if (m.promised != m.view) to_proto(m.promised, *to.mutable_promised());
         to_proto(m.claim, *to.mutable_claim());
         to.set_members(m.members);
         to.set_hears_members(m.hears_members.data(), m.hears_members.size());
@@ -137,6 +138,7 @@ struct MessageWriter {
         to.set_last_seq(m.last_seq);
         to.set_tick(m.tick);
         to_proto(m.view, *to.mutable_view());
+        if (m.promised != m.view.number) to_proto(m.promised, *to.mutable_promised());
         to_proto(m.claim, *to.mutable_claim());
         for (const auto id : m.hears) to.add_hears(static_cast<std::uint64_t>(id));
         all_to_proto(m.applied, *to.mutable_applied());
@@ -265,6 +267,7 @@ MaybeMessage read_heartbeat(const Heartbeat& in) {
     out.tick = in.tick();
     out.particulars = in.particulars();
     out.view = number_from(in.view());
+    out.promised = in.has_promised() ? number_from(in.promised()) : out.view;
     out.claim = claim_from(in.claim());
     out.members = in.members();
     out.hears_members.assign(in.hears_members().begin(), in.hears_members().end());
@@ -292,6 +295,7 @@ MaybeMessage read_particulars(const Beacon& in) {
     out.last_seq = in.last_seq();
     out.tick = in.tick();
     out.view = std::move(*view);
+    out.promised = in.has_promised() ? number_from(in.promised()) : out.view.number;
     out.claim = claim_from(in.claim());
     out.sessions = in.sessions();
     out.connected = in.connected();

@@ -121,7 +121,8 @@ std::string text(const std::vector<LogEvent>& events) {
 
 std::string line(const Heartbeat& m) {
     std::string all = "Heartbeat " + number(m.tick) + " of " + text(m.log) + ':' +
-                      number(m.last_seq) + " view " + text(m.view) + " follows " +
+                      number(m.last_seq) + " view " + text(m.view) +
+                      (m.promised == m.view ? "" : " promised " + text(m.promised)) + " follows " +
                       (m.claim.leader ? short_id(*m.claim.leader) : "nobody") + " term " +
                       number(m.claim.term) + " hears members";
     for (const std::uint8_t places : m.hears_members) all += ' ' + number(places);

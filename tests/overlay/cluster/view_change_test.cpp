@@ -46,6 +46,7 @@ struct Leader {
     void hear(const LogId& from, const LogId& follows, election::Term term, std::uint32_t rank,
               View view) {
         Beacon beacon{.log = from, .tick = ++ticks, .hears = {self.broker}};
+        beacon.promised = view.number;
         beacon.view = std::move(view);
         beacon.claim = {.rank = {.capability = rank, .id = node_of(from.broker)},
                         .term = term,
@@ -351,6 +352,7 @@ TEST(ViewChange, AProposalOutnumbersTheViewsOfAllWhomItAsks) {
     // The peer was in a view of its own for a moment, and follows us again.
     Beacon beacon{.log = peer, .tick = ++leader.ticks, .hears = {self.broker}};
     beacon.view = {.number = {leader.term() + 1, BrokerId{~0ULL}, 1}, .members = {peer}};
+    beacon.promised = beacon.view.number;
     beacon.claim = {.rank = {.capability = 1, .id = node_of(peer.broker)},
                     .term = leader.term(),
                     .leader = node_of(self.broker)};
@@ -364,6 +366,67 @@ TEST(ViewChange, AProposalOutnumbersTheViewsOfAllWhomItAsks) {
     ASSERT_FALSE(leader.out.empty());
     const auto& proposal = std::get<ViewProposal>(leader.out.back().message);
     EXPECT_GT(proposal.view.number, beacon.view.number);
+}
+
+// I4: it was taken back after four detection times, and a view below it entered.
+TEST(ViewChange, NoClockTakesAPromiseBack) {
+    Leader member;
+    member.begin();
+    const ViewNumber promised{member.term() + 1, high.broker, 1};
+    View view{promised, {high, self}};
+    std::ranges::sort(view.members);
+    member.hear(high, high, promised.term, 9);
+    member.change.on_proposal(member.now, {.view = view, .removed = {}}, member.around(),
+                              member.out);
+    ASSERT_EQ(member.change.promised(), promised);
+    for (int i = 0; i < 100; ++i) {
+        member.hear(high, high, promised.term, 9);
+        member.wait(10ms);
+    }
+    EXPECT_EQ(member.change.promised(), promised);
+    View older = view;
+    older.number.count = 0;
+    member.change.on_announcement(member.now, {.view = older}, member.around());
+    EXPECT_LT(member.change.view().number, older.number);
+}
+
+// I4: or else a member whose leader went away before it announced would wait for ever.
+TEST(ViewChange, ALeaderGoesBeyondWhatAMemberPromised) {
+    Leader leader;
+    leader.begin();
+    Beacon beacon{.log = peer, .tick = ++leader.ticks, .hears = {self.broker}};
+    beacon.view = leader.change.view();
+    beacon.promised = {leader.term(), BrokerId{~0ULL}, 1};
+    beacon.claim = {.rank = {.capability = 1, .id = node_of(peer.broker)},
+                    .term = leader.term(),
+                    .leader = node_of(self.broker)};
+    leader.membership.on_beacon(leader.now, beacon);
+    leader.out.clear();
+    leader.wait(10ms);
+    ASSERT_FALSE(leader.out.empty());
+    EXPECT_GT(std::get<ViewProposal>(leader.out.back().message).view.number, beacon.promised);
+    leader.answer(peer);
+    EXPECT_GT(leader.change.view().number, beacon.promised);
+}
+
+// I4: its answers were on their way yet, and with them it entered a view below its promise.
+TEST(ViewChange, WhoPromisesAHigherViewAnnouncesItsOwnNoMore) {
+    Leader leader;
+    leader.begin();
+    leader.hear(high, self, leader.term(), 9);  // a newcomer, who is asked
+    leader.wait(10ms);
+    const ViewNumber own = leader.change.promised();
+    ASSERT_GT(own, leader.change.view().number);
+    View higher{{leader.term() + 1, high.broker, 1}, {high, self}};
+    std::ranges::sort(higher.members);
+    leader.hear(high, high, leader.term() + 1, 9);
+    leader.change.on_proposal(leader.now, {.view = higher, .removed = {}}, leader.around(),
+                              leader.out);
+    ASSERT_EQ(leader.change.promised(), higher.number);
+    for (const LogId& member : {peer, high}) {
+        leader.change.on_holdings(leader.now, member, {.number = own}, leader.around(), leader.out);
+    }
+    EXPECT_LT(leader.change.view().number, own);
 }
 
 TEST(ViewChange, AProposalGoesWithItsLeadersTerm) {

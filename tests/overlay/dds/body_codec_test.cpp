@@ -40,9 +40,9 @@ static_assert(field_count<election::Claim>() == 3);
 static_assert(field_count<election::Ballot>() == 2);
 static_assert(field_count<cluster::ViewNumber>() == 3);
 static_assert(field_count<cluster::View>() == 2);
-static_assert(field_count<cluster::Beacon>() == 20);
+static_assert(field_count<cluster::Beacon>() == 21);
 static_assert(field_count<cluster::HeldByMember>() == 2);
-static_assert(field_count<cluster::Heartbeat>() == 17);
+static_assert(field_count<cluster::Heartbeat>() == 18);
 static_assert(field_count<cluster::Particulars>() == 1);
 static_assert(field_count<cluster::Pulse>() == 2);
 static_assert(field_count<cluster::LogBatch>() == 4);
@@ -93,6 +93,7 @@ TEST(BodyCodec, AHeartbeatKeepsItsFields) {
     EXPECT_EQ(out.tick, in.tick);
     EXPECT_EQ(out.particulars, in.particulars);
     EXPECT_EQ(out.view, in.view);
+    EXPECT_EQ(out.promised, in.promised);
     EXPECT_EQ(out.claim, in.claim);
     EXPECT_EQ(out.members, in.members);
     EXPECT_EQ(out.hears_members, in.hears_members);
@@ -120,6 +121,7 @@ TEST(BodyCodec, ParticularsKeepTheirFields) {
     EXPECT_EQ(out.last_seq, in.last_seq);
     EXPECT_EQ(out.tick, in.tick);
     EXPECT_EQ(out.view, in.view);
+    EXPECT_EQ(out.promised, in.promised);
     EXPECT_EQ(out.claim.rank, in.claim.rank);
     EXPECT_EQ(out.claim.term, in.claim.term);
     EXPECT_EQ(out.claim.leader, in.claim.leader);

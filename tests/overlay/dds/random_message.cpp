@@ -191,6 +191,7 @@ cluster::Beacon beacon(Random& r) {
     out.last_seq = wide(r);
     out.tick = wide(r);
     out.view = view(r);
+    out.promised = view_number(r);
     out.claim = claim(r);
     out.hears = some(r, broker_id);
     out.applied = some(r, position);
@@ -220,6 +221,7 @@ cluster::Heartbeat heartbeat(Random& r) {
     out.last_seq = wide(r);
     out.particulars = r.next();
     out.view = view_number(r);
+    out.promised = view_number(r);
     out.claim = claim(r);
     out.members = r.next();
     out.hears_members = octets(r);
