@@ -19,7 +19,7 @@ namespace romano::cluster {
 
 class Acknowledgements {
 public:
-    /// That publish is here, or nobody will ever bring it.
+    /// That publish is here, or lies beyond where a view ended its log.
     using IsHeld = std::function<bool(const broker::LogPosition& publish)>;
 
     /// The next event of that log, which is `seq` of it, was applied.

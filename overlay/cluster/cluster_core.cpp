@@ -317,6 +317,7 @@ void ClusterCore::on_view(Effects& effects, const ViewAnnouncement& announcement
     take_over_.on_view(effects.now, announcement);
     hand_back_.on_view(announcement);
     last_words_.on_view(announcement);
+    acknowledge_what_waited(effects);
     ask_for_gaps(effects);
     settlement_.compare(effects, logs_, view());
 }

@@ -219,6 +219,8 @@ private:
     [[nodiscard]] Answer answer_to(const LogBatch& batch) const;
     void catch_up(Effects& effects);
     void acknowledge(Effects& effects, const LogId& id, const PeerLog& log) const;
+    /// For messages that are held by now, or that nobody will ever bring.
+    void acknowledge_what_waited(Effects& effects);
     [[nodiscard]] Acknowledgements::IsHeld is_held() const;
     void heed_handoffs(const Effects& effects);
     void apply_event(Effects& effects, const LogId& id, PeerLog& log);

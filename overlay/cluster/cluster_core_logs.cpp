@@ -135,9 +135,13 @@ void ClusterCore::apply(Effects& effects, const LogId& id, PeerLog& log, std::si
     for (; most > 0 && log.next() != nullptr; --most) apply_event(effects, id, log);
     if (log.applied() == before) return;
     if (!log.is_frozen() && answer == Answer::at_once) acknowledge(effects, id, log);
-    for (const LogId& other : acknowledgements_.advance(is_held())) {
-        const PeerLog& waiting = logs_.at(other);
-        if (other != id && !waiting.is_frozen()) acknowledge(effects, other, waiting);
+    acknowledge_what_waited(effects);
+}
+
+void ClusterCore::acknowledge_what_waited(Effects& effects) {
+    for (const LogId& id : acknowledgements_.advance(is_held())) {
+        const PeerLog& log = logs_.at(id);
+        if (!log.is_frozen()) acknowledge(effects, id, log);
     }
 }
 
@@ -153,10 +157,15 @@ Seq ClusterCore::held_of(const LogId& id, const PeerLog& log) const {
 Acknowledgements::IsHeld ClusterCore::is_held() const {
     return [this](const LogPosition& publish) {
         const LogId& id = publish.log;
-        // Whom we do not hear brings nothing; the view will agree on where that log ends.
-        if (!view_change_.contains(id) || !membership_.is_alive(id)) return true;
+        if (id == own_.id()) return true;
         const auto log = logs_.find(id);
-        return log != logs_.end() && log->second.holds(publish.seq);
+        if (view_change_.contains(id)) {
+            return log != logs_.end() && log->second.holds(publish.seq);
+        }
+        if (log == logs_.end()) return true;  // it ended before we came
+        // Of a removed log comes what the view agreed on, from the members that hold it.
+        if (log->second.is_frozen()) return !last_words_.await(publish);
+        return log->second.holds(publish.seq) || !membership_.is_alive(id);
     };
 }
 

@@ -20,6 +20,11 @@ public:
                   const View& view);
     /// False when it was not asked for, or does not follow what came.
     bool on_part(Effects& effects, const SnapshotPart& part);
+    /// That event lies before the end and is not here.
+    [[nodiscard]] bool await(const LogPosition& event) const {
+        const auto awaited = awaited_.find(event.log);
+        return awaited != awaited_.end() && event.seq <= awaited->second.end;
+    }
     void restart() { awaited_.clear(); }
 
 private:

@@ -194,6 +194,50 @@ TEST_F(CatchingUp, P3_AMessageThatAHomeWorksOnIsAcknowledgedWhenTheMessageIsHere
     }));
 }
 
+// They are here whenever we live; to wait for them in a copy of our log was to wait for ever.
+TEST_F(CatchingUp, WhatNamesAMessageOfOurOwnIsAcknowledged) {
+    while (!core.leadership().leader) hear_beacon(0);
+    ViewAnnouncement announcement{
+        .view = {.number = {100, self.broker, 1}, .members = {self, peer}}};
+    std::ranges::sort(announcement.view.members);
+    take(announcement);
+    take(LogBatch{.log = peer,
+                  .first_seq = 1,
+                  .events = {broker::Routed{.message = {self, 1}, .routes = {}}}});
+    EXPECT_EQ(core.beacon(broker).applied_through(peer), 1U);
+}
+
+// I6: the silence of the message's broker was enough to acknowledge what names the message.
+TEST_F(CatchingUp, WhatNamesAMessageOfASilentBrokerWaitsForTheViewThatEndsItsLog) {
+    const LogId publisher = test::log_of("publisher");
+    while (!core.leadership().leader) {
+        take(
+            Beacon{.name = "publisher", .log = publisher, .tick = ++ticks, .hears = {self.broker}});
+        hear_beacon(0);
+    }
+    ViewAnnouncement announcement{
+        .view = {.number = {100, self.broker, 1}, .members = {self, peer, publisher}}};
+    std::ranges::sort(announcement.view.members);
+    take(announcement);
+    take_batch(1, 1);
+    take(LogBatch{.log = peer,
+                  .first_seq = 2,
+                  .events = {broker::Routed{.message = {publisher, 1}, .routes = {}}}});
+    const auto acknowledged = [&] { return core.beacon(broker).applied_through(peer); };
+    while (core.membership().is_alive(publisher)) hear_beacon(2);
+    EXPECT_EQ(acknowledged(), 1U);
+
+    ++announcement.view.number.count;
+    std::erase(announcement.view.members, publisher);
+    announcement.view.number.term = core.promised().term + 1;
+    announcement.ends = {{publisher, 1}};
+    take(announcement);
+    EXPECT_EQ(acknowledged(), 1U) << "it is before the end, so that it comes yet";
+    take(LogTail{
+        .log = publisher, .first_seq = 1, .events = {test::published(publisher, 1)}, .end = 1});
+    EXPECT_EQ(acknowledged(), 2U);
+}
+
 // They have passed the broker by when the session comes (simulator, seed 970610).
 TEST_F(CatchingUp, P2_ASessionThatComesAmidASnapshotGetsItsPublishes) {
     SnapshotPart part{.as_of = {peer, 1'000}};
