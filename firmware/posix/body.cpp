@@ -6,24 +6,13 @@
 #include <numbers>
 #include <string_view>
 
+#include "firmware/posix/octets.h"
+
 namespace romano::firmware {
 namespace {
 
 constexpr std::array<std::string_view, 6> names = {"front", "back",        "left",
                                                    "right", "rotate-left", "rotate-right"};
-
-void put_be32(std::uint8_t* out, double value) {
-    const auto octets = static_cast<std::uint32_t>(static_cast<std::int32_t>(std::lround(value)));
-    for (unsigned i = 0; i < 4; ++i) {
-        out[i] = static_cast<std::uint8_t>(octets >> (24U - 8U * i));
-    }
-}
-
-double be32(std::span<const std::uint8_t> octets, std::size_t at) {
-    std::uint32_t value = 0;
-    for (std::size_t i = 0; i < 4; ++i) value = value << 8U | octets[at + i];
-    return static_cast<std::int32_t>(value);
-}
 
 double radians(double degrees) {
     return degrees * std::numbers::pi / 180.0;
@@ -50,6 +39,16 @@ void Body::drive(double mm, double direction_deg) {
     const double angle = radians(pose_.heading_deg + direction_deg);
     pose_.x_mm += mm * std::cos(angle);
     pose_.y_mm += mm * std::sin(angle);
+}
+
+void Body::go_on(const Speed& speed, double seconds) {
+    // In steps so short that a curve is one.
+    constexpr double most_step_s = 0.01;
+    for (double left = seconds; left > 0; left -= most_step_s) {
+        const double step = std::min(left, most_step_s);
+        pose_.heading_deg = std::remainder(pose_.heading_deg + speed.deg_s * step, 360);
+        drive(speed.mm_s * step, 0);
+    }
 }
 
 void Body::carry_out(const romano_command& command) {

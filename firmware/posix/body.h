@@ -18,6 +18,11 @@ struct Pose {
     double heading_deg = 0;
 };
 
+struct Speed {
+    double mm_s = 0;
+    double deg_s = 0;
+};
+
 class Body {
 public:
     Body() = default;
@@ -25,6 +30,8 @@ public:
 
     /// The application's own movements leave it where it is.
     void carry_out(const romano_command& command);
+    /// Drives for so long, as somebody who controls it said.
+    void go_on(const Speed& speed, double seconds);
     [[nodiscard]] const Pose& pose() const { return pose_; }
     /// As the value of a ROMANO location.
     [[nodiscard]] std::array<std::uint8_t, 12> location() const;

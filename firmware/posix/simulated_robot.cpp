@@ -6,6 +6,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include "broker/net/clock.h"
+
 namespace romano::firmware {
 namespace {
 
@@ -78,7 +80,13 @@ SimulatedRobot::SimulatedRobot(boost::asio::io_context& io, const SimulatedRobot
       socket_(io),
       timer_(io, [this] { run(); }),
       robot_(options.robot, open_board(udp_, radio_, options), *this),
-      body_(options.start) {
+      body_(options.start),
+      loops_(
+          options.robot.node.id, options.robot.seed, body_,
+          [this](const auto& to, Bytes octets, mqttsn::Qos qos) {
+              publish_of_loop(to, octets, qos);
+          },
+          [this](const std::string& what) { say_(options_.robot.node.id, what); }) {
     socket_.assign(udp_.socket);
     wait_for_datagrams();
     run();
@@ -101,6 +109,7 @@ void SimulatedRobot::wait_for_datagrams() {
 void SimulatedRobot::run() {
     Instant next = robot_.run();
     carry_out_commands();
+    if (!left_ && loops_.run(net::now())) next = robot_.run();
     if (telemetry_at_ <= robot_.now()) {
         telemetry_at_ = robot_.now() + options_.telemetry_every;
         publish_telemetry();
@@ -110,7 +119,8 @@ void SimulatedRobot::run() {
         leaves_at_ = never;
         std::exchange(left_, nullptr)();
     }
-    timer_.arm(std::min({next, telemetry_at_, leaves_at_}));
+    const Instant loops_next = left_ ? never : loops_.next_wakeup();
+    timer_.arm(std::min({next, telemetry_at_, leaves_at_, loops_next}));
 }
 
 void SimulatedRobot::leave(std::function<void()> left) {
@@ -128,7 +138,14 @@ bool SimulatedRobot::publish(std::string_view topic, const message::Message& mes
     return taken;
 }
 
+void SimulatedRobot::publish_of_loop(const message::RomanoId& to, Bytes octets, mqttsn::Qos qos) {
+    constexpr std::size_t header = 2;
+    (void)robot_.publish(to.text(),
+                         message::ApplicationData{control::data_type, octets.subspan(header)}, qos);
+}
+
 void SimulatedRobot::carry_out_commands() {
+    loops_.move_on(net::now());
     for (romano_command command; robot_.next_command(command);) {
         ++counters_.commands;
         body_.carry_out(command);
@@ -144,6 +161,7 @@ std::string SimulatedRobot::where() const {
 }
 
 void SimulatedRobot::publish_telemetry() {
+    loops_.move_on(net::now());
     const auto location = body_.location();
     if (robot_.publish(options_.telemetry_topic,
                        message::SensorData{message::SensorType::location, location},
@@ -165,6 +183,7 @@ void SimulatedRobot::on_established() {
 void SimulatedRobot::on_publish_request(std::string_view topic, Bytes kind_of_data) {
     say_(options_.robot.node.id,
          "is asked to publish " + quoted(kind_of_data) + " on " + quoted(topic));
+    loops_.move_on(net::now());
     const auto location = body_.location();
     if (as_text(kind_of_data) == "location") {
         robot_.publish(topic, message::SensorData{message::SensorType::location, location},
@@ -180,6 +199,10 @@ void SimulatedRobot::copy_path(const Pose& ahead) {
 }
 
 void SimulatedRobot::on_message(std::string_view topic, Bytes octets) {
+    if (control::is_of_a_loop(octets)) {
+        if (topic == options_.robot.node.id.text()) loops_.on_message(net::now(), octets);
+        return;
+    }
     const auto decoded = message::decode(octets);
     if (!decoded) return;
     const message::Message& message = *decoded;

@@ -1,5 +1,5 @@
 // A ROMANO robot without wheels: the firmware's robot on a UDP socket, with a simulated body. It
-// prints what it is told and publishes where it is.
+// prints what it is told and publishes where it is; others may control it, and it others.
 #pragma once
 
 #include <boost/asio/io_context.hpp>
@@ -12,6 +12,7 @@
 #include "broker/net/core_timer.h"
 #include "firmware/posix/body.h"
 #include "firmware/posix/radio_board.h"
+#include "firmware/posix/simulated_loops.h"
 #include "firmware/posix/udp_board.h"
 #include "firmware/robot/robot.h"
 
@@ -64,6 +65,7 @@ private:
     void run();
     void carry_out_commands();
     void publish_telemetry();
+    void publish_of_loop(const message::RomanoId& to, Bytes octets, mqttsn::Qos qos);
     [[nodiscard]] std::string where() const;
 
     void copy_path(const Pose& ahead);
@@ -80,6 +82,7 @@ private:
     net::CoreTimer timer_;
     Robot<> robot_;
     Body body_;
+    SimulatedLoops loops_;
     RobotCounters counters_;
     Instant telemetry_at_ = never;
     std::function<void()> left_;    // empty: it stays
