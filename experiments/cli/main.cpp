@@ -7,6 +7,7 @@
 #include "experiments/cli/apply.h"
 #include "experiments/cli/broker_options.h"
 #include "experiments/cli/brokers.h"
+#include "experiments/cli/control.h"
 #include "experiments/cli/cost.h"
 #include "experiments/cli/load.h"
 #include "experiments/cli/paper.h"
@@ -36,6 +37,7 @@ int main(int argc, char** argv) {
     add_load(program, exit_code);
     add_robots(program, exit_code);
     add_robot_commands(program, exit_code);
+    add_control(program, exit_code);
     add_apply(program, exit_code);
     add_sweep(program, exit_code);
     add_simulate(program, exit_code);

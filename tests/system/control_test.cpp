@@ -1,0 +1,185 @@
+// Loops between real robots through real brokers, opened by the operator's program.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "tests/system/broker_process.h"
+#include "tests/system/process.h"
+#include "tests/system/test_addresses.h"
+
+namespace romano::system::control_test {
+namespace {
+
+using namespace std::chrono_literals;
+using testing::HasSubstr;
+
+struct Loops : testing::Test {
+    BrokerProcess& start_broker(int n, std::vector<std::string> more = {}) {
+        std::vector<std::string> arguments{"--listen", addresses.service(n), "--name",
+                                           "r" + std::to_string(n)};
+        arguments.insert(arguments.end(), more.begin(), more.end());
+        auto broker = std::make_unique<BrokerProcess>(arguments);
+        broker->wait_until_serving();
+        brokers.push_back(std::move(broker));
+        return *brokers.back();
+    }
+    BrokerProcess& start_member(int n) {
+        return start_broker(n, {"--domain", std::to_string(addresses.domain()), "--interface", "lo",
+                                "--rank", std::to_string(n), "--detection-timeout-ms", "300"});
+    }
+    std::unique_ptr<Process> start_robot(const std::string& id, int broker) const {
+        auto robot = std::make_unique<Process>(
+            ROMANO_ROBOT,
+            std::vector<std::string>{"--id", id, "--broker", addresses.service(broker)});
+        EXPECT_NE(robot->wait_for("established"), "");
+        return robot;
+    }
+    std::unique_ptr<Process> start_in_c(const std::string& role, const std::string& id) const {
+        const auto [host, port] = at(1);
+        auto robot =
+            std::make_unique<Process>(LOOP_C, std::vector<std::string>{role, id, host, port});
+        EXPECT_NE(robot->wait_for("established"), "");
+        return robot;
+    }
+    [[nodiscard]] std::pair<std::string, std::string> at(int broker) const {
+        const std::string service = addresses.service(broker);
+        const auto colon = service.find(':');
+        return {service.substr(0, colon), service.substr(colon + 1)};
+    }
+    /// `romano control -h <broker> ...`
+    [[nodiscard]] std::unique_ptr<Process> control(int broker,
+                                                   std::vector<std::string> arguments) const {
+        const auto [host, port] = at(broker);
+        arguments.insert(arguments.begin(), {"control", "-h", host, "-p", port});
+        return std::make_unique<Process>(ROMANO_PROGRAM, arguments);
+    }
+    /// To its end; its exit code, and its output in `said`.
+    int romano_control(std::vector<std::string> arguments) {
+        const auto program = control(1, std::move(arguments));
+        said = program->rest_of_output();
+        const int code = program->wait_for_exit();
+        said += program->errors();
+        return code;
+    }
+
+    TestAddresses addresses;
+    std::vector<std::unique_ptr<BrokerProcess>> brokers;
+    std::string said;
+    const std::string plant = "00000002";
+    const std::string leader = "00000001";
+    // A machine that is busy with other tests must not break a loop.
+    const std::vector<std::string> patient = {plant, leader,          "--period-ms",
+                                              "100", "--deadline-ms", "3000"};
+};
+
+TEST_F(Loops, ARobotControlsAnotherUntilTheOperatorEndsIt) {
+    start_broker(1);
+    const auto controller = start_robot(leader, 1);
+    const auto robot = start_robot(plant, 1);
+    std::vector<std::string> arguments = patient;
+    arguments.insert(arguments.end(), {"--law", "go-to", "--to", "200,0", "--seconds", "2"});
+    EXPECT_EQ(romano_control(arguments), 0) << said;
+    EXPECT_THAT(said, HasSubstr("00000002 controlled by 00000001: "));
+    EXPECT_THAT(said, HasSubstr("00000002 free, controller 00000001: "));
+    EXPECT_NE(controller->wait_for("controls 00000002"), "");
+    EXPECT_NE(robot->wait_for("is to be controlled by 00000001"), "");
+    EXPECT_NE(robot->wait_for("is controlled by 00000001"), "");
+    EXPECT_NE(robot->wait_for("is no longer controlled by 00000001: ended by a node"), "");
+    EXPECT_NE(controller->wait_for("no longer controls 00000002: ended by a node"), "");
+}
+
+TEST_F(Loops, APlantWhoseControllerIsKilledFallsBackAndIsControlledAgainByItsSuccessor) {
+    start_broker(1);
+    auto controller = start_robot(leader, 1);
+    const auto robot = start_robot(plant, 1);
+    std::vector<std::string> arguments = patient;
+    arguments.back() = "1000";
+    const auto supervisor = control(1, arguments);
+    ASSERT_NE(robot->wait_for("is controlled by"), "");
+    controller->kill_9();
+    EXPECT_NE(robot->wait_for("is not controlled by 00000001 now"), "");
+    controller = start_robot(leader, 1);
+    EXPECT_NE(robot->wait_for("is controlled by"), "");
+    supervisor->signal(SIGINT);
+    EXPECT_EQ(supervisor->wait_for_exit(), 0);
+    EXPECT_NE(robot->wait_for("is no longer controlled by 00000001: ended by a node"), "");
+}
+
+TEST_F(Loops, ALoopOutlivesTheBrokerOfBothRobots) {
+    start_member(1);
+    start_member(2);
+    const auto controller = start_robot(leader, 1);
+    const auto robot = start_robot(plant, 1);
+    const auto supervisor = control(2, patient);
+    ASSERT_NE(robot->wait_for("is controlled by"), "");
+    ASSERT_NE(supervisor->wait_for("controlled by"), "");
+    brokers[0]->kill_9();
+    for (int seconds = 0; seconds < 5; ++seconds) {
+        EXPECT_THAT(supervisor->wait_for("controlled by"), HasSubstr("fell back 0 times"));
+    }
+    supervisor->signal(SIGINT);
+    EXPECT_EQ(supervisor->wait_for_exit(), 0);
+}
+
+TEST_F(Loops, ALoopThatNobodyRenewsEndsWithItsLease) {
+    start_broker(1);
+    const auto controller = start_robot(leader, 1);
+    const auto robot = start_robot(plant, 1);
+    const auto supervisor = control(1, patient);
+    ASSERT_NE(robot->wait_for("is controlled by"), "");
+    supervisor->kill_9();
+    EXPECT_NE(robot->wait_for("is no longer controlled by 00000001: the lease is over"), "");
+}
+
+TEST_F(Loops, ADetachedLoopGoesOnAndIsEndedByAnybody) {
+    start_broker(1);
+    const auto controller = start_robot(leader, 1);
+    const auto robot = start_robot(plant, 1);
+    std::vector<std::string> arguments = patient;
+    arguments.emplace_back("--detach");
+    EXPECT_EQ(romano_control(arguments), 0) << said;
+    ASSERT_NE(robot->wait_for("is controlled by"), "");
+    EXPECT_EQ(romano_control({plant, "--json"}), 0) << said;
+    EXPECT_THAT(said, HasSubstr(R"("state":"controlled")"));
+    EXPECT_EQ(romano_control(patient), 2);
+    EXPECT_THAT(said, HasSubstr("00000002 is in a loop already, with 00000001"));
+    EXPECT_EQ(romano_control({plant, "--end"}), 0) << said;
+    EXPECT_NE(robot->wait_for("is no longer controlled by"), "");
+}
+
+TEST_F(Loops, WhatCannotBeIsOneSentence) {
+    start_broker(1);
+    const auto controller = start_robot(leader, 1);
+    const auto robot = start_robot(plant, 1);
+    EXPECT_EQ(romano_control({plant, leader, "--deadline-ms", "10"}), 2);
+    EXPECT_THAT(said, HasSubstr("the plant finds the settings impossible"));
+    EXPECT_EQ(romano_control({plant, leader, "--law", "9"}), 2);
+    EXPECT_THAT(said, HasSubstr("the controller has no such law"));
+    EXPECT_EQ(romano_control({plant, leader, "--fallback", "own-law"}), 2);
+    EXPECT_THAT(said, HasSubstr("the robot itself says no"));
+    EXPECT_EQ(romano_control({plant, "0000000x"}), 2);
+    EXPECT_THAT(said, HasSubstr("controller `0000000x`: must be the id of a robot"));
+    EXPECT_EQ(romano_control({"--broker-timeout", "2", "00000009"}), 2);
+    EXPECT_THAT(said, HasSubstr("00000009 does not answer"));
+}
+
+TEST_F(Loops, PlantAndLawCanBeInC) {
+    start_broker(1);
+    const auto law = start_in_c("law", leader);
+    const auto cart = start_in_c("cart", plant);
+    std::vector<std::string> arguments = patient;
+    arguments.insert(arguments.end(), {"--law", "7"});
+    const auto supervisor = control(1, arguments);
+    EXPECT_NE(law->wait_for("controls 00000002"), "");
+    EXPECT_NE(cart->wait_for("the cart has arrived"), "");
+    law->kill_9();
+    EXPECT_NE(cart->wait_for("the cart falls back"), "");
+}
+
+}  // namespace
+}  // namespace romano::system::control_test
