@@ -6,7 +6,7 @@
 #include <cmath>
 #include <vector>
 
-namespace romano::firmware {
+namespace romano::firmware::simple_laws_test {
 namespace {
 
 constexpr std::uint16_t follow = 1;
@@ -65,4 +65,4 @@ TEST(SimpleLaws, SpeedsTravelAsRomanoSpeeds) {
 }
 
 }  // namespace
-}  // namespace romano::firmware
+}  // namespace romano::firmware::simple_laws_test

@@ -8,7 +8,7 @@
 
 #include "tests/romano/control/ends.h"
 
-namespace romano::control {
+namespace romano::control::controller_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -168,4 +168,4 @@ TEST_F(ControllerTest, CountsWhatIsNoMessageAndPassesOverWhatIsForPlants) {
 }
 
 }  // namespace
-}  // namespace romano::control
+}  // namespace romano::control::controller_test

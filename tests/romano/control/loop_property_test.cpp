@@ -14,7 +14,7 @@
 #include "romano/base/random.h"
 #include "tests/romano/control/ends.h"
 
-namespace romano::control {
+namespace romano::control::loop_property_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -259,4 +259,4 @@ TEST_P(LoopProperty, TheRuleHoldsAndControlComesBack) {
 INSTANTIATE_TEST_SUITE_P(Seeds, LoopProperty, testing::Range<std::uint64_t>(1, 101));
 
 }  // namespace
-}  // namespace romano::control
+}  // namespace romano::control::loop_property_test

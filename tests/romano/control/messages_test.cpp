@@ -11,7 +11,7 @@
 #include "romano/base/random.h"
 #include "romano/message/codec.h"
 
-namespace romano::control {
+namespace romano::control::messages_test {
 namespace {
 
 using Octets = std::vector<std::uint8_t>;
@@ -201,4 +201,4 @@ TEST(ControlMessage, AnyOctetsAreAMessageOrNone) {
 }
 
 }  // namespace
-}  // namespace romano::control
+}  // namespace romano::control::messages_test

@@ -9,7 +9,7 @@
 
 #include "tests/romano/control/ends.h"
 
-namespace romano::control {
+namespace romano::control::plant_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -409,4 +409,4 @@ TEST_F(PlantTest, CountsWhatIsNoMessageAndPassesOverWhatIsForControllers) {
 }
 
 }  // namespace
-}  // namespace romano::control
+}  // namespace romano::control::plant_test
