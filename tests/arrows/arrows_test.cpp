@@ -28,6 +28,7 @@ const std::map<std::string, Folders>& allowed() {
         {"firmware/hdlc", {"romano/base"}},
         // cores
         {"election", {"romano/base"}},
+        {"romano/protection", {"romano/base", "romano/mqttsn"}},
         {"romano/client", {"romano/base", "romano/mqttsn"}},
         {"broker/core", {"romano/base", "romano/mqttsn"}},
         {"broker/uplink", {"romano/base", "romano/mqttsn", "broker/core"}},
@@ -71,9 +72,9 @@ const std::map<std::string, Folders>& allowed() {
 // Folders whose code has no heap, clock, thread, file or socket of its own.
 const std::set<std::string>& cores() {
     static const std::set<std::string> folders = {
-        "romano/base",    "romano/mqttsn",   "romano/message", "romano/client", "romano/node",
-        "romano/control", "romano/server",   "election",       "broker/core",   "broker/server",
-        "broker/uplink",  "overlay/cluster", "overlay/member"};
+        "romano/base",   "romano/mqttsn",  "romano/message",  "romano/protection", "romano/client",
+        "romano/node",   "romano/control", "romano/server",   "election",          "broker/core",
+        "broker/server", "broker/uplink",  "overlay/cluster", "overlay/member"};
     return folders;
 }
 
