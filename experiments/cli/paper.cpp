@@ -10,8 +10,10 @@
 #include <system_error>
 #include <vector>
 
+#include "experiments/paper/backbone.h"
 #include "experiments/paper/cells_plan.h"
 #include "experiments/paper/energy.h"
+#include "experiments/paper/moves.h"
 #include "experiments/paper/paper_plan.h"
 #include "experiments/paper/paper_report.h"
 #include "experiments/sweep/progress_bar.h"
@@ -25,16 +27,19 @@ constexpr const char* paper_examples = R"(Examples:
   romano paper --parts table --runs 2 --messages 1000 --rates 180,200,220 --baud 230400 --seed 7
   romano paper --parts cells --brokers 1,2,4 --cell-channels 2
 Parts: table (the paper's table and figure, each number it states beside ours), energy (what a message
-costs, from the table's runs), cells (a broker for each cell).
+costs, from the table's runs), cells (a broker for each cell), moves (failover and roaming), backbone
+(brokers whose beacons are on the robots' channel).
 The shipped cores on ns-3's IEEE 802.15.4 with 6LoWPAN, in virtual time (overlay/radio). The same seed
 gives the same numbers. Begun again, it goes on where it was interrupted. The folder then holds
 report.html, each table as CSV, and each figure as SVG where gnuplot is.
 )";
 
 struct Options {
-    std::vector<std::string> parts{"table", "energy", "cells"};
+    std::vector<std::string> parts{"table", "energy", "cells", "moves", "backbone"};
     PaperPlan table;
     CellsPlan cells;
+    MovesPlan moves;
+    BackbonePlan backbone;
     std::uint64_t seed = 1;
     unsigned jobs = 2;
     bool fresh = false;
@@ -52,6 +57,8 @@ std::vector<SeparateRun> runs_of(const Options& options) {
     };
     if (options.wants("table") || options.wants("energy")) add(runs_of(options.table));
     if (options.wants("cells")) add(runs_of(options.cells));
+    if (options.wants("moves")) add(runs_of(options.moves));
+    if (options.wants("backbone")) add(runs_of(options.backbone));
     return all;
 }
 
@@ -60,6 +67,8 @@ std::vector<Section> sections_of(const Options& options, const std::filesystem::
     if (options.wants("table")) all.push_back(paper_section(figures_of(options.table, folder)));
     if (options.wants("energy")) all.push_back(energy_section(options.table, folder));
     if (options.wants("cells")) all.push_back(cells_section(options.cells, folder));
+    if (options.wants("moves")) all.push_back(moves_section(options.moves, folder));
+    if (options.wants("backbone")) all.push_back(backbone_section(options.backbone, folder));
     return all;
 }
 
@@ -111,7 +120,7 @@ void add_paper(CLI::App& program, int& exit_code) {
         ->capture_default_str();
     command.add_option("--channel", plan.channel, "table: IEEE 802.15.4 channel, 11 to 26")
         ->capture_default_str();
-    command.add_option("--runs", plan.runs, "table: at each rate")
+    command.add_option("--runs", plan.runs, "table: at each rate; moves: of each kind")
         ->check(CLI::Range(1, 1000))
         ->capture_default_str();
     command
@@ -140,7 +149,10 @@ void add_paper(CLI::App& program, int& exit_code) {
     command.callback([options, &exit_code] {
         options->table.seed = options->seed;
         options->cells.seed = options->seed;
+        options->moves.seed = options->seed;
+        options->backbone.seed = options->seed;
         PaperPlan& table = options->table;
+        options->moves.runs = table.runs;
         table.delay_messages = std::min(table.delay_messages, table.messages);
         exit_code = run(*options);
     });

@@ -7,8 +7,10 @@
 #include <string>
 #include <vector>
 
+#include "experiments/paper/backbone.h"
 #include "experiments/paper/energy.h"
 #include "experiments/paper/many_cells.h"
+#include "experiments/paper/moves.h"
 #include "experiments/paper/paper_plan.h"
 #include "experiments/paper/paper_run.h"
 #include "experiments/paper/separate_runs.h"
@@ -137,6 +139,39 @@ TEST(ManyCells, TwoCarryWhatIsTooMuchForOne) {
 TEST(ManyCells, OnOneChannelTheyShareWhatItCarries) {
     const CellsRun two = cells_run({.brokers = 2, .channels = 1}, 500, 1'500);
     EXPECT_LT(two.delivered_per_s, 320);
+}
+
+TEST(Moves, ABrokersDeathIsASilenceAndNoLossOfWhatWasAcknowledged) {
+    const MovesRun calm = moves_run(Change::none, 1);
+    EXPECT_EQ(calm.lost_qos0, 0U);
+    EXPECT_EQ(calm.lost_qos1, 0U);
+    EXPECT_EQ(calm.joins, 0U);
+    const MovesRun dead = moves_run(Change::broker_dies, 1);
+    EXPECT_EQ(dead.lost_qos1, 0U);
+    EXPECT_EQ(dead.reconnects, 0U);
+    for (const double ms : dead.silence_ms) {
+        EXPECT_GT(ms, 300);  // beacons missing for 500 ms
+        EXPECT_LT(ms, 3'000);
+    }
+}
+
+TEST(Moves, WhoDrivesIntoAnotherCellTalksToItsBrokerAndLosesNothingAcknowledged) {
+    const MovesRun driven = moves_run(Change::robots_leave, 1);
+    EXPECT_GT(driven.joins, 0U);
+    EXPECT_EQ(driven.reconnects, 0U);
+    EXPECT_EQ(driven.lost_qos1, 0U);
+    EXPECT_LE(driven.lost_qos0, 2 * driven.joins);
+}
+
+TEST(Backbone, BeaconsOfManyBrokersTakeTheChannelFromTheRobots) {
+    using std::chrono_literals::operator""ms;
+    const BackboneRun few = backbone_run(2, {"mesh", 1'000ms}, 1);
+    EXPECT_GT(few.beacon_octets, 88);
+    EXPECT_GE(few.delivered_at_100, 0.99);
+    const BackboneRun many = backbone_run(8, {"wifi", 50ms}, 1);
+    EXPECT_GT(many.beacon_octets, few.beacon_octets);
+    EXPECT_GT(many.beacons_air, 10 * few.beacons_air);
+    EXPECT_LT(many.carried_per_s, 0.7 * few.carried_per_s);
 }
 
 }  // namespace

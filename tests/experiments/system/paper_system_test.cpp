@@ -60,7 +60,7 @@ INSTANTIATE_TEST_SUITE_P(
         std::pair{"--baud 0", "a UART of 0 baud cannot be: give 1200 to 10000000 baud, or none"},
         std::pair{"--channel 27", "channel 27 does not exist: IEEE 802.15.4 at 2.4 GHz has"},
         std::pair{"--rates 0", "--rates: Value 0 not in range"},
-        std::pair{"--parts figure", "--parts: figure not in {table,energy,cells}"},
+        std::pair{"--parts figure", "--parts: figure not in {table,energy,cells,moves,backbone}"},
         std::pair{"--cell-channels 17", "--cell-channels: Value 17 not in range 1 to 16"},
         std::pair{"--brokers 65", "--brokers: Value 65 not in range 1 to 64"},
         std::pair{"--runs 0", "--runs: Value 0 not in range 1 to 1000"},
