@@ -68,9 +68,9 @@ Block Ccm::block(std::uint8_t flags, std::size_t number) const {
 }
 
 /// Section 2.2; the tag is the first octets.
-Block Ccm::tag_block(Bytes readable, Bytes message, std::size_t tag_size) const {
+Block Ccm::tag_block(Bytes readable, Bytes message, std::size_t tag_octets) const {
     assert(!readable.empty() && readable.size() < 0xFF00);
-    const auto flags = static_cast<std::uint8_t>(0x40U | (tag_size - 2) / 2 << 3U);
+    const auto flags = static_cast<std::uint8_t>(0x40U | (tag_octets - 2) / 2 << 3U);
     Mac mac{key_, block(flags, message.size())};
     std::uint8_t size[2];
     put_be16(size, 0, static_cast<std::uint16_t>(readable.size()));

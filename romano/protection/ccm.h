@@ -28,7 +28,7 @@ public:
 
 private:
     [[nodiscard]] Block block(std::uint8_t flags, std::size_t number) const;
-    [[nodiscard]] Block tag_block(Bytes readable, Bytes message, std::size_t tag_size) const;
+    [[nodiscard]] Block tag_block(Bytes readable, Bytes message, std::size_t tag_octets) const;
     void add_key_stream(std::size_t from, MutableBytes octets) const;
 
     const Key& key_;
