@@ -164,8 +164,8 @@ class Sessions(WithBroker):
         self.assertEqual(await texts(heard, 1), ["2"])
 
     async def test_keep_alive_keeps_a_silent_session(self) -> None:
-        heard = await (await self.client(keep_alive_s=1)).subscribe("a")
-        await asyncio.sleep(4)
+        heard = await (await self.client(keep_alive_s=2)).subscribe("a")
+        await asyncio.sleep(5)  # the broker gives a silent client up after 3 s
         await (await self.client()).publish("a", "still here", qos=1)
         self.assertEqual(await texts(heard, 1), ["still here"])
 
@@ -206,7 +206,7 @@ class Refusals(WithBroker):
         await alice.subscribe("a")
         with self.assertRaises(Congestion) as refused:
             await alice.subscribe("b")
-        self.assertAlmostEqual(refused.exception.retry_after_s, QUICK.t_wait, delta=0.5)
+        self.assertTrue(0 < refused.exception.retry_after_s <= QUICK.t_wait, refused.exception)
         with self.assertRaises(Congestion):
             await alice.publish("a", "x")
         await asyncio.sleep(refused.exception.retry_after_s + 0.05)

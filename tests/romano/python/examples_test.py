@@ -14,11 +14,12 @@ PATIENCE = 60.0
 SWEEP = """
 output = "{folder}/results"
 duration = 1
+publish_within = 20
 [axes]
 brokers = 1
 robots = 3
 rate = 10
-qos = "0+1"
+qos = 1
 """
 
 

@@ -12,7 +12,7 @@ from romano import Client, Timing
 
 BROKER = os.environ.get("ROMANO_BROKER", "romano-broker")
 ROBOT = os.environ.get("ROMANO_ROBOT", "romano-robot")
-QUICK = Timing(t_retry=0.5, n_retry=20, t_wait=2.0, reconnect_most=0.5)
+QUICK = Timing(t_retry=0.5, n_retry=20, t_wait=4.0, reconnect_most=0.5)
 """A machine that runs many tests at once answers late, but it does answer."""
 
 
