@@ -10,6 +10,7 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 
 #include "broker/net/clock.h"
 #include "experiments/cli/broker_options.h"
@@ -17,6 +18,7 @@
 #include "experiments/cli/interrupt.h"
 #include "experiments/operator/loop_request.h"
 #include "experiments/operator/node_watch.h"
+#include "overlay/cluster/digest.h"
 
 namespace romano::experiments {
 namespace {
@@ -59,12 +61,10 @@ struct ControlOptions {
 message::RomanoId id_of_this_machine() {
     char host[256] = {};
     (void)::gethostname(host, sizeof host - 1);
-    std::uint32_t hash = 0x811c9dc5U;  // FNV-1a
-    for (const char* letter = host; *letter != '\0'; ++letter) {
-        hash = (hash ^ static_cast<unsigned char>(*letter)) * 0x01000193U;
-    }
+    cluster::Digest digest;
+    digest.add(std::string_view{host});
     char digits[9];
-    std::snprintf(digits, sizeof digits, "%08x", hash);
+    std::snprintf(digits, sizeof digits, "%08x", digest.value());
     return *message::RomanoId::parse(digits);
 }
 

@@ -6,6 +6,7 @@
 #include <optional>
 #include <stdexcept>
 
+#include "firmware/posix/octets.h"
 #include "firmware/posix/simple_laws.h"
 
 namespace romano::experiments {
@@ -25,10 +26,9 @@ std::optional<Number> number_in(std::string_view text, int base = 10) {
     return value;
 }
 
-void append(std::vector<std::uint8_t>& to, std::uint32_t value) {
-    for (unsigned i = 0; i < 4; ++i) {
-        to.push_back(static_cast<std::uint8_t>(value >> (24U - 8U * i)));
-    }
+void append(std::vector<std::uint8_t>& to, double value) {
+    to.resize(to.size() + 4);
+    firmware::put_be32(&to[to.size() - 4], value);
 }
 
 std::vector<std::uint8_t> octets_in(std::string_view text) {
@@ -51,8 +51,8 @@ std::vector<std::uint8_t> point_in(std::string_view text) {
         comma == text.size() ? std::nullopt : number_in<std::int32_t>(text.substr(comma + 1));
     if (!x || !y) refuse_value("--to", text, "a point in mm, for example 1000,500");
     std::vector<std::uint8_t> octets;
-    append(octets, static_cast<std::uint32_t>(*x));
-    append(octets, static_cast<std::uint32_t>(*y));
+    append(octets, *x);
+    append(octets, *y);
     return octets;
 }
 
