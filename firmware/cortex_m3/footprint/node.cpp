@@ -3,19 +3,12 @@
 
 #include "romano/node/node.h"
 
+#include "firmware/cortex_m3/footprint/limits.h"
 #include "romano/client/discovery.h"
 
 using namespace romano;
 
 namespace {
-
-struct Limits {
-    static constexpr std::size_t datagram_octets = 512;
-    static constexpr std::size_t queue_octets = 512;
-    static constexpr std::size_t topics = 8;
-    static constexpr std::size_t name_octets = 128;
-    static constexpr std::size_t unreleased = 4;
-};
 
 std::uint8_t volatile line;  // where datagrams come from and go to, of any size
 

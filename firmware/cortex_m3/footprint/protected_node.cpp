@@ -1,6 +1,7 @@
 // What footprint/node.cpp has, and each datagram to and from the broker protected: for its size.
 // Packets have 255 octets at most, more than a frame of a small radio.
 
+#include "firmware/cortex_m3/footprint/limits.h"
 #include "romano/client/discovery.h"
 #include "romano/node/node.h"
 #include "romano/protection/robot_end.h"
@@ -8,14 +9,6 @@
 using namespace romano;
 
 namespace {
-
-struct Limits {
-    static constexpr std::size_t datagram_octets = 512;
-    static constexpr std::size_t queue_octets = 512;
-    static constexpr std::size_t topics = 8;
-    static constexpr std::size_t name_octets = 128;
-    static constexpr std::size_t unreleased = 4;
-};
 
 std::uint8_t volatile line;  // where datagrams come from and go to, of any size
 std::uint32_t volatile flash;
