@@ -8,9 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "tests/system/broker_process.h"
+#include "tests/system/broker_fixture.h"
 #include "tests/system/process.h"
-#include "tests/system/test_addresses.h"
 
 namespace romano::system::control_test {
 namespace {
@@ -18,20 +17,7 @@ namespace {
 using namespace std::chrono_literals;
 using testing::HasSubstr;
 
-struct Loops : testing::Test {
-    BrokerProcess& start_broker(int n, std::vector<std::string> more = {}) {
-        std::vector<std::string> arguments{"--listen", addresses.service(n), "--name",
-                                           "r" + std::to_string(n)};
-        arguments.insert(arguments.end(), more.begin(), more.end());
-        auto broker = std::make_unique<BrokerProcess>(arguments);
-        broker->wait_until_serving();
-        brokers.push_back(std::move(broker));
-        return *brokers.back();
-    }
-    BrokerProcess& start_member(int n) {
-        return start_broker(n, {"--domain", std::to_string(addresses.domain()), "--interface", "lo",
-                                "--rank", std::to_string(n), "--detection-timeout-ms", "300"});
-    }
+struct Loops : BrokerFixture {
     std::unique_ptr<Process> start_robot(const std::string& id, int broker) const {
         auto robot = std::make_unique<Process>(
             ROMANO_ROBOT,
@@ -67,8 +53,6 @@ struct Loops : testing::Test {
         return code;
     }
 
-    TestAddresses addresses;
-    std::vector<std::unique_ptr<BrokerProcess>> brokers;
     std::string said;
     const std::string plant = "00000002";
     const std::string leader = "00000001";

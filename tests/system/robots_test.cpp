@@ -18,8 +18,7 @@
 #include <string>
 #include <vector>
 
-#include "tests/system/broker_process.h"
-#include "tests/system/test_addresses.h"
+#include "tests/system/broker_fixture.h"
 #include "tests/system/test_client.h"
 #include "tests/temporary_folder.h"
 
@@ -37,20 +36,7 @@ std::string single_spaced(const std::string& line) {
     return out;
 }
 
-struct Robots : testing::Test {
-    BrokerProcess& start_broker(int n, std::vector<std::string> more = {}) {
-        std::vector<std::string> arguments{"--listen", addresses.service(n), "--name",
-                                           "r" + std::to_string(n)};
-        arguments.insert(arguments.end(), more.begin(), more.end());
-        auto broker = std::make_unique<BrokerProcess>(arguments);
-        broker->wait_until_serving();
-        brokers.push_back(std::move(broker));
-        return *brokers.back();
-    }
-    BrokerProcess& start_member(int n) {
-        return start_broker(n, {"--domain", std::to_string(addresses.domain()), "--interface", "lo",
-                                "--rank", std::to_string(n), "--detection-timeout-ms", "300"});
-    }
+struct Robots : BrokerFixture {
     Process& start_robot(const std::string& id, int broker, std::vector<std::string> more = {}) {
         std::vector<std::string> arguments{"--id", id, "--broker", addresses.service(broker)};
         arguments.insert(arguments.end(), more.begin(), more.end());
@@ -70,8 +56,6 @@ struct Robots : testing::Test {
         return code;
     }
 
-    TestAddresses addresses;
-    std::vector<std::unique_ptr<BrokerProcess>> brokers;
     std::vector<std::unique_ptr<Process>> robots;
     std::string said;
 };
