@@ -218,8 +218,9 @@ void ClusterBroker::on_batch_end() {
 void ClusterBroker::on_peer_message(const overlay::Envelope& envelope) {
     if (const auto* told = std::get_if<cluster::Particulars>(&envelope.message)) {
         on_particulars(told->beacon);
-    } else if (!member_ && std::holds_alternative<cluster::Heartbeat>(envelope.message)) {
-        transport_->send({envelope.from.broker, cluster::ParticularsRequest{}});
+    } else if (std::holds_alternative<cluster::Heartbeat>(envelope.message)) {
+        if (links_) links_->on_heartbeat(envelope.from.broker);
+        if (!member_) transport_->send({envelope.from.broker, cluster::ParticularsRequest{}});
     }
     if (member_) member_->on_peer_message(net::now(), envelope, actions_);
 }

@@ -80,7 +80,7 @@ void LinkService::on_address(const broker::LogId& process, const Endpoint& addre
     if (address.family == Endpoint::Family::none || process.broker == self_.broker) return;
     const auto known = watches_.find(process.broker);
     if (known != watches_.end()) {
-        if (known->second->process() == process) return known->second->keep_up();
+        if (known->second->process() == process) return;
         if (known->second->process().incarnation > process.incarnation) return;
         known->second->stop();
         watches_.erase(known);
@@ -92,6 +92,11 @@ void LinkService::on_address(const broker::LogId& process, const Endpoint& addre
     const auto watch = std::make_shared<Watch>(*this, process, to_tcp(address));
     watches_.emplace(process.broker, watch);
     watch->keep_up();
+}
+
+void LinkService::on_heartbeat(broker::BrokerId broker) {
+    const auto known = watches_.find(broker);
+    if (known != watches_.end()) known->second->keep_up();
 }
 
 }  // namespace romano::link

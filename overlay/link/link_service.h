@@ -55,9 +55,12 @@ public:
     [[nodiscard]] boost::system::error_code open(const Endpoint& host);
     [[nodiscard]] const Endpoint& address() const { return address_; }
 
-    /// A beacon of `process` named this address: to be called with each of them. Dials it unless it
-    /// is dialled already; an older process of the same broker is forgotten.
+    /// The particulars of `process` name this address. Dials it unless it is dialled already; an
+    /// older process of the same broker is forgotten.
     void on_address(const broker::LogId& process, const Endpoint& address);
+    /// The broker was heard. Dials it, where on_address() named it and it is not dialled already:
+    /// an attempt that failed is made again as long as the broker is heard.
+    void on_heartbeat(broker::BrokerId broker);
 
     [[nodiscard]] const LinkCounters& counters() const { return counters_; }
 

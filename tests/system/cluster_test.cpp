@@ -23,7 +23,8 @@ struct Cluster : testing::Test {
         return std::make_unique<BrokerProcess>(std::vector<std::string>{
             "--listen", addresses.service(n), "--name", "r" + std::to_string(n), "--domain",
             std::to_string(addresses.domain()), "--interface", "lo", "--rank", std::to_string(n),
-            "--detection-timeout-ms", "300", "--log-level", "debug"});
+            "--detection-timeout-ms", std::to_string(detection_timeout.count()), "--log-level",
+            "debug"});
     }
     /// Brokers r1 to rN, each of which knows all others.
     void start_all(int count) {
@@ -52,8 +53,22 @@ struct Cluster : testing::Test {
     }
 
     TestAddresses addresses;
+    std::chrono::milliseconds detection_timeout{300};
     std::vector<std::unique_ptr<BrokerProcess>> brokers;
 };
+
+// Each broker's link to each other one is up soon after the start, whoever was first.
+TEST_F(Cluster, ACrashIsKnownFromTheLinksLongBeforeTheBeaconsAreMissed) {
+    detection_timeout = 2s;
+    start_all(3);
+    const auto client = client_of(1, "client");
+    ASSERT_TRUE(client->connect());
+    client->repeats_after = 50ms;
+    broker(1).kill_9();
+    const auto killed = std::chrono::steady_clock::now();
+    EXPECT_TRUE(client->ping()) << broker(2).errors();
+    EXPECT_LT(std::chrono::steady_clock::now() - killed, detection_timeout / 2);
+}
 
 TEST_F(Cluster, SaysWhereItServes) {
     const auto broker = start(1);

@@ -55,16 +55,21 @@ protected:
         }
         return true;
     }
-    /// Beacons that name the others' addresses.
-    void beacons() {
-        if (a && b) a->on_address(two, b->address());
-        if (a && b) b->on_address(one, a->address());
+    /// Particulars are said once; heartbeats go on.
+    void name_each_other() {
+        a->on_address(two, b->address());
+        b->on_address(one, a->address());
+    }
+    void heartbeats() {
+        a->on_heartbeat(two.broker);
+        b->on_heartbeat(one.broker);
     }
     void link_both() {
         a = start(one, news_of_a);
         b = start(two, news_of_b);
+        name_each_other();
         ASSERT_TRUE(run_until([&] {
-            beacons();
+            heartbeats();
             return !news_of_a.empty() && !news_of_b.empty();
         }));
     }
@@ -93,6 +98,20 @@ TEST_F(LinkServiceTest, BothSidesAreToldThatTheLinkIsUp) {
     EXPECT_THAT(news_of_b, ElementsAre(std::pair(one, Link::up)));
 }
 
+// Particulars come once, and heartbeats each few milliseconds.
+TEST_F(LinkServiceTest, APeerThatDidNotKnowUsYetIsDialledAgainWhenItIsHeardAgain) {
+    a = start(one, news_of_a);
+    b = start(two, news_of_b);
+    a->on_address(two, b->address());
+    ASSERT_TRUE(run_until([&] { return b->counters().strangers == 1; }));
+    b->on_address(one, a->address());
+    ASSERT_TRUE(run_until([&] {
+        a->on_heartbeat(two.broker);
+        return !news_of_a.empty();
+    }));
+    EXPECT_EQ(news_of_a.back(), std::pair(two, Link::up));
+}
+
 TEST_F(LinkServiceTest, ADeadProcessIsALostLink) {
     link_both();
     b.reset();
@@ -102,10 +121,9 @@ TEST_F(LinkServiceTest, ADeadProcessIsALostLink) {
 
 TEST_F(LinkServiceTest, ALostLinkIsToldOnceThoughBeaconsGoOn) {
     link_both();
-    const Endpoint address = b->address();
     b.reset();
     ASSERT_TRUE(run_until([&] {
-        a->on_address(two, address);
+        a->on_heartbeat(two.broker);
         return a->counters().dialled >= 5;
     }));
     EXPECT_EQ(a->counters().lost, 1u);
@@ -142,9 +160,10 @@ TEST_F(LinkServiceTest, ARestartedProcessIsANewLink) {
     ASSERT_TRUE(run_until([&] { return news_of_a.size() == 2; }));
     const LogId again{two.broker, two.incarnation + 1};
     b = start(again, news_of_b);
+    a->on_address(again, b->address());
+    b->on_address(one, a->address());
     ASSERT_TRUE(run_until([&] {
-        a->on_address(again, b->address());
-        b->on_address(one, a->address());
+        heartbeats();
         return news_of_a.size() == 3;
     }));
     EXPECT_EQ(news_of_a.back(), std::pair(again, Link::up));
