@@ -79,6 +79,12 @@ void ClusterBroker::open_addresses() {
             held_by_peers_.push_back(address);
         } else if (error == boost::system::errc::address_in_use && !net::is_wildcard(address)) {
             held_.push_back(address);
+        } else if (error == boost::system::errc::address_not_available &&
+                   net::interface_towards(address) && !net::may_add_addresses()) {
+            throw Refusal("--listen '" + net::to_text(address) +
+                          "': is no address of this machine, and the right to add it, "
+                          "CAP_NET_ADMIN, is missing; as a service switch address-takeover.conf "
+                          "on, else start as root, or choose an address that `ip address` lists");
         } else {
             throw Refusal(why_not_served(address, error));
         }
@@ -232,6 +238,12 @@ void ClusterBroker::on_particulars(const cluster::Beacon& beacon) {
     if (member_) {
         for (const Endpoint& address : beacon.home_addresses) on_home_of_peer(address);
         return;
+    }
+    for (const Endpoint& address : beacon.home_addresses) {
+        const bool is_ours = beacon.log.broker == options_.broker.log.broker;
+        if (is_ours || !contains(held_, address)) continue;
+        throw Refusal("--listen '" + net::to_text(address) + "': is what broker " + beacon.name +
+                      " listens on, too; brokers of one cluster have an address each");
     }
     for (const Endpoint& address : beacon.serving) {
         if (contains(held_, address) && !contains(held_by_peers_, address)) {

@@ -200,6 +200,19 @@ TEST_P(AddressMove, OneWithoutTheRightToAddAddressesSaysSoAndIsNoHeir) {
     EXPECT_EQ(r2->errors().find("cannot serve"), std::string::npos) << r2->errors();
 }
 
+TEST_P(AddressMove, WithoutTheRightAnAddressOfItsOwnThatTheMachineLacksIsRefused) {
+    const Lan::On on(lan, 1);
+    Process broker("/usr/bin/setpriv",
+                   {"--bounding-set=-net_admin", ROMANO_BROKER, "--listen", service(1), "--name",
+                    "r1", "--domain", "7", "--interface", "eth0"});
+    EXPECT_EQ(broker.wait_for_exit(), 2);
+    EXPECT_NE(broker.errors().find("--listen '" + service(1) +
+                                   "': is no address of this machine, "
+                                   "and the right to add it, CAP_NET_ADMIN, is missing"),
+              std::string::npos)
+        << broker.errors();
+}
+
 // The first of them added the address, and its lease would end five seconds after it was killed.
 TEST_P(AddressMove, ABrokerOfTheSameMachineKeepsTheAddressThere) {
     auto r1 = start(1, service(1));

@@ -72,6 +72,21 @@ TEST(Refusal, OfAPortThatIsInUse) {
                 AllOf(HasSubstr("'" + addresses.service(1) + "'"), HasSubstr("in use")));
 }
 
+TEST(Refusal, OfAnAddressThatIsAnotherBrokersByConfiguration) {
+    const TestAddresses addresses;
+    const std::vector<std::string> cluster = {"--domain",    std::to_string(addresses.domain()),
+                                              "--interface", "lo",
+                                              "--listen",    addresses.service(1)};
+    auto arguments = cluster;
+    arguments.insert(arguments.end(), {"--name", "r1"});
+    BrokerProcess first(arguments);
+    first.wait_until_serving();
+    arguments = cluster;
+    arguments.insert(arguments.end(), {"--name", "r2"});
+    EXPECT_THAT(refusal(arguments),
+                AllOf(HasSubstr("'" + addresses.service(1) + "'"), HasSubstr("broker r1 listens")));
+}
+
 TEST(Refusal, OfAPortThatAStrangerToTheClusterHas) {
     const TestAddresses addresses;
     BrokerProcess stranger({"--listen", addresses.service(1)});
