@@ -43,7 +43,9 @@ std::string BrokerOptions::where() const {
 
 std::string BrokerOptions::unreachable(bool was_refused) const {
     return was_refused ? "no broker serves at " + where() + ": nobody listens there (see -h and -p)"
-                       : "no broker answered at " + where() + " (see -h, -p, --broker-timeout)";
+                       : "no broker answered at " + where() +
+                             " (see -h, -p, --broker-timeout; a broker that waits for its peers, "
+                             "or for a leader, answers nobody: its trace says so)";
 }
 
 void TopicOption::add_to(CLI::App& command, const char* what) {

@@ -18,6 +18,7 @@
 #include "experiments/cli/broker_options.h"
 #include "experiments/cli/denial.h"
 #include "experiments/cli/interrupt.h"
+#include "romano/mqttsn/topic.h"
 
 namespace romano::experiments {
 namespace {
@@ -31,6 +32,10 @@ constexpr const char* pub_examples = R"(Examples:
   some-sensor | romano pub -t sensors/a -l -q 1     (each line is a message)
   romano pub --predefined 3 -m 1 -q -1              (without a connection)
 )";
+
+constexpr const char* no_registration =
+    "-q -1 needs a topic without registration: --predefined ID, or --short with a name of two "
+    "octets";
 
 struct PubOptions {
     BrokerOptions broker;
@@ -149,10 +154,7 @@ private:
                 return "a message of " + std::to_string(size) +
                        " octets is too long for one datagram";
             case client::Refusal::invalid_topic:
-                return options_.qos < 0
-                           ? "-q -1 needs a topic without registration: --predefined ID, or "
-                             "--short with a name of two octets"
-                           : "-t `" + options_.topic.name + "`: no topic name";
+                return options_.topic.words() + ": no topic";
             case client::Refusal::not_connected:
                 break;
         }
@@ -225,6 +227,13 @@ void check(const PubOptions& options) {
                         (options.empty ? 1 : 0) + (options.lines ? 1 : 0);
     if (sources != 1) {
         throw CommandError("one message is needed: -m TEXT, -f FILE, -n (empty) or -l (lines)");
+    }
+    (void)options.topic.topic();
+    const bool is_registered = options.topic.predefined == 0 && !options.topic.is_short;
+    if (options.qos < 0 && is_registered) throw CommandError(no_registration);
+    if (is_registered && !mqttsn::is_valid_topic_name(options.topic.name)) {
+        throw CommandError("-t `" + options.topic.name +
+                           "`: must be a topic's name: UTF-8, not empty, without + and #");
     }
 }
 

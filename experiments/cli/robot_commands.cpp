@@ -84,8 +84,7 @@ public:
             const std::string topic = options_.asks_for_data ? options_.first : own_answer_topic();
             watch_.set_on_message([this, topic](std::string_view heard, Bytes data) {
                 if (heard != topic) return;
-                const auto message = romano_message(heard, data);
-                answer_ = message ? to_line(*message) : std::string{as_text(data)};
+                answer_ = answer_in(romano_message(heard, data), data);
             });
             watch_.subscribe(topic);
             turn_until([this] { return watch_.is_connected() && watch_.is_idle(); });
@@ -142,6 +141,17 @@ private:
                            " did not answer within " + seconds.str() + " s (see romano robots)");
     }
 
+    /// In words. Robots publish what they have no sensor for as it stands (the authors' firmware
+    /// and ours), which nobody shall take for data.
+    std::string answer_in(const std::optional<message::Message>& message, Bytes data) const {
+        if (!message) return std::string{as_text(data)};
+        const auto* normal = std::get_if<message::NormalData>(&*message);
+        const bool is_echo =
+            options_.asks_for_data && normal != nullptr && as_text(normal->data) == options_.second;
+        return to_line(*message) +
+               (is_echo ? " (the request's own words: it has no such data)" : "");
+    }
+
     std::optional<NodeEntry> look_up(const message::RomanoId& id) {
         const std::size_t heard = watch_.heard();
         watch_.subscribe(server::entry_topic(id));
@@ -187,6 +197,24 @@ private:
     nlohmann::ordered_json sent_ = nlohmann::ordered_json::array();
 };
 
+/// Refuses what no robot would understand, before a broker is asked which form the robot speaks.
+void check(const RobotCommandOptions& options, const Encode& encode) {
+    (void)receivers_in(options.receivers);
+    if (options.form != "auto") {
+        (void)encode(options, options.form == "legacy" ? Form::legacy : Form::binary);
+        return;
+    }
+    try {
+        (void)encode(options, Form::binary);
+    } catch (const std::invalid_argument& refused) {
+        try {
+            (void)encode(options, Form::legacy);
+        } catch (const std::invalid_argument&) {
+            throw refused;
+        }
+    }
+}
+
 CLI::App& add_command(CLI::App& program, int& exit_code, const char* name, const char* what,
                       const char* examples, const std::shared_ptr<RobotCommandOptions>& options,
                       Encode encode) {
@@ -212,6 +240,7 @@ CLI::App& add_command(CLI::App& program, int& exit_code, const char* name, const
     command.footer(examples);
     command.callback([options, encode = std::move(encode), &exit_code] {
         try {
+            check(*options, encode);
             Commander{*options, encode}.run();
         } catch (const std::invalid_argument& refused) {
             throw CommandError(refused.what());

@@ -244,6 +244,12 @@ INSTANTIATE_TEST_SUITE_P(
         Refused{"pub -t abc --short -m b", "`abc`: a short topic name has two octets"},
         Refused{"pub -t a -f /nowhere -h 127.50.250.9 -p 9 --broker-timeout 0.2",
                 "no broker serves at 127.50.250.9 port 9: nobody listens there"},
+        // Nobody is asked whether a broker is there: what is wrong is wrong everywhere.
+        Refused{"pub -t a/# -m b -h 127.50.250.9 -p 9", "-t `a/#`: must be a topic's name"},
+        Refused{"move abcd1234 sideways 1m -h 127.50.250.9 -p 9", "movement `sideways`: must be"},
+        Refused{"move abcd1234 front 3 -h 127.50.250.9 -p 9", "amount `3`: must be a distance"},
+        Refused{"move '' front 1m -h 127.50.250.9 -p 9", "robot ``: must be a topic's name"},
+        Refused{"request abcd1234 a/+ location -h 127.50.250.9 -p 9", "topic `a/+`: must be"},
         Refused{"sub", "a topic is needed: -t FILTER or --predefined ID"},
         Refused{"sub -t a -c", "-c needs -i ID"},
         Refused{"sub -t a -W 0.5 -h 127.50.250.9 -p 9",
