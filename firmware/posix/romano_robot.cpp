@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/signal_set.hpp>
+#include <boost/asio/steady_timer.hpp>
 #include <chrono>
 #include <csignal>
 #include <cstdio>
@@ -36,6 +37,9 @@ constexpr const char* examples = R"(Examples:
 
 Each line of output is a robot's id and what happened; with --json it is a JSON object.
 Exit code: 0 at the end (Ctrl-C, --seconds), 2 when a setting is not possible.)";
+
+/// A robot that has no broker after so long has none for a reason.
+constexpr std::chrono::seconds patience{5};
 
 struct Settings {
     std::string id;
@@ -204,6 +208,25 @@ void sum_up(const Settings& settings, const std::vector<std::unique_ptr<Simulate
     std::fflush(stdout);
 }
 
+/// Who starts robots learns that some have no broker yet, and what to look at.
+void tell_of_robots_without_broker(const Settings& settings,
+                                   const std::vector<std::unique_ptr<SimulatedRobot>>& robots) {
+    const auto waiting = std::ranges::count_if(robots, [](const auto& robot) {
+        return robot->core().node().phase() != node::Phase::established;
+    });
+    if (waiting == 0) return;
+    std::fprintf(stderr, "romano-robot: %s no broker within %lld s; %s\n",
+                 robots.size() == 1 ? "the robot has found"
+                                    : (std::to_string(waiting) + " of " +
+                                       std::to_string(robots.size()) + " robots have found")
+                                          .c_str(),
+                 static_cast<long long>(patience.count()),
+                 settings.discovers
+                     ? "is a broker there that answers discovery (--discovery-group default), on "
+                       "the network of --local?"
+                     : "does a broker answer at --broker (romano brokers -h ADDR -p PORT)?");
+}
+
 /// So that they are known to be gone at once, and not when their keep-alive ends.
 void leave(boost::asio::io_context& io,
            const std::vector<std::unique_ptr<SimulatedRobot>>& robots) {
@@ -236,6 +259,10 @@ void run(const Settings& settings) {
             [&](const auto& id, const std::string& what) { say(settings, id, what); }));
     }
     manager.serving(std::to_string(robots.size()) + " robots");
+    boost::asio::steady_timer told(io, patience);
+    told.async_wait([&](const auto& cancelled) {
+        if (!cancelled) tell_of_robots_without_broker(settings, robots);
+    });
     if (settings.seconds > 0) {
         io.run_for(
             std::chrono::duration_cast<std::chrono::milliseconds>(seconds(settings.seconds)));
@@ -243,6 +270,7 @@ void run(const Settings& settings) {
         io.run();
     }
     sum_up(settings, robots);
+    told.cancel();
     leave(io, robots);
 }
 

@@ -85,6 +85,8 @@ TEST_F(Robots, SubscribeAndPublishOnCommand) {
     EXPECT_NE(follower.wait_for("sensor data of type 2 on `telemetry`"), "");
     EXPECT_EQ(romano(1, {"request", "00000001", "telemetry", "colour"}), 0);
     EXPECT_NE(follower.wait_for("hears `colour` on `telemetry`"), "");
+    EXPECT_EQ(romano(1, {"request", "00000001", "answer", "colour", "--wait", "20"}), 0);
+    EXPECT_THAT(said, HasSubstr("(the request's own words: it has no such data)"));
 }
 
 TEST_F(Robots, WhatTheNetworkSaysIsOneLineOfPrintableLetters) {
@@ -270,6 +272,19 @@ TEST_F(Robots, ARobotFindsItsBrokerByDiscovery) {
     Process robot(ROMANO_ROBOT, {"--id", "abcd1234", "--discover", "--group", group, "--local",
                                  service.substr(0, service.find(':'))});
     EXPECT_NE(robot.wait_for("established"), "");
+}
+
+TEST_F(Robots, WhoFindsNoBrokerSaysWhatToLookAt) {
+    const std::string service = addresses.service(9);
+    Process finder(ROMANO_ROBOT, {"--discover", "--group", "225.1.1.1:17999", "--local",
+                                  service.substr(0, service.find(':')), "--seconds", "6"});
+    Process caller(ROMANO_ROBOT, {"--count", "3", "--broker", service, "--seconds", "6"});
+    EXPECT_EQ(finder.wait_for_exit(), 0);
+    EXPECT_THAT(finder.errors(), HasSubstr("the robot has found no broker within 5 s; is a broker "
+                                           "there that answers discovery"));
+    EXPECT_EQ(caller.wait_for_exit(), 0);
+    EXPECT_THAT(caller.errors(), HasSubstr("3 of 3 robots have found no broker within 5 s; does a "
+                                           "broker answer at --broker"));
 }
 
 TEST_F(Robots, ARobotThatCannotAskItsGroupSaysSo) {
