@@ -24,7 +24,7 @@ ClusterCore::ClusterCore(const ClusterOptions& options, const Identity& identity
       settlement_(identity.log.broker),
       roaming_(digest_of(identity.predefined)),
       predefined_(digest_of(identity.predefined)),
-      agreement_(identity.name, agreed_settings(options, identity.predefined)) {}
+      settings_(identity.name, agreed_settings(options, identity.predefined)) {}
 
 // --- inputs
 
@@ -205,7 +205,7 @@ void ClusterCore::on_beacon(Effects& effects, const Beacon& beacon) {
     if (membership_.is_alive(beacon.log)) {
         heed(beacon);
         if (heard == Membership::Heard::news) ended_.learn(view(), beacon.ended);
-        agreement_.on_beacon(effects, beacon);
+        settings_.on_beacon(effects, beacon);
     }
     if (heard == Membership::Heard::news) heed_news_of_peers(effects);
 }
@@ -215,7 +215,7 @@ void ClusterCore::on(Effects& effects, BrokerId, const Pulse& pulse) {
 }
 
 void ClusterCore::on(Effects& effects, BrokerId from, const SettingsTold& told) {
-    agreement_.on_told(effects, from, membership_.name_of(from), told);
+    settings_.on_told(effects, from, membership_.name_of(from), told);
 }
 
 void ClusterCore::listen_only(Duration away) {
@@ -412,7 +412,7 @@ Beacon ClusterCore::beacon(const broker::BrokerCore& broker) const {
                   .transport_octets_sent = octets_sent_,
                   .transport_octets_received = octets_received_,
                   .link = link_,
-                  .settings = agreement_.digest(),
+                  .settings = settings_.digest(),
                   .predefined = predefined_};
     membership_.describe(beacon);
     for (const auto& [id, log] : logs_) beacon.applied.push_back({id, held_of(id, log)});

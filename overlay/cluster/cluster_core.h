@@ -18,34 +18,34 @@
 #include <utility>
 #include <vector>
 
-#include "overlay/cluster/acknowledgements.h"
-#include "overlay/cluster/acquaintance.h"
-#include "overlay/cluster/adoption.h"
-#include "overlay/cluster/agreement.h"
+#include "overlay/cluster/agreement/acquaintance.h"
+#include "overlay/cluster/agreement/ended_logs.h"
+#include "overlay/cluster/agreement/heartbeat.h"
+#include "overlay/cluster/agreement/leaderless.h"
+#include "overlay/cluster/agreement/live_peers.h"
+#include "overlay/cluster/agreement/membership.h"
+#include "overlay/cluster/agreement/namesake.h"
+#include "overlay/cluster/agreement/settings_comparison.h"
+#include "overlay/cluster/agreement/view_change.h"
 #include "overlay/cluster/effects.h"
-#include "overlay/cluster/ended_logs.h"
-#include "overlay/cluster/hand_back.h"
-#include "overlay/cluster/heartbeat.h"
-#include "overlay/cluster/last_words.h"
-#include "overlay/cluster/leaderless.h"
-#include "overlay/cluster/listening.h"
-#include "overlay/cluster/live_peers.h"
-#include "overlay/cluster/log_keeping.h"
-#include "overlay/cluster/membership.h"
-#include "overlay/cluster/missing_messages.h"
-#include "overlay/cluster/namesake.h"
-#include "overlay/cluster/own_log.h"
-#include "overlay/cluster/peer_log.h"
-#include "overlay/cluster/peer_sessions.h"
-#include "overlay/cluster/publish_order.h"
-#include "overlay/cluster/roaming.h"
-#include "overlay/cluster/service_addresses.h"
-#include "overlay/cluster/session_handoff.h"
-#include "overlay/cluster/settlement.h"
-#include "overlay/cluster/snapshot_sender.h"
-#include "overlay/cluster/take_over.h"
-#include "overlay/cluster/view_change.h"
-#include "overlay/cluster/watermark.h"
+#include "overlay/cluster/ownership/adoption.h"
+#include "overlay/cluster/ownership/hand_back.h"
+#include "overlay/cluster/ownership/roaming.h"
+#include "overlay/cluster/ownership/service_addresses.h"
+#include "overlay/cluster/ownership/session_handoff.h"
+#include "overlay/cluster/ownership/settlement.h"
+#include "overlay/cluster/ownership/take_over.h"
+#include "overlay/cluster/replication/acknowledgements.h"
+#include "overlay/cluster/replication/last_words.h"
+#include "overlay/cluster/replication/log_keeping.h"
+#include "overlay/cluster/replication/missing_messages.h"
+#include "overlay/cluster/replication/own_log.h"
+#include "overlay/cluster/replication/peer_log.h"
+#include "overlay/cluster/replication/peer_sessions.h"
+#include "overlay/cluster/replication/publish_order.h"
+#include "overlay/cluster/replication/snapshot_sender.h"
+#include "overlay/cluster/replication/watermark.h"
+#include "overlay/cluster/speaking/listening.h"
 
 namespace romano::cluster {
 
@@ -142,7 +142,7 @@ public:
     [[nodiscard]] election::Leadership leadership() const { return membership_.leadership(); }
     [[nodiscard]] Duration detection_time() const { return membership_.detection_time(); }
     [[nodiscard]] Times times() const { return membership_.times(); }
-    [[nodiscard]] const Agreement& agreement() const { return agreement_; }
+    [[nodiscard]] const SettingsComparison& settings() const { return settings_; }
     [[nodiscard]] const Membership& membership() const { return membership_; }
     [[nodiscard]] const ServiceAddresses& addresses() const { return addresses_; }
     [[nodiscard]] const PeerLogs& peer_logs() const { return logs_; }
@@ -279,7 +279,7 @@ private:
     bool has_frozen_logs_ = false;  // as of the last tick
     std::set<Endpoint> silent_;     // of those that are served
     std::uint32_t predefined_;      // digest
-    Agreement agreement_;
+    SettingsComparison settings_;
 
     Listening listening_;
     Acquaintance acquaintance_;

@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "overlay/cluster/cluster_core.h"
-#include "overlay/cluster/quick_holder.h"
+#include "overlay/cluster/replication/quick_holder.h"
 
 namespace romano::cluster {
 

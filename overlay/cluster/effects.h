@@ -6,7 +6,7 @@
 
 #include "broker/core/broker_core.h"
 #include "overlay/cluster/envelope.h"
-#include "overlay/cluster/service_address.h"
+#include "overlay/cluster/ownership/service_address.h"
 #include "overlay/cluster/times.h"
 #include "romano/base/time.h"
 

@@ -85,7 +85,7 @@ struct Beacon {
     std::uint64_t transport_octets_received = 0;
     bool leaving = false;  // the last beacon of an orderly stop
     LinkAddress link{};
-    std::uint32_t settings = 0;    // digest of what all brokers must agree on (agreement.h)
+    std::uint32_t settings = 0;  // digest of what all brokers must agree on (settings_comparison.h)
     std::uint32_t predefined = 0;  // of the predefined topics; 0: there are none
 
     /// How far the sender holds the log: applied it, with what it tells of (acknowledgements.h).
@@ -153,7 +153,7 @@ struct ElectionMessage {
     election::Ballot ballot;
 };
 
-// --- view change: overlay/cluster/view_change.h
+// --- view change: overlay/cluster/agreement/view_change.h
 // ---------------------------------------------------
 
 /// The leader proposes; receivers freeze the logs of brokers that are members no more and answer.

@@ -24,7 +24,8 @@ struct ClusterOptions {
     Duration beacon_every{std::chrono::milliseconds{10}};
     Duration detection_timeout{std::chrono::milliseconds{100}};
     Duration found_again_within{std::chrono::milliseconds{500}};  // by the transport, after a cut
-    std::string profile;  // its name and the program's version are only compared (agreement.h)
+    std::string
+        profile;  // its name and the program's version are only compared (settings_comparison.h)
     std::string version;
     double phi_threshold = 8;  // phi-accrual: -log10 of the chance that a suspicion is wrong
     std::size_t log_events_kept = 200'000;  // for peers that lag; beyond it they need a snapshot

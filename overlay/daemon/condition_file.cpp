@@ -5,7 +5,7 @@
 #include <fstream>
 
 #include "broker/daemon/refusal.h"
-#include "overlay/cluster/condition.h"
+#include "overlay/cluster/agreement/condition.h"
 
 namespace romano::daemon {
 

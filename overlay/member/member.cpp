@@ -8,19 +8,23 @@
 
 #include "broker/server/carried_server.h"
 #include "overlay/cluster/cluster_core.h"
+#include "overlay/cluster/speaking/cut_off.h"
+#include "overlay/cluster/speaking/held_output.h"
+#include "overlay/cluster/speaking/stall.h"
+#include "overlay/cluster/speaking/waiting_input.h"
 #include "overlay/member/carried_uplink.h"
-#include "overlay/member/cut_off.h"
-#include "overlay/member/held_output.h"
-#include "overlay/member/stall.h"
 #include "overlay/member/status_teller.h"
-#include "overlay/member/waiting_input.h"
 
 namespace romano::overlay {
 
 using broker::BrokerCore;
 using broker::LogId;
 using cluster::ClusterCore;
+using cluster::CutOff;
 using cluster::Effects;
+using cluster::HeldOutput;
+using cluster::Stall;
+using cluster::WaitingInput;
 
 class Member::State {
 public:

@@ -18,7 +18,7 @@
 #include "broker/uplink/uplink_core.h"
 #include "election/failure_detector.h"
 #include "overlay/cluster/options.h"
-#include "overlay/cluster/service_address.h"
+#include "overlay/cluster/ownership/service_address.h"
 #include "overlay/member/member_facts.h"
 #include "overlay/transport.h"
 #include "romano/base/bytes.h"

@@ -61,7 +61,7 @@ void StatusTeller::tell(Instant now, const cluster::ClusterCore& cluster,
                      .leader_name = name_of(told_view_.leader),
                      .teller_name = beacons.front().name,
                      .differences = cluster.membership().is_alive(log)
-                                        ? cluster.agreement().differences_with(log.broker)
+                                        ? cluster.settings().differences_with(log.broker)
                                         : std::vector<cluster::Difference>{}});
         std::string& told = told_[topic];
         if (told == text) continue;

@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "overlay/cluster/agreement.h"
+#include "overlay/cluster/agreement/settings_comparison.h"
 #include "overlay/cluster/messages.h"
 
 namespace romano::overlay {

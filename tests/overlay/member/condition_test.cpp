@@ -1,6 +1,6 @@
 // Battery and load in the rank: who is low on battery gives up the lead, and no client notices.
 
-#include "overlay/cluster/condition.h"
+#include "overlay/cluster/agreement/condition.h"
 
 #include <gmock/gmock.h>
 

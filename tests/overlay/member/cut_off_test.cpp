@@ -1,6 +1,6 @@
 // A broker whose network failed, and clients that only the other side reached meanwhile.
 
-#include "overlay/member/cut_off.h"
+#include "overlay/cluster/speaking/cut_off.h"
 
 #include <gmock/gmock.h>
 
@@ -14,8 +14,8 @@ namespace romano::test::cut_off_test {
 namespace {
 
 using namespace std::chrono_literals;
+using cluster::CutOff;
 using mqttsn::Qos;
-using overlay::CutOff;
 using Address = CutOff::Address;
 using testing::ElementsAre;
 

@@ -1,0 +1,241 @@
+#include "overlay/cluster/agreement/heartbeat.h"
+
+#include <algorithm>
+#include <string_view>
+#include <utility>
+
+#include "overlay/cluster/digest.h"
+
+namespace romano::cluster {
+namespace {
+
+void add(Digest& digest, const Endpoint& endpoint) {
+    digest.add(static_cast<std::uint64_t>(endpoint.family));
+    for (const std::uint8_t octet : endpoint.address) digest.add(octet);
+    digest.add(std::uint64_t{endpoint.port} << 32U | endpoint.scope);
+}
+
+void add(Digest& digest, const std::vector<Endpoint>& endpoints) {
+    digest.add(std::uint64_t{endpoints.size()});
+    for (const Endpoint& endpoint : endpoints) add(digest, endpoint);
+}
+
+/// Its place among the members.
+std::optional<std::uint32_t> place_of(const LogId& log, const View& view) {
+    const auto found = std::ranges::lower_bound(view.members, log);
+    if (found == view.members.end() || *found != log) return std::nullopt;
+    return static_cast<std::uint32_t>(found - view.members.begin());
+}
+
+bool has_member(const View& view, BrokerId broker) {
+    const auto found = std::ranges::lower_bound(view.members, broker, {}, &LogId::broker);
+    return found != view.members.end() && found->broker == broker;
+}
+
+/// `held` is in the order of logs.
+void set_held(std::vector<LogPosition>& held, const LogPosition& position) {
+    const auto found = std::ranges::lower_bound(held, position.log, {}, &LogPosition::log);
+    if (found != held.end() && found->log == position.log) {
+        found->seq = position.seq;
+    } else if (held.size() < HeartbeatReader::logs_most) {
+        held.insert(found, position);
+    }
+}
+
+}  // namespace
+
+std::uint32_t digest_of_particulars(const Beacon& beacon) {
+    Digest digest;
+    digest.add(std::uint64_t{beacon.name.size()});
+    digest.add(std::string_view{beacon.name});
+    add(digest, beacon.home_addresses);
+    add(digest, beacon.serving);
+    add(digest, beacon.link.endpoint);
+    digest.add(beacon.link.process);
+    digest.add(std::uint64_t{beacon.cannot_take});
+    digest.add(std::uint64_t{beacon.settings});
+    digest.add(std::uint64_t{beacon.predefined});
+    return digest.value();
+}
+
+// --- the writer
+
+Heartbeat HeartbeatWriter::write(const Beacon& beacon) {
+    Heartbeat out{.log = beacon.log,
+                  .tick = beacon.tick,
+                  .last_seq = beacon.last_seq,
+                  .particulars = digest_of_particulars(beacon),
+                  .view = beacon.view.number,
+                  .promised = beacon.promised,
+                  .claim = beacon.claim,
+                  .members = static_cast<std::uint32_t>(beacon.view.members.size()),
+                  .logs_held = static_cast<std::uint32_t>(beacon.applied.size()),
+                  .sessions = beacon.sessions,
+                  .connected = beacon.connected,
+                  .transport_octets_sent = beacon.transport_octets_sent,
+                  .transport_octets_received = beacon.transport_octets_received,
+                  .leaving = beacon.leaving};
+    const std::uint32_t before = std::exchange(particulars_, out.particulars);
+    has_news_ = before != 0 && before != out.particulars;
+
+    out.hears_members.resize((beacon.view.members.size() + 7) / 8);
+    for (std::size_t place = 0; place < beacon.view.members.size(); ++place) {
+        if (!beacon.hears_from(beacon.view.members[place].broker)) continue;
+        out.hears_members[place / 8] |= static_cast<std::uint8_t>(1U << (place % 8));
+    }
+    std::ranges::copy_if(beacon.hears, std::back_inserter(out.hears_others),
+                         [&](BrokerId id) { return !has_member(beacon.view, id); });
+
+    const auto say = [&](const LogPosition& position) {
+        if (const auto place = place_of(position.log, beacon.view)) {
+            out.held.push_back({*place, position.seq});
+        } else {
+            out.held_others.push_back(position);
+        }
+    };
+    std::erase_if(held_, [&](const auto& entry) { return !beacon.knows(entry.first); });
+    std::vector<LogPosition> unchanged;
+    for (const LogPosition& position : beacon.applied) {
+        const auto [at, is_new] = held_.try_emplace(position.log, Said{position.seq, beacon.tick});
+        if (at->second.through != position.seq) at->second = {position.seq, beacon.tick};
+        if (beacon.tick < at->second.changed_at + said_in) {
+            say(position);
+        } else {
+            unchanged.push_back(position);
+        }
+    }
+    const auto next = std::ranges::find_if(unchanged, [&](const LogPosition& position) {
+        return repeated_last_ && position.log > *repeated_last_;
+    });
+    std::ranges::rotate(unchanged, next);
+    if (unchanged.size() > repeated) unchanged.resize(repeated);
+    for (const LogPosition& position : unchanged) say(position);
+    if (!unchanged.empty()) repeated_last_ = unchanged.back().log;
+    return out;
+}
+
+// --- the reader
+
+bool HeartbeatReader::Peer::lacks_something() const {
+    const std::uint64_t all_are_said_in =
+        heartbeat.logs_held / HeartbeatWriter::repeated + 2 * HeartbeatWriter::said_in;
+    return !beacon || particulars != heartbeat.particulars || lacks_view ||
+           (counts_differ_since != 0 && heartbeat.tick > counts_differ_since + all_are_said_in);
+}
+
+HeartbeatReader::Peer* HeartbeatReader::find_or_add(const LogId& log) {
+    const auto found = peers_.find(log.broker);
+    if (found != peers_.end()) {
+        Peer& peer = found->second;
+        if (log.incarnation < peer.heartbeat.log.incarnation) return nullptr;
+        if (log != peer.heartbeat.log) peer = Peer{};
+        peer.heartbeat.log = log;
+        return &peer;
+    }
+    if (peers_.size() >= peers_most) peers_.clear();
+    Peer& peer = peers_[log.broker];
+    peer.heartbeat.log = log;
+    return &peer;
+}
+
+const Beacon* HeartbeatReader::read(const Heartbeat& heartbeat, const View& own_view) {
+    Peer* peer = find_or_add(heartbeat.log);
+    if (peer == nullptr || heartbeat.tick <= peer->heartbeat.tick) return nullptr;
+    peer->heartbeat = heartbeat;
+    return join(*peer, own_view);
+}
+
+const Beacon* HeartbeatReader::read(const Particulars& told, const View& own_view) {
+    const auto found = peers_.find(told.beacon.log.broker);
+    if (found == peers_.end() || found->second.heartbeat.log != told.beacon.log) return nullptr;
+    Peer& peer = found->second;
+    Beacon joined = told.beacon;
+    std::ranges::sort(joined.applied);
+    if (peer.beacon && told.beacon.tick <= peer.beacon->tick) {
+        // Heartbeats that came since tell more of the logs that are held.
+        for (LogPosition& position : joined.applied) {
+            position.seq = std::max(position.seq, peer.beacon->applied_through(position.log));
+        }
+    }
+    peer.beacon = std::move(joined);
+    peer.particulars = digest_of_particulars(*peer.beacon);
+    peer.counts_differ_since = 0;
+    peer.asked_at.reset();
+    if (told.beacon.tick < peer.heartbeat.tick) return join(peer, own_view);
+    peer.heartbeat.tick = told.beacon.tick;
+    peer.heartbeat.view = told.beacon.view.number;
+    peer.heartbeat.promised = told.beacon.promised;
+    peer.heartbeat.members = static_cast<std::uint32_t>(told.beacon.view.members.size());
+    peer.heartbeat.particulars = peer.particulars;
+    peer.lacks_view = false;
+    return &*peer.beacon;
+}
+
+const Beacon* HeartbeatReader::join(Peer& peer, const View& own_view) const {
+    if (!peer.beacon) return nullptr;
+    const Heartbeat& said = peer.heartbeat;
+    Beacon& beacon = *peer.beacon;
+    beacon.tick = said.tick;
+    beacon.last_seq = said.last_seq;
+    beacon.promised = said.promised;
+    beacon.claim = said.claim;
+    beacon.sessions = said.sessions;
+    beacon.connected = said.connected;
+    beacon.transport_octets_sent = said.transport_octets_sent;
+    beacon.transport_octets_received = said.transport_octets_received;
+    beacon.leaving = said.leaving;
+    join_view(peer, own_view);
+    for (const LogPosition& position : said.held_others) set_held(beacon.applied, position);
+    if (beacon.applied.size() == said.logs_held) {
+        peer.counts_differ_since = 0;
+    } else if (peer.counts_differ_since == 0) {
+        peer.counts_differ_since = said.tick;
+    }
+    return &beacon;
+}
+
+/// In a view that is not known here the sender hears whom it heard before, but us it may name.
+void HeartbeatReader::join_view(Peer& peer, const View& own_view) const {
+    const Heartbeat& said = peer.heartbeat;
+    Beacon& beacon = *peer.beacon;
+    const auto is_said = [&](const View& view) {
+        return view.number == said.view && view.members.size() == said.members;
+    };
+    if (said.members == 0) beacon.view = {.number = said.view, .members = {}};
+    if (is_said(own_view)) beacon.view = own_view;
+    peer.lacks_view = !is_said(beacon.view);
+    if (peer.lacks_view) {
+        if (std::ranges::count(said.hears_others, self_) != 0 && !beacon.hears_from(self_)) {
+            beacon.hears.push_back(self_);
+        }
+        return;
+    }
+    const auto& members = beacon.view.members;
+    beacon.hears.clear();
+    for (std::size_t place = 0; place < members.size(); ++place) {
+        const std::size_t octet = place / 8;
+        if (octet < said.hears_members.size() && (said.hears_members[octet] >> (place % 8U) & 1U)) {
+            beacon.hears.push_back(members[place].broker);
+        }
+    }
+    beacon.hears.insert(beacon.hears.end(), said.hears_others.begin(), said.hears_others.end());
+    for (const auto& [member, through] : said.held) {
+        if (member < members.size()) set_held(beacon.applied, {members[member], through});
+    }
+}
+
+bool HeartbeatReader::knows_view_of(BrokerId broker) const {
+    const auto found = peers_.find(broker);
+    return found != peers_.end() && found->second.beacon && !found->second.lacks_view;
+}
+
+bool HeartbeatReader::must_ask(Instant now, Duration again_after, BrokerId broker) {
+    const auto found = peers_.find(broker);
+    if (found == peers_.end() || !found->second.lacks_something()) return false;
+    std::optional<Instant>& asked_at = found->second.asked_at;
+    if (asked_at && now < *asked_at + again_after) return false;
+    asked_at = now;
+    return true;
+}
+
+}  // namespace romano::cluster

@@ -1,0 +1,258 @@
+#include "overlay/cluster/agreement/membership.h"
+
+#include <algorithm>
+#include <cassert>
+#include <utility>
+
+namespace romano::cluster {
+namespace {
+
+// Peers that are gone are remembered for their addresses; beyond this many the dead are forgotten.
+constexpr std::size_t peers_known = 1'000;
+
+}  // namespace
+
+bool Peer::is_home_of(const Endpoint& address) const {
+    return std::ranges::count(beacon.home_addresses, address) > 0;
+}
+
+bool Peer::is_serving(const Endpoint& address) const {
+    return std::ranges::count(beacon.serving, address) > 0;
+}
+
+bool Peer::hears(BrokerId broker) const {
+    return beacon.hears_from(broker);
+}
+
+Membership::Membership(const ClusterOptions& options, BrokerId self, std::uint64_t seed)
+    : options_(options), self_(self), seed_(seed) {
+    const election::DetectorOptions times{.beacon_every = options.beacon_every,
+                                          .timeout = options.detection_timeout,
+                                          .phi_threshold = options.phi_threshold};
+    heard_ = election::make_detector(options.detector, times);
+    linked_ = election::make_detector(options.detector, times);
+    assert(linked_ != nullptr && "the shell checks the detector's name");
+    restart();
+}
+
+void Membership::restart() {
+    std::vector<election::NodeId> voters;
+    for (const auto& name : options_.voters) voters.push_back(node_of(broker::broker_id_of(name)));
+    elector_ =
+        election::make_elector(options_.elector, {.self = {.capability = options_.rank,
+                                                           .condition = condition_.told(),
+                                                           .id = node_of(self_)},
+                                                  .detection_time = linked_->detection_time(),
+                                                  .voters = std::move(voters),
+                                                  .seed = ++seed_});
+    assert(elector_ != nullptr && "the shell checks the elector's name");
+}
+
+Membership::Heard Membership::on_beacon(Instant now, const Beacon& beacon) {
+    const BrokerId id = beacon.log.broker;
+    if (id == self_) return Heard::nothing;
+    if (!peers_.contains(id) && peers_.size() >= peers_known) {
+        std::erase_if(peers_, [](const auto& entry) { return !entry.second.alive; });
+        if (peers_.size() >= peers_known) return Heard::nothing;
+    }
+    Peer& peer = peers_[id];
+    if (beacon.log.incarnation < peer.beacon.log.incarnation) return Heard::nothing;
+    const bool is_same_life = beacon.log == peer.beacon.log;
+    if (is_same_life && beacon.tick < peer.beacon.tick) return Heard::nothing;
+    const bool was_alive = peer.alive;
+    const bool was_heard = is_heard(id);
+    const bool has_news = is_news(peer, beacon);
+    const bool is_new_tick = !is_same_life || beacon.tick > peer.beacon.tick;
+    const election::NodeId node = node_of(id);
+    if (!is_same_life) {
+        ++changes_;
+        heard_->on_restart(node);
+        linked_->on_restart(node);
+    }
+    peer.beacon = beacon;
+    // Its particulars came after its heartbeat, and may have waited.
+    if (!is_new_tick) return has_news ? Heard::news : Heard::life;
+    peer.heard_at = now;
+
+    if (beacon.leaving) {
+        peer.ended = true;
+        heard_->on_gone(now, node);
+        linked_->on_gone(now, node);
+        bury_suspects(now);
+        return Heard::news;
+    }
+    heard_->on_beacon(now, node);
+    if (peer.hears(self_)) {
+        linked_->on_beacon(now, node);
+        find_again(now, peer, linked_->is_alive(node));
+        if (peer.alive) {
+            peer.ended = false;
+            elector_->on_claim(now, beacon.claim);
+        }
+    }
+    const bool is_changed = peer.alive != was_alive || is_heard(id) != was_heard;
+    return has_news || is_changed ? Heard::news : Heard::life;
+}
+
+bool Membership::is_news(const Peer& before, const Beacon& beacon) const {
+    const Beacon& last = before.beacon;
+    return beacon.log != last.log || beacon.view.number != last.view.number ||
+           beacon.claim != last.claim || beacon.leaving != last.leaving ||
+           beacon.hears_from(self_) != last.hears_from(self_) || beacon.serving != last.serving ||
+           beacon.home_addresses != last.home_addresses || beacon.ended != last.ended ||
+           beacon.settings != last.settings || beacon.predefined != last.predefined ||
+           beacon.link != last.link;
+}
+
+void Membership::on_pulse(Instant now, const Pulse& pulse) {
+    const auto known = peers_.find(pulse.log.broker);
+    if (known == peers_.end()) return;
+    Peer& peer = known->second;
+    if (peer.beacon.log != pulse.log || pulse.tick < peer.beacon.tick || peer.beacon.leaving)
+        return;
+    const election::NodeId node = node_of(pulse.log.broker);
+    const bool is_missed = now < missed_until_ && peer.lost_at && !peer.ended;
+    if (!is_missed && !heard_->is_alive(node)) return;
+    peer.heard_at = now;
+    heard_->on_beacon(now, node);
+    if (!peer.hears(self_) || (!is_missed && !linked_->is_alive(node))) return;
+    linked_->on_beacon(now, node);
+    if (is_missed) find_again(now, peer, linked_->is_alive(node));
+}
+
+void Membership::find_again(Instant now, Peer& peer, bool is_alive) {
+    if (std::exchange(peer.alive, is_alive) != is_alive) ++changes_;
+    if (is_alive && std::exchange(peer.lost_at, std::nullopt)) weigh_losses(now);
+}
+
+void Membership::on_leader(Instant now, BrokerId leader, election::Term term) {
+    // A proposal may be numbered beyond its leader's term; in raft nobody voted for that one.
+    if (options_.elector == "raft") return;
+    const auto peer = peers_.find(leader);
+    if (peer == peers_.end() || !peer->second.alive) return;
+    election::Claim& claim = peer->second.beacon.claim;
+    if (claim.term >= term) return;
+    claim.term = term;
+    claim.leader = node_of(leader);
+    elector_->on_claim(now, claim);
+}
+
+void Membership::on_left_out(Instant now, const LogId& log) {
+    const Peer* peer = find(log.broker);
+    if (peer == nullptr || peer->beacon.log != log) return;
+    if (!was_heard_just_now(*peer, now)) heard_->on_gone(now, node_of(log.broker));
+    linked_->on_gone(now, node_of(log.broker));
+    bury_suspects(now);
+}
+
+bool Membership::on_link(Instant now, const LogId& process, election::Link link) {
+    const auto peer = peers_.find(process.broker);
+    if (peer == peers_.end()) return false;
+    if (peer->second.beacon.link.process != process.incarnation) return false;
+    peer->second.ended = link == election::Link::lost;
+    heard_->on_link(now, node_of(process.broker), link);
+    linked_->on_link(now, node_of(process.broker), link);
+    bury_suspects(now);
+    return true;
+}
+
+void Membership::on_ballot(Instant now, BrokerId from, const election::Ballot& ballot) {
+    elector_->on_ballot(now, node_of(from), ballot);
+}
+
+void Membership::on_condition(Instant now, std::uint32_t reading) {
+    if (condition_.on_reading(reading)) elector_->on_condition(now, condition_.told());
+}
+
+void Membership::on_tick(Instant now) {
+    heard_->on_tick(now);
+    linked_->on_tick(now);
+    bury_suspects(now);
+    elector_->on_tick(now);
+}
+
+void Membership::send_ballots(Outbox& out) {
+    for (const auto& [to, ballot] : elector_->take_ballots()) {
+        out.push_back({broker_of(to), ElectionMessage{ballot}});
+    }
+}
+
+void Membership::bury_suspects(Instant now) {
+    (void)heard_->take_suspects();
+    for (const auto node : linked_->take_suspects()) {
+        Peer& peer = peers_[broker_of(node)];
+        peer.alive = false;
+        ++changes_;
+        peer.lost_at = now;
+        lost_.push_back(broker_of(node));
+        elector_->on_suspect(now, node);
+    }
+    weigh_losses(now);
+}
+
+void Membership::weigh_losses(Instant now) {
+    std::size_t left = 1;
+    std::size_t silent = 0;
+    Instant last_lost = Instant::min();
+    for (const auto& [id, peer] : peers_) {
+        if (peer.alive) ++left;
+        if (!peer.lost_at || peer.ended || now >= *peer.lost_at + times().losses_count_for())
+            continue;
+        ++silent;
+        last_lost = std::max(last_lost, *peer.lost_at);
+    }
+    lost_too_many_ = silent > left;
+    if (lost_too_many_) missed_until_ = last_lost + times().doubt_lasts();
+}
+
+void Membership::resume(Instant now) {
+    for (auto& [id, peer] : peers_) {
+        if (peer.lost_at) peer.lost_at = now;
+    }
+    weigh_losses(now);
+}
+
+void Membership::describe(Beacon& beacon) const {
+    beacon.claim = elector_->claim();
+    for (const auto& [id, peer] : peers_) {
+        if (is_heard(id)) beacon.hears.push_back(id);
+    }
+}
+
+const Peer* Membership::find(BrokerId id) const {
+    const auto found = peers_.find(id);
+    return found == peers_.end() ? nullptr : &found->second;
+}
+
+bool Membership::is_alive(const LogId& log) const {
+    const Peer* peer = find(log.broker);
+    return peer != nullptr && peer->alive && peer->beacon.log == log;
+}
+
+bool Membership::is_heard_clearly(const LogId& log, Instant now) const {
+    return is_alive(log) && was_heard_just_now(*find(log.broker), now);
+}
+
+bool Membership::was_heard_just_now(const Peer& peer, Instant now) const {
+    return now < peer.heard_at + times().clearly_heard_for();
+}
+
+bool Membership::has_ended(const LogId& log) const {
+    const Peer* peer = find(log.broker);
+    return peer != nullptr && (peer->ended || peer->beacon.log != log);
+}
+
+std::string Membership::name_of(BrokerId id) const {
+    const Peer* peer = find(id);
+    return peer == nullptr ? std::string{} : peer->beacon.name;
+}
+
+std::vector<BrokerId> Membership::take_lost() {
+    return std::exchange(lost_, {});
+}
+
+bool Membership::leads() const {
+    return leadership().leader == node_of(self_);
+}
+
+}  // namespace romano::cluster

@@ -1,0 +1,134 @@
+// Who is there: what the peers' beacons say, whom the detector believes alive, whom the elector
+// makes leader; and what the own beacon says about that.
+//
+// A link counts when it works both ways: a peer is alive to us when its beacons come here and say
+// that ours reach it. One way only, it could neither acknowledge our log nor follow our view.
+#pragma once
+
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "election/elector.h"
+#include "election/failure_detector.h"
+#include "overlay/cluster/agreement/condition.h"
+#include "overlay/cluster/envelope.h"
+#include "overlay/cluster/options.h"
+#include "overlay/cluster/times.h"
+#include "romano/base/time.h"
+
+namespace romano::cluster {
+
+[[nodiscard]] inline election::NodeId node_of(BrokerId id) {
+    return election::NodeId{static_cast<std::uint64_t>(id)};
+}
+[[nodiscard]] inline BrokerId broker_of(election::NodeId id) {
+    return BrokerId{static_cast<std::uint64_t>(id)};
+}
+
+/// What is known of a peer: its newest beacon.
+struct Peer {
+    Beacon beacon;
+    bool alive = false;
+    Instant heard_at{};  // its last beacon or pulse
+    bool ended = false;  // it said goodbye, or its process is gone; it did not just fall silent
+    std::optional<Instant> lost_at = {};  // taken for dead then, and not alive since
+    [[nodiscard]] bool is_home_of(const Endpoint& address) const;
+    [[nodiscard]] bool is_serving(const Endpoint& address) const;
+    /// It says so, and in this life: what is sent to it arrives.
+    [[nodiscard]] bool hears(BrokerId broker) const;
+};
+
+class Membership {
+public:
+    Membership(const ClusterOptions& options, BrokerId self, std::uint64_t seed);
+
+    /// A new life of this broker: it listens before it leads, as after its start.
+    void restart();
+
+    enum class Heard : std::uint8_t {
+        nothing,  // of an earlier life of the peer, or our own
+        life,     // and what changes all the time
+        news,     // others act on it
+    };
+    Heard on_beacon(Instant now, const Beacon& beacon);
+    /// A sign of life, and only of those who are alive: the next beacon tells the rest. Or of those
+    /// of whom we did not know whether they or we are deaf: they listen until they know what we do.
+    void on_pulse(Instant now, const Pulse& pulse);
+    /// The leader's claim comes with its proposals too, and may come there before its beacon. Not
+    /// in raft: terms are voted, and only beacons tell of them.
+    void on_leader(Instant now, BrokerId leader, election::Term term);
+    /// A view left it out, perhaps before the own detectors noticed: gone until its next beacon;
+    /// but when the last one is so young that it lives, it is still heard.
+    void on_left_out(Instant now, const LogId& log);
+    /// News of the link to a peer's process. False when it is another process by now.
+    bool on_link(Instant now, const LogId& process, election::Link link);
+    void on_ballot(Instant now, BrokerId from, const election::Ballot& ballot);
+    void on_tick(Instant now);
+    /// After a stall, in which nobody could be heard: whoever may be deaf listens anew.
+    void resume(Instant now);
+    /// Battery or load of this broker, from 0 to 100.
+    void on_condition(Instant now, std::uint32_t reading);
+    /// What the elector has to say since the last call.
+    void send_ballots(Outbox& out);
+    /// The elector's next wish; detectors count beacon times.
+    [[nodiscard]] Instant next_wakeup() const { return elector_->next_wakeup(); }
+
+    /// Fills in what the own beacon says about the others.
+    void describe(Beacon& beacon) const;
+
+    [[nodiscard]] const std::map<BrokerId, Peer>& peers() const { return peers_; }
+    /// Null when unknown.
+    [[nodiscard]] const Peer* find(BrokerId id) const;
+    /// Its beacons come here, whether or not ours reach it.
+    [[nodiscard]] bool is_heard(BrokerId id) const { return heard_->is_alive(node_of(id)); }
+    /// Alive, and in this life.
+    [[nodiscard]] bool is_alive(const LogId& log) const;
+    /// Its last sign of life is much younger than a silence that means death.
+    [[nodiscard]] bool is_heard_clearly(const LogId& log, Instant now) const;
+    /// That life of the broker is over for certain.
+    [[nodiscard]] bool has_ended(const LogId& log) const;
+    /// We have just lost more by silence than we have left, ourselves included: perhaps not they
+    /// fell silent, but we are deaf. Those who fell silent some seconds ago count as well: that may
+    /// have been the beginning. True for two detection times after the last of them: when we
+    /// are, the others have replaced us by then.
+    [[nodiscard]] bool may_be_deaf(Instant now) const {
+        return lost_too_many_ && now < missed_until_;
+    }
+    [[nodiscard]] election::Leadership leadership() const { return elector_->leadership(); }
+    [[nodiscard]] bool leads() const;
+    /// The peer's name, as its beacons say it; empty when unknown.
+    [[nodiscard]] std::string name_of(BrokerId id) const;
+    /// Grows whenever somebody else is alive, or in another life.
+    [[nodiscard]] std::uint64_t changes() const { return changes_; }
+    /// Peers that were taken for dead since the last call.
+    [[nodiscard]] std::vector<BrokerId> take_lost();
+    [[nodiscard]] Duration detection_time() const { return linked_->detection_time(); }
+    [[nodiscard]] Times times() const {
+        return {options_.beacon_every, detection_time(), options_.found_again_within};
+    }
+
+private:
+    [[nodiscard]] bool is_news(const Peer& before, const Beacon& beacon) const;
+    void find_again(Instant now, Peer& peer, bool is_alive);
+    void bury_suspects(Instant now);
+    void weigh_losses(Instant now);
+    [[nodiscard]] bool was_heard_just_now(const Peer& peer, Instant now) const;
+
+    ClusterOptions options_;
+    BrokerId self_;
+    std::uint64_t seed_;
+    Condition condition_;
+    std::unique_ptr<election::FailureDetector> heard_;   // beacons come here
+    std::unique_ptr<election::FailureDetector> linked_;  // and ours go there
+    std::unique_ptr<election::Elector> elector_;
+    std::map<BrokerId, Peer> peers_;
+    std::vector<BrokerId> lost_;
+    std::uint64_t changes_ = 0;
+    bool lost_too_many_ = false;             // by silence: more than are left
+    Instant missed_until_ = Instant::min();  // since then: they may say that they live
+};
+
+}  // namespace romano::cluster

@@ -1,0 +1,425 @@
+#include "overlay/cluster/agreement/view_change.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "overlay/cluster/ownership/heirs.h"
+#include "overlay/cluster/replication/own_log.h"
+
+namespace romano::cluster {
+namespace {
+
+/// Freezes what is left of brokers that are gone. One that is alive and not in the view, because it
+/// has just started or follows another leader, serves its clients itself. Of the later life of one
+/// that is in the view we may not have heard yet.
+void freeze_the_dead(const View& view, Surroundings around) {
+    for (auto& [id, log] : around.logs) {
+        if (view.contains(id)) continue;
+        if (!around.membership.is_alive(id) || view.has_later_life_of(id)) log.freeze();
+    }
+}
+
+/// Only who is dead to the leader, too, is taken over. Of one that it leaves out and hears still it
+/// may hold more than was frozen there: an end without that would cost what comes next.
+ViewHoldings without_the_living(ViewHoldings holdings, const PeerLogs& logs) {
+    const auto lives = [&](const LogId& id) {
+        const auto log = logs.find(id);
+        return log != logs.end() && !log->second.is_frozen();
+    };
+    std::erase_if(holdings.holds, [&](const LogPosition& held) { return lives(held.log); });
+    std::erase_if(holdings.addresses, [&](const auto& left) { return lives(left.log); });
+    return holdings;
+}
+
+/// A member has promised a higher one, and enters none below that.
+bool is_below_a_promise(const ViewNumber& number, const std::vector<LogId>& members,
+                        const Membership& membership) {
+    return std::ranges::any_of(members, [&](const LogId& member) {
+        return membership.is_alive(member) &&
+               membership.find(member.broker)->beacon.promised > number;
+    });
+}
+
+}  // namespace
+
+bool ViewChange::contains(const LogId& log) const {
+    return view_.contains(log);
+}
+
+bool ViewChange::is_stranded(const Membership& membership, const PeerLogs& logs) const {
+    bool has_met_all = true;
+    for (const LogId& member : view_.members) {
+        if (membership.is_alive(member)) return false;
+        if (member != self_ && !logs.contains(member)) has_met_all = false;
+    }
+    return !has_met_all;
+}
+
+std::optional<ViewAnnouncement> ViewChange::take_installed() {
+    return std::exchange(installed_, std::nullopt);
+}
+
+void ViewChange::restart(LogId self) {
+    self_ = self;
+    was_replaced_ = true;
+    led_since_ = never;
+    view_.members.clear();
+    proposal_.reset();
+    early_.reset();
+    installed_.reset();
+    appointed_.clear();
+}
+
+void ViewChange::resume(PeerLogs& logs) {
+    led_since_ = never;
+    call_off(logs);
+    refusing_.clear();
+}
+
+// --- the leader's side
+
+void ViewChange::on_tick(Instant now, Surroundings around, Outbox& out) {
+    answer_early_proposal(now, around, out);
+    if (!around.membership.leads()) {
+        led_since_ = never;
+        call_off(around.logs);
+        refusing_.clear();
+        return;
+    }
+    if (around.membership.may_be_deaf(now) || waits_for_company(now, around)) {
+        return call_off(around.logs);
+    }
+    if (proposal_) {
+        give_up_on_silent(now, around.membership);
+        auto desired = desired_members(around.membership);
+        if (desired != proposal_->message.view.members || is_outnumbered(around.membership)) {
+            propose(now, std::move(desired), around, out);
+        } else if (now >= proposal_->asked_at + around.membership.times().proposal_asked_every()) {
+            ask(now, out);
+        }
+        return;
+    }
+    auto desired = desired_members(around.membership);
+    if (needs_change(now, desired, around)) {
+        propose(now, std::move(desired), around, out);
+    }
+}
+
+/// Nobody announces it any more: those whose logs it froze may be back, and what they promise to
+/// clients waits for us.
+void ViewChange::call_off(PeerLogs& logs) {
+    if (!proposal_) return;
+    proposal_.reset();
+    thaw_members(view_, logs);
+}
+
+/// Those of the present view that stay in it: what an earlier proposal froze of them lives on, for
+/// nobody may announce that one any more.
+void ViewChange::thaw_members(const View& next, PeerLogs& logs) const {
+    for (auto& [id, log] : logs) {
+        if (contains(id) && next.contains(id)) log.thaw();
+    }
+}
+
+/// The first view of a newcomer opens it to clients, whose sessions may be with a peer that does
+/// not follow us yet, or of whom newcomers know nothing: it is given a moment. Longer, whoever is
+/// there but was not met yet: a view without them would take their clients over.
+bool ViewChange::waits_for_company(Instant now, Surroundings around) {
+    const Membership& membership = around.membership;
+    const Times times = membership.times();
+    if (has_view() && !is_stranded(membership, around.logs)) return false;
+    if (led_since_ == never) led_since_ = now;
+    if (now < led_since_ + times.unmet_peer_waited_for() && misses_company(membership)) {
+        return true;
+    }
+    if (now < led_since_ + times.silent_home_waited_for() && misses_home(membership)) return true;
+    if (now >= led_since_ + times.newcomer_listens_for()) return false;
+    bool are_newcomers = true;
+    for (const auto& [id, peer] : membership.peers()) {
+        if (!peer.alive) continue;
+        are_newcomers = are_newcomers && peer.beacon.view.members.empty();
+        if (!peer.beacon.claim.leader) return true;
+    }
+    return are_newcomers;
+}
+
+/// A peer's beacons come here while ours do not reach it yet; or a peer that we met hears another;
+/// or we have met nobody, and know from being replaced that somebody is there.
+bool ViewChange::misses_company(const Membership& membership) const {
+    const auto is_met = [&](BrokerId id) {
+        const Peer* peer = membership.find(id);
+        return id == self_.broker || (peer != nullptr && peer->alive);
+    };
+    bool is_alone = true;
+    for (const auto& [id, peer] : membership.peers()) {
+        if (!peer.alive) {
+            if (membership.is_heard(id)) return true;
+            continue;
+        }
+        is_alone = false;
+        if (!std::ranges::all_of(peer.beacon.hears, is_met)) return true;
+    }
+    return is_alone && was_replaced_;
+}
+
+/// We are newcomers, all that are here, and who has the sessions fell silent.
+bool ViewChange::misses_home(const Membership& membership) const {
+    bool are_newcomers = !has_view();
+    bool is_home_silent = false;
+    for (const auto& [id, peer] : membership.peers()) {
+        const bool is_newcomer = peer.beacon.view.members.empty();
+        are_newcomers &= is_newcomer || !peer.alive;
+        is_home_silent |= !is_newcomer && !peer.alive && !peer.ended;
+    }
+    return are_newcomers && is_home_silent;
+}
+
+/// All that are alive, also followers of another leader: to leave one out means to take over its
+/// clients, so it is asked first.
+std::vector<LogId> ViewChange::desired_members(const Membership& membership) {
+    std::vector<LogId> members{self_};
+    for (const auto& [id, peer] : membership.peers()) {
+        if (!peer.alive) continue;
+        const auto& leader = peer.beacon.claim.leader;
+        if (leader == node_of(self_.broker)) refusing_.erase(id);
+        // One that has just started follows nobody yet: it is not ready, and not refusing.
+        const bool ready = leader.has_value() || contains(peer.beacon.log);
+        if (ready && !refusing_.contains(id)) members.push_back(peer.beacon.log);
+    }
+    std::ranges::sort(members);
+    return members;
+}
+
+bool ViewChange::needs_change(Instant now, const std::vector<LogId>& desired,
+                              Surroundings around) const {
+    if (desired != view_.members || view_.number.leader != self_.broker) return true;
+    // A proposal of ours or of another leader came to nothing: logs that it froze must live on.
+    const Membership& membership = around.membership;
+    if (promised_ > view_.number || is_below_a_promise(view_.number, desired, membership)) {
+        return true;
+    }
+    // A broker died that was in no view of ours: somebody must go on for it, too.
+    const bool has_orphans = std::ranges::any_of(around.logs, [&](const auto& entry) {
+        return !entry.second.is_frozen() && !contains(entry.first) &&
+               !membership.is_alive(entry.first);
+    });
+    if (has_orphans) return true;
+    if (now < installed_at_ + membership.times().announcement_arrives_within()) return false;
+    // A member that did not hear the announcement is asked into the view again.
+    return std::ranges::any_of(membership.peers(), [this](const auto& entry) {
+        const Beacon& beacon = entry.second.beacon;
+        return contains(beacon.log) && beacon.view.number != view_.number;
+    });
+}
+
+void ViewChange::propose(Instant now, std::vector<LogId> members, Surroundings around,
+                         Outbox& out) {
+    const ViewNumber number = next_number(around.membership);
+    promised_ = number;
+
+    proposal_.emplace(Proposal{.message = {.view = {number, std::move(members)}, .removed = {}},
+                               .answers = {},
+                               .since = now,
+                               .asked_at = now});
+    const View& view = proposal_->message.view;
+    thaw_members(view, around.logs);
+    freeze_the_dead(view, around);
+    for (const auto& [id, log] : around.logs) {
+        if (!view.contains(id) && log.is_frozen()) proposal_->message.removed.push_back(id);
+    }
+    proposal_->answers.emplace(self_, holdings(view, around));
+    ask(now, out);
+    conclude(now, around, out);
+}
+
+/// Higher than all that was proposed here, and than what the others are in or have promised: one of
+/// them may have been in a view of its own while it was out of sight.
+ViewNumber ViewChange::next_number(const Membership& membership) const {
+    ViewNumber newest = std::max(promised_, view_.number);
+    for (const auto& [id, peer] : membership.peers()) {
+        if (peer.alive) newest = std::max(newest, peer.beacon.promised);
+    }
+    ViewNumber number{.term = std::max(membership.leadership().term, newest.term),
+                      .leader = self_.broker,
+                      .count = 1};
+    if (number.term > newest.term) return number;
+    if (newest.leader == number.leader) {
+        number.count = newest.count + 1;
+    } else if (newest.leader > number.leader) {
+        ++number.term;
+    }
+    return number;
+}
+
+/// Nobody may follow the proposal any more: it is of an earlier term, or a member has promised
+/// more.
+bool ViewChange::is_outnumbered(const Membership& membership) const {
+    const View& proposed = proposal_->message.view;
+    if (membership.leadership().term > proposed.number.term) return true;
+    return is_below_a_promise(proposed.number, proposed.members, membership);
+}
+
+void ViewChange::ask(Instant now, Outbox& out) {
+    proposal_->asked_at = now;
+    for (const LogId& member : proposal_->message.view.members) {
+        if (!proposal_->answers.contains(member)) {
+            out.push_back({member.broker, proposal_->message});
+        }
+    }
+}
+
+void ViewChange::give_up_on_silent(Instant now, const Membership& membership) {
+    if (now < proposal_->since + membership.times().disagreement_lasts()) return;
+    for (const LogId& member : proposal_->message.view.members) {
+        if (proposal_->answers.contains(member)) continue;
+        const Peer* peer = membership.find(member.broker);
+        if (peer == nullptr || peer->beacon.claim.leader != node_of(self_.broker)) {
+            refusing_.insert(member.broker);
+        }
+    }
+}
+
+void ViewChange::on_holdings(Instant now, const LogId& from, const ViewHoldings& holdings,
+                             Surroundings around, Outbox& out) {
+    if (!proposal_ || holdings.number != proposal_->message.view.number) return;
+    if (!proposal_->message.view.contains(from)) return;
+    proposal_->answers.emplace(from, without_the_living(holdings, around.logs));
+    conclude(now, around, out);
+}
+
+void ViewChange::conclude(Instant now, Surroundings around, Outbox& out) {
+    if (proposal_->answers.size() < proposal_->message.view.members.size()) return;
+    const Proposal done = *std::exchange(proposal_, std::nullopt);
+    const Answers answers{.view = done.message.view,
+                          .holdings = done.answers,
+                          .serving = around.serving,
+                          .home = around.home,
+                          .appointed = appointed_,
+                          .ended = around.ended,
+                          .leader = self_,
+                          .leader_sessions = around.sessions};
+    const auto ends = agreed_ends(answers);
+    for (const auto& [holder, request] : missing_tails(answers, ends)) {
+        if (holder != self_.broker) {
+            out.push_back({holder, request});
+        } else if (const auto log = around.logs.find(request.after.log); log != around.logs.end()) {
+            send_tail(log->second.history(), {log->first, log->second.end()}, request.after.seq,
+                      request.to, out);
+        }
+    }
+    ViewAnnouncement announcement{.view = done.message.view,
+                                  .assignments = assign(answers, ends, around.membership),
+                                  .ends = {}};
+    for (const auto& [log, end] : ends) announcement.ends.push_back({log, end});
+    for (const LogId& member : announcement.view.members) {
+        if (member != self_) out.push_back({member.broker, announcement});
+    }
+    install(now, std::move(announcement), around.logs);
+}
+
+// --- a member's side
+
+void ViewChange::on_proposal(Instant now, const ViewProposal& proposal, Surroundings around,
+                             Outbox& out) {
+    const View& view = proposal.view;
+    if (!is_newer(view)) return;
+    if (must_wait(now, proposal, around.membership)) {
+        const bool is_known = early_ && early_->message.view.number == view.number;
+        early_ = EarlyProposal{proposal, is_known ? early_->first : now, now};
+        return;
+    }
+    early_.reset();
+    proposal_.reset();
+    promised_ = view.number;
+    thaw_members(view, around.logs);
+    freeze_the_dead(view, around);
+    for (const LogId& id : proposal.removed) {
+        const auto log = around.logs.find(id);
+        if (log != around.logs.end()) log->second.freeze();
+    }
+    out.push_back({view.number.leader, holdings(view, around)});
+}
+
+/// Until we follow that leader; and, for some time, while somebody whom it leaves out is well to be
+/// heard here: then not that one is dead, but the way between the two.
+bool ViewChange::must_wait(Instant now, const ViewProposal& proposal,
+                           const Membership& membership) const {
+    const ViewNumber& number = proposal.view.number;
+    if (membership.leadership().leader != node_of(number.leader)) return true;
+    const bool is_known = early_ && early_->message.view.number == number;
+    if (is_known && now >= early_->first + membership.times().disagreement_lasts()) return false;
+    return std::ranges::any_of(
+        proposal.removed, [&](const LogId& log) { return membership.is_heard_clearly(log, now); });
+}
+
+void ViewChange::answer_early_proposal(Instant now, Surroundings around, Outbox& out) {
+    if (!early_) return;
+    if (now > early_->last + around.membership.times().proposal_kept_for()) {
+        early_.reset();
+    } else if (!must_wait(now, early_->message, around.membership)) {
+        const ViewProposal proposal = early_->message;
+        on_proposal(now, proposal, around, out);
+    }
+}
+
+void ViewChange::on_announcement(Instant now, const ViewAnnouncement& announcement,
+                                 Surroundings around) {
+    const View& view = announcement.view;
+    if (!is_newer(view)) return;
+    if (view.number != promised_ &&
+        around.membership.leadership().leader != node_of(view.number.leader)) {
+        return;
+    }
+    install(now, announcement, around.logs);
+}
+
+bool ViewChange::is_newer(const View& view) const {
+    return view.contains(self_) && view.number >= promised_ && view.number > view_.number;
+}
+
+ViewHoldings ViewChange::holdings(const View& view, Surroundings around) const {
+    ViewHoldings answer{.number = view.number};
+    answer.cannot_take = around.cannot_take;
+    for (const auto& [id, log] : around.logs) {
+        if (view.contains(id) || !log.is_frozen()) continue;
+        answer.holds.push_back({id, log.end()});
+        if (log.is_outdated()) answer.outdated.push_back(id);
+        if (log.is_foreign()) answer.foreign.push_back(id);
+        const Seq not_kept = log.applied() - log.history().events_kept();
+        if (not_kept > 0) answer.kept_after.push_back({id, not_kept});
+        for (const Endpoint& address : log.addresses_left()) {
+            answer.addresses.push_back({id, address});
+        }
+    }
+    return answer;
+}
+
+void ViewChange::install(Instant now, ViewAnnouncement announcement, PeerLogs& logs) {
+    view_ = announcement.view;
+    was_replaced_ = false;
+    promised_ = view_.number;
+    installed_at_ = now;
+    for (auto& [id, log] : logs) {
+        if (view_.contains(id)) log.thaw();
+    }
+    for (const LogPosition& end : announcement.ends) {  // also if we did not hear the proposal
+        const auto log = logs.find(end.log);
+        if (log == logs.end()) continue;
+        log->second.freeze();
+        log->second.end_at(end.seq, view_.number);
+    }
+    appointed_.clear();
+    for (const Assignment& assignment : announcement.assignments) {
+        const auto heir = std::ranges::find(view_.members, assignment.heir, &LogId::broker);
+        if (heir != view_.members.end()) appointed_.insert_or_assign(assignment.address, *heir);
+    }
+    // A view that nobody has looked at yet leaves its assignments to the next one.
+    if (installed_) {
+        auto& assignments = announcement.assignments;
+        assignments.insert(assignments.end(), installed_->assignments.begin(),
+                           installed_->assignments.end());
+    }
+    installed_ = std::move(announcement);
+}
+
+}  // namespace romano::cluster

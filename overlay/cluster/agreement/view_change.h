@@ -1,0 +1,115 @@
+// From suspicion to an agreed view (design section 3, "View change").
+//
+// The leader proposes; a member freezes the logs of brokers that the new view leaves out and
+// answers how far it holds them; the leader has missing tails sent to those that lack them and
+// announces the view, with the heirs of every address that is left without a broker. A member
+// answers only the leader that its own elector follows, so a leader must wait until the others see
+// the same world; one that stays silent and follows somebody else is left out. Whatever a broker
+// asks for with the number of an old view is ignored.
+//
+// A promise is given up for a higher number only, and no clock takes it back (invariant I4): its
+// view may be announced at any time. Heartbeats say what was promised, and a leader goes beyond it.
+#pragma once
+
+#include <map>
+#include <optional>
+#include <set>
+#include <vector>
+
+#include "overlay/cluster/agreement/membership.h"
+#include "overlay/cluster/ownership/heirs.h"
+#include "overlay/cluster/replication/peer_log.h"
+
+namespace romano::cluster {
+
+/// What view change looks at; the cluster core owns it all.
+struct Surroundings {
+    const Membership& membership;
+    PeerLogs& logs;
+    const std::vector<Endpoint>& serving;      // by this broker
+    const std::vector<Endpoint>& home;         // of this broker
+    const std::vector<Endpoint>& cannot_take;  // by this broker's machine
+    const std::vector<LogPosition>& ended;     // as it was told
+    std::uint32_t sessions = 0;                // the own ones
+};
+
+class ViewChange {
+public:
+    explicit ViewChange(LogId self) : self_(self) {}
+
+    void on_tick(Instant now, Surroundings around, Outbox& out);
+    void on_proposal(Instant now, const ViewProposal& proposal, Surroundings around, Outbox& out);
+    void on_holdings(Instant now, const LogId& from, const ViewHoldings& holdings,
+                     Surroundings around, Outbox& out);
+    void on_announcement(Instant now, const ViewAnnouncement& announcement, Surroundings around);
+
+    /// The view that was installed since the last call, with its assignments.
+    [[nodiscard]] std::optional<ViewAnnouncement> take_installed();
+
+    [[nodiscard]] const View& view() const { return view_; }
+    [[nodiscard]] bool has_view() const { return !view_.members.empty(); }
+    /// The highest number that was promised: what is below it is never entered.
+    [[nodiscard]] const ViewNumber& promised() const { return promised_; }
+    [[nodiscard]] bool contains(const LogId& log) const;
+    /// Of the others in the view nobody is left whom we reach, and some were never met here: they
+    /// may be about to go on without us.
+    [[nodiscard]] bool is_stranded(const Membership& membership, const PeerLogs& logs) const;
+    /// Goes on as another member: in no view until the leader takes it into one.
+    void restart(LogId self);
+    /// After a stall. Whoever waited for company has heard none meanwhile; and nobody refused an
+    /// answer that could not have been heard.
+    void resume(PeerLogs& logs);
+
+private:
+    struct Proposal {
+        ViewProposal message;
+        std::map<LogId, ViewHoldings> answers;
+        Instant since;
+        Instant asked_at;
+    };
+
+    [[nodiscard]] bool waits_for_company(Instant now, Surroundings around);
+    [[nodiscard]] bool misses_company(const Membership& membership) const;
+    [[nodiscard]] bool misses_home(const Membership& membership) const;
+    [[nodiscard]] std::vector<LogId> desired_members(const Membership& membership);
+    [[nodiscard]] bool needs_change(Instant now, const std::vector<LogId>& desired,
+                                    Surroundings around) const;
+    [[nodiscard]] bool is_newer(const View& view) const;
+    void answer_early_proposal(Instant now, Surroundings around, Outbox& out);
+    [[nodiscard]] bool must_wait(Instant now, const ViewProposal& proposal,
+                                 const Membership& membership) const;
+    void propose(Instant now, std::vector<LogId> members, Surroundings around, Outbox& out);
+    [[nodiscard]] ViewNumber next_number(const Membership& membership) const;
+    [[nodiscard]] bool is_outnumbered(const Membership& membership) const;
+    void ask(Instant now, Outbox& out);
+    void call_off(PeerLogs& logs);
+    void thaw_members(const View& next, PeerLogs& logs) const;
+    void give_up_on_silent(Instant now, const Membership& membership);
+    void conclude(Instant now, Surroundings around, Outbox& out);
+    [[nodiscard]] ViewHoldings holdings(const View& view, Surroundings around) const;
+    void install(Instant now, ViewAnnouncement announcement, PeerLogs& logs);
+
+    LogId self_;
+    View view_;
+    Instant installed_at_{};
+    bool was_replaced_ = false;  // and is in no view since
+    std::optional<ViewAnnouncement> installed_;
+    Appointed appointed_;  // by the view
+
+    /// Of a leader that we do not follow yet: it noticed before we did that the former one is gone.
+    /// Or it leaves somebody out whom we hear well: it may hear that one again. Answered when that
+    /// has changed, unless it must have asked again since.
+    struct EarlyProposal {
+        ViewProposal message;
+        Instant first;  // when the leader first asked this
+        Instant last;
+    };
+    std::optional<EarlyProposal> early_;
+    ViewNumber promised_;  // the highest proposal that was answered; never below view_.number
+
+    Instant led_since_ = never;
+    std::optional<Proposal> proposal_;  // while leading
+    std::set<BrokerId> refusing_;       // alive, but followers of somebody else
+};
+
+}  // namespace romano::cluster

@@ -1,0 +1,37 @@
+// Becoming the home of a session that another broker had: the image as its home or a mirror gives
+// it, and the publishes that came between what that home had worked through and what we have.
+#pragma once
+
+#include <vector>
+
+#include "overlay/cluster/effects.h"
+#include "overlay/cluster/replication/own_log.h"
+#include "overlay/cluster/replication/peer_log.h"
+
+namespace romano::cluster {
+
+/// All logs that are held: the peers' and the own one.
+struct Logs {
+    PeerLogs& peers;
+    OwnLog& own;
+
+    /// Null when that log is not held.
+    [[nodiscard]] const LogHistory* history_of(const LogId& log) const;
+    /// Null when it is not kept.
+    [[nodiscard]] MessagePtr publish_at(const LogPosition& position) const;
+};
+
+/// Publishes that we have worked through and the image's home had not: of each log in its order,
+/// the logs merged by time.
+[[nodiscard]] std::vector<MessagePtr> missed_publishes(const broker::SessionImage& image,
+                                                       const broker::BrokerCore& broker,
+                                                       const Logs& logs);
+
+/// The image of a dead home's session for another one than us: with all that it missed and we have.
+[[nodiscard]] broker::SessionImage caught_up(const Effects& effects, const Logs& logs,
+                                             broker::SessionImage image);
+
+/// False when the own session of that client stays because it outranks the image.
+bool adopt(Effects& effects, const Logs& logs, broker::SessionImage image);
+
+}  // namespace romano::cluster

@@ -1,0 +1,152 @@
+#include "overlay/cluster/ownership/roaming.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "romano/mqttsn/decode.h"
+
+namespace romano::cluster {
+namespace {
+
+constexpr std::size_t fetching_most = 1'000;
+constexpr std::size_t let_go_most = 1'000;
+
+/// The client id that a CONNECT or a sleeping client's PINGREQ names.
+std::optional<broker::ClientId> named_client(Bytes datagram) {
+    const auto frame = mqttsn::decode_frame(datagram);
+    if (!frame) return std::nullopt;
+    if (frame->type == mqttsn::MsgType::connect) {
+        const auto connect = mqttsn::decode_connect(frame->body);
+        if (connect && !connect->client_id.empty()) return broker::ClientId{connect->client_id};
+    } else if (frame->type == mqttsn::MsgType::pingreq) {
+        const auto ping = mqttsn::decode_pingreq(frame->body);
+        if (ping && !ping->client_id.empty()) return broker::ClientId{ping->client_id};
+    }
+    return std::nullopt;
+}
+
+/// Not of a session: searching for gateways (6.1) and publishing without a connection (6.8).
+bool is_of_session(Bytes datagram) {
+    const auto frame = mqttsn::decode_frame(datagram);
+    if (!frame) return false;
+    switch (frame->type) {
+        case mqttsn::MsgType::advertise:
+        case mqttsn::MsgType::searchgw:
+        case mqttsn::MsgType::gwinfo:
+            return false;
+        case mqttsn::MsgType::publish: {
+            const auto publish = mqttsn::decode_publish(frame->body);
+            return publish && publish->qos != mqttsn::Qos::without_connection;
+        }
+        default:
+            return true;
+    }
+}
+
+}  // namespace
+
+bool Roaming::on_datagram(Effects& effects, const Way& way, Bytes datagram, const Homes& homes,
+                          const Membership& membership, const View& view) {
+    if (!is_of_session(datagram) || effects.broker.serves(way.via, way.from, datagram)) {
+        return false;
+    }
+    auto client = named_client(datagram);
+    if (!client) {
+        client = client_at(way, effects.broker, homes);
+    } else if (!homes.of(*client) && !has_let_go(*client)) {
+        return false;
+    }
+    if (!client || fetching_.size() >= fetching_most) return false;
+    if (is_foreign(*client, homes, membership)) return false;
+    Fetching fetching{.client = *std::move(client),
+                      .since = effects.now,
+                      .asked = std::nullopt,
+                      .asked_at = effects.now};
+    ask(effects, fetching, homes, membership, view);
+    fetching_.insert_or_assign(way, std::move(fetching));
+    return true;
+}
+
+std::optional<broker::ClientId> Roaming::client_at(const Way& way, const broker::BrokerCore& own,
+                                                   const Homes& homes) const {
+    const broker::ClientAddress from{way.from, {}};
+    if (const auto home = homes.at({way.via, from})) return home->client_id;
+    if (own.has_client_at(way.from)) return std::nullopt;
+    const auto left = let_go(way.from);
+    const auto home = homes.only_one_at(from);
+    if (left && home && home->client_id != *left) return std::nullopt;
+    return home ? std::optional{home->client_id} : left;
+}
+
+std::optional<broker::ClientId> Roaming::let_go(const Endpoint& from) const {
+    const auto found = std::ranges::find(let_go_, from, &LetGo::from);
+    return found == let_go_.end() ? std::nullopt : std::optional{found->client};
+}
+
+bool Roaming::is_foreign(const broker::ClientId& client, const Homes& homes,
+                         const Membership& membership) const {
+    const auto home = homes.of(client);
+    const Peer* peer = home ? membership.find(home->broker) : nullptr;
+    return peer != nullptr && peer->beacon.predefined != predefined_;
+}
+
+bool Roaming::has_let_go(const broker::ClientId& client) const {
+    return std::ranges::count(let_go_, client, &LetGo::client) > 0;
+}
+
+void Roaming::on_let_go(const Effects& effects, const broker::SessionHeader& session) {
+    if (let_go_.size() == let_go_most) let_go_.pop_front();
+    let_go_.push_back({session.client_id, session.address.endpoint,
+                       effects.now + effects.times.session_waited_for()});
+}
+
+void Roaming::resume(Instant now) {
+    for (auto& [way, fetching] : fetching_) fetching.since = now;
+}
+
+void Roaming::carry_on(Effects& effects, const Logs& logs, const Homes& homes,
+                       const HandoffReceiver& arriving, const Membership& membership,
+                       const View& view) {
+    while (!let_go_.empty() && let_go_.front().until < effects.now) let_go_.pop_front();
+    std::erase_if(fetching_, [&](const auto& entry) {
+        const Fetching& fetching = entry.second;
+        if (effects.broker.header(fetching.client) != nullptr) return true;
+        if (effects.now <= fetching.since + effects.times.session_waited_for()) return false;
+        if (arriving.holds(fetching.client)) return false;
+        if (!fetching.asked) adopt_copy(effects, logs, fetching.client, homes);
+        return true;
+    });
+    for (auto& [way, fetching] : fetching_) ask(effects, fetching, homes, membership, view);
+}
+
+void Roaming::adopt_copy(Effects& effects, const Logs& logs, const broker::ClientId& client,
+                         const Homes& homes) {
+    const auto home = homes.of(client);
+    if (!home) return;
+    for (auto& [id, log] : logs.peers) {
+        if (id.broker != home->broker || log.is_foreign()) continue;
+        if (log.session(client) == nullptr) continue;
+        if (auto image = log.mirror().image(client)) adopt(effects, logs, *std::move(image));
+        log.mark_taken(client);
+    }
+}
+
+void Roaming::ask(Effects& effects, Fetching& fetching, const Homes& homes,
+                  const Membership& membership, const View& view) const {
+    const auto home = homes.of(fetching.client);
+    if (!home) return;
+    // A home that has just stood still listens only: it is asked again.
+    const bool is_asked = home->broker == fetching.asked;
+    if (is_asked && effects.now < fetching.asked_at + effects.times.session_asked_again_after())
+        return;
+    const Peer* peer = membership.find(home->broker);
+    if (peer == nullptr || !peer->alive || !view.contains(peer->beacon.log)) {
+        return;
+    }
+    if (!is_asked) fetching.since = effects.now;
+    fetching.asked = home->broker;
+    fetching.asked_at = effects.now;
+    effects.peers.push_back({home->broker, SessionRequest{fetching.client}});
+}
+
+}  // namespace romano::cluster

@@ -1,0 +1,81 @@
+// A client whose session is homed at a peer talks to us: fetch the session, one round trip, and let
+// its datagrams wait meanwhile (design section 3, "Roaming"). Has the home died, they wait for the
+// heir's word, and the session is fetched from there. Has the home just let it go to another
+// broker, because the client roams faster than a round trip, they wait for that one's word. Comes
+// none, because others hear the home and we do not, it is adopted from the copy that is held here;
+// settlement.h does the rest. A home with other predefined topics is asked for nothing: its client
+// is a stranger here.
+//
+// Bounded: so many clients at a time, and each for so long; without an answer of the home the
+// datagram is handled as that of a stranger. Time in which this broker stands still does not count.
+#pragma once
+
+#include <deque>
+#include <map>
+#include <optional>
+
+#include "overlay/cluster/agreement/membership.h"
+#include "overlay/cluster/effects.h"
+#include "overlay/cluster/ownership/adoption.h"
+#include "overlay/cluster/ownership/homes.h"
+#include "overlay/cluster/ownership/session_handoff.h"
+#include "overlay/cluster/speaking/way.h"
+#include "romano/base/bytes.h"
+
+namespace romano::cluster {
+
+class Roaming {
+public:
+    /// `predefined`: the own digest of the predefined topics.
+    explicit Roaming(std::uint32_t predefined) : predefined_(predefined) {}
+
+    /// True when the datagram shall wait: its session is asked for.
+    bool on_datagram(Effects& effects, const Way& way, Bytes datagram, const Homes& homes,
+                     const Membership& membership, const View& view);
+    /// We let it go to a peer, or a peer's log says that it is no longer home to the client.
+    void on_let_go(const Effects& effects, const broker::SessionHeader& session);
+    /// Looks again who is home to those whose sessions are awaited.
+    void carry_on(Effects& effects, const Logs& logs, const Homes& homes,
+                  const HandoffReceiver& arriving, const Membership& membership, const View& view);
+    /// After a stall.
+    void resume(Instant now);
+    [[nodiscard]] bool is_fetching(const Way& way) const { return fetching_.contains(way); }
+    void restart() {
+        fetching_.clear();
+        let_go_.clear();
+    }
+
+private:
+    struct Fetching {
+        broker::ClientId client;
+        Instant since;
+        std::optional<BrokerId> asked;  // none: its home cannot answer
+        Instant asked_at;
+    };
+
+    struct LetGo {
+        broker::ClientId client;
+        Endpoint from;
+        Instant until;
+    };
+
+    /// Who speaks there; none when nobody knows, or two clients share the address.
+    [[nodiscard]] std::optional<broker::ClientId> client_at(const Way& way,
+                                                            const broker::BrokerCore& own,
+                                                            const Homes& homes) const;
+    [[nodiscard]] std::optional<broker::ClientId> let_go(const Endpoint& from) const;
+    [[nodiscard]] bool has_let_go(const broker::ClientId& client) const;
+    static void adopt_copy(Effects& effects, const Logs& logs, const broker::ClientId& client,
+                           const Homes& homes);
+    void ask(Effects& effects, Fetching& fetching, const Homes& homes, const Membership& membership,
+             const View& view) const;
+
+    [[nodiscard]] bool is_foreign(const broker::ClientId& client, const Homes& homes,
+                                  const Membership& membership) const;
+
+    std::uint32_t predefined_;
+    std::map<Way, Fetching> fetching_;
+    std::deque<LetGo> let_go_;  // in order of time
+};
+
+}  // namespace romano::cluster

@@ -1,0 +1,220 @@
+#include "overlay/cluster/ownership/take_over.h"
+
+#include <algorithm>
+#include <limits>
+#include <optional>
+#include <utility>
+
+#include "overlay/cluster/ownership/session_handoff.h"
+
+namespace romano::cluster {
+namespace {
+
+constexpr std::size_t all = std::numeric_limits<std::size_t>::max();
+
+/// The address's own broker, when it is in the view and answers on the address already.
+std::optional<LogId> returned_owner(const Endpoint& address, BrokerId self,
+                                    const Membership& membership, const View& view) {
+    for (const LogId& member : view.members) {
+        if (member.broker == self || !membership.is_alive(member)) continue;
+        const Peer& peer = *membership.find(member.broker);
+        if (peer.is_home_of(address) && peer.is_serving(address)) return member;
+    }
+    return std::nullopt;
+}
+
+/// It was removed, and yet we hear it: not everybody does. Beside it we would be silent
+/// (hand_back.h), and call its clients away from where they are answered.
+bool is_still_serving(const Assignment& assignment, const Membership& membership) {
+    const LogId& log = assignment.end.log;
+    if (!membership.is_heard(log.broker)) return false;
+    const Peer& peer = *membership.find(log.broker);
+    return peer.beacon.log == log && peer.is_serving(assignment.address);
+}
+
+/// The dead broker had handed the session over, and died before its log said so; or its log is
+/// outdated here, and another broker went on with the session. Not so when that one is dead, too,
+/// and nobody handed it anything: it may be the one from whose log this one had the session.
+bool is_elsewhere(const broker::SessionHeader& left, const PeerLog& log, const Effects& effects,
+                  const PeerLogs& logs) {
+    if (log.is_outdated() && effects.broker.header(left.client_id) != nullptr) return true;
+    return std::ranges::any_of(logs, [&](const auto& entry) {
+        const broker::SessionHeader* other = entry.second.session(left.client_id);
+        if (other == nullptr) return false;
+        if (log.is_outdated()) return true;
+        return entry.second.is_frozen() ? other->epoch > left.epoch
+                                        : broker::outranks(*other, left);
+    });
+}
+
+}  // namespace
+
+void TakeOver::on_view(Instant now, const ViewAnnouncement& announcement) {
+    // What was assigned by an earlier view and is not done is assigned anew by this one. What is
+    // half done is ours, unless it is another one's now.
+    const auto is_same = [](const Assignment& a, const Assignment& b) {
+        return a.end.log == b.end.log && a.address == b.address;
+    };
+    std::erase_if(pending_, [&](const Pending& pending) {
+        return !pending.is_begun ||
+               std::ranges::any_of(announcement.assignments, [&](const Assignment& assignment) {
+                   return is_same(assignment, pending.assignment) && assignment.heir != self_;
+               });
+    });
+    others_.clear();
+    for (const Assignment& assignment : announcement.assignments) {
+        if (assignment.heir != self_) {
+            others_.push_back(assignment.address);
+            continue;
+        }
+        const bool is_begun = std::ranges::any_of(pending_, [&](const Pending& pending) {
+            return is_same(assignment, pending.assignment);
+        });
+        if (!is_begun) pending_.push_back({assignment, now, now});
+    }
+}
+
+void TakeOver::carry_on(Effects& effects, const Logs& logs, const Membership& membership,
+                        const View& view, ServiceAddresses& addresses) {
+    const bool may_go_on = std::exchange(may_go_on_, false);
+    std::erase_if(pending_, [&](Pending& pending) {
+        const Endpoint& address = pending.assignment.address;
+        const auto log = logs.peers.find(pending.assignment.end.log);
+        if (log == logs.peers.end()) return true;
+        if (!log->second.is_frozen()) return true;  // it is back
+        if (pending.is_begun) {
+            return may_go_on && adopt_some(effects, address, log->second, logs);
+        }
+        // It was done already, and the leader had not heard of it.
+        if (addresses.is_serving(address) && log->second.count_left(address) == 0) return true;
+        if (is_still_serving(pending.assignment, membership)) return false;
+        if (log->second.is_foreign()) return true;  // its leader is of a version that knows no such
+        if (log->second.is_outdated() && !holds_all(logs, membership, view)) return false;
+        const auto owner = returned_owner(address, self_, membership, view);
+        if (owner && !membership.find(owner->broker)->hears(self_)) return false;
+        const auto lacks = lacking(*log, logs, owner.has_value());
+        if (lacks && !is_out_of_patience(effects, pending)) {
+            ask_for(effects, pending, *lacks, membership, view);
+            return false;
+        }
+        if (owner) {
+            hand_on(effects, *owner, address, log->second, logs);
+            return true;
+        }
+        begin(effects, pending.assignment, log->second, membership, addresses);
+        pending.is_begun = true;
+        return adopt_some(effects, address, log->second, logs);
+    });
+}
+
+/// All that the members say in this view: where their clients are, those that they have just taken
+/// over among them.
+bool TakeOver::holds_all(const Logs& logs, const Membership& membership, const View& view) const {
+    std::set<Endpoint> served;
+    for (const LogId& member : view.members) {
+        if (member.broker == self_) continue;
+        const Peer* peer = membership.find(member.broker);
+        const auto log = logs.peers.find(member);
+        if (peer == nullptr || log == logs.peers.end() || peer->beacon.log != member ||
+            peer->beacon.view.number != view.number ||
+            log->second.applied() < peer->beacon.last_seq) {
+            return false;
+        }
+        served.insert(peer->beacon.serving.begin(), peer->beacon.serving.end());
+    }
+    return std::ranges::all_of(others_, [&](const Endpoint& address) {
+        return address.family == Endpoint::Family::none || served.contains(address);
+    });
+}
+
+/// How far we hold what must be complete first: the dead broker's log. What another broker is to go
+/// on from must be complete in all that is removed: it may hold nothing of that.
+std::optional<LogPosition> TakeOver::lacking(const PeerLogs::value_type& dead, const Logs& logs,
+                                             bool for_another) {
+    if (!dead.second.has_agreed_end()) return LogPosition{dead.first, dead.second.applied()};
+    if (!for_another) return std::nullopt;
+    for (const auto& [id, log] : logs.peers) {
+        if (!log.has_agreed_end()) return LogPosition{id, log.applied()};
+    }
+    return std::nullopt;
+}
+
+bool TakeOver::is_out_of_patience(Effects& effects, const Pending& pending) const {
+    if (effects.now <= pending.since + effects.times.tail_waited_for()) return false;
+    effects.local.push_back(Notice{"takes over without the last events of a removed broker"});
+    return true;
+}
+
+void TakeOver::ask_for(Effects& effects, Pending& pending, const LogPosition& after,
+                       const Membership& membership, const View& view) const {
+    if (effects.now < pending.asked_at + effects.times.tail_asked_again_after()) return;
+    pending.asked_at = effects.now;
+    for (const LogId& member : view.members) {
+        const Peer* peer = membership.find(member.broker);
+        if (peer == nullptr) continue;
+        if (peer->beacon.applied_through(after.log) <= after.seq) continue;
+        effects.peers.push_back({member.broker, TailRequest{after, self_}});
+        break;
+    }
+}
+
+/// Those that the dead left, to the address's own broker, which is back and holds none of that.
+void TakeOver::hand_on(Effects& effects, const LogId& owner, const Endpoint& address, PeerLog& log,
+                       const Logs& logs) {
+    auto sessions = log.sessions_left(address, all);
+    std::erase_if(sessions, [&](const broker::SessionImage& image) {
+        if (!is_elsewhere(image.header, log, effects, logs.peers)) return false;
+        log.mark_taken(image.header.client_id);
+        return true;
+    });
+    for (auto& image : sessions) image = caught_up(effects, logs, std::move(image));
+    send_handoff(owner, address, std::move(sessions), effects.peers);
+    log.mark_served(address);
+}
+
+void TakeOver::begin(Effects& effects, const Assignment& assignment, PeerLog& log,
+                     const Membership& membership, ServiceAddresses& addresses) {
+    effects.local.push_back(Notice{"adopts " + std::to_string(log.count_left(assignment.address)) +
+                                   " sessions of " +
+                                   membership.name_of(assignment.end.log.broker)});
+    if (assignment.address.family == Endpoint::Family::none) return;
+    addresses.inherit(effects, assignment.address);
+    ++inherited_;
+    log.mark_served(assignment.address);
+}
+
+bool TakeOver::adopt_some(Effects& effects, const Endpoint& address, PeerLog& log,
+                          const Logs& logs) const {
+    auto sessions = log.sessions_left(address, sessions_per_turn_);
+    const bool may_be_more = sessions.size() == sessions_per_turn_;
+    for (auto& image : sessions) {
+        const broker::ClientId client = image.header.client_id;
+        if (!is_elsewhere(image.header, log, effects, logs.peers)) {
+            adopt(effects, logs, std::move(image));
+        }
+        log.mark_taken(client);
+    }
+    return !may_be_more;
+}
+
+bool TakeOver::is_half_adopted(const Endpoint& address) const {
+    return std::ranges::any_of(pending_, [&](const Pending& pending) {
+        return pending.is_begun && pending.assignment.address == address;
+    });
+}
+
+std::set<Endpoint> TakeOver::half_adopted() const {
+    std::set<Endpoint> addresses;
+    for (const Pending& pending : pending_) {
+        if (pending.is_begun) addresses.insert(pending.assignment.address);
+    }
+    return addresses;
+}
+
+std::set<Endpoint> TakeOver::inheriting() const {
+    std::set<Endpoint> addresses;
+    for (const Pending& pending : pending_) addresses.insert(pending.assignment.address);
+    return addresses;
+}
+
+}  // namespace romano::cluster

@@ -1,0 +1,83 @@
+// An heir's work after a view change: adopt the sessions of the addresses that were assigned to it
+// and answer on these addresses (design section 3, "View change" and "Taking over the address").
+//
+// It waits until it holds the dead broker's log up to the agreed end, and asks the members for the
+// tail while it lacks it; after some time it goes on with what it has. When the address's own
+// broker is back and serving by then, the sessions go to it instead, as soon as it hears us in its
+// new life, and with all that they missed: a newcomer holds none of the removed brokers' logs. And
+// while the removed broker itself is heard to serve the address, it is left there.
+//
+// From an outdated log it takes what is nowhere else, and must hold all that the members say for
+// that.
+//
+// Many sessions are adopted in pieces, and what their clients say waits until all are here.
+#pragma once
+
+#include <optional>
+#include <set>
+#include <vector>
+
+#include "overlay/cluster/agreement/membership.h"
+#include "overlay/cluster/agreement/view_change.h"
+#include "overlay/cluster/effects.h"
+#include "overlay/cluster/ownership/adoption.h"
+#include "overlay/cluster/ownership/service_addresses.h"
+
+namespace romano::cluster {
+
+class TakeOver {
+public:
+    TakeOver(BrokerId self, std::size_t sessions_per_turn)
+        : self_(self), sessions_per_turn_(sessions_per_turn) {}
+
+    void on_view(Instant now, const ViewAnnouncement& announcement);
+    /// A new turn: the next carry_on() goes on with what is half adopted.
+    void on_turn() { may_go_on_ = true; }
+    /// Does what has become possible.
+    void carry_on(Effects& effects, const Logs& logs, const Membership& membership,
+                  const View& view, ServiceAddresses& addresses);
+    [[nodiscard]] bool is_busy() const { return !pending_.empty(); }
+    /// Addresses of which sessions are here, and others not yet.
+    [[nodiscard]] std::set<Endpoint> half_adopted() const;
+    /// Also those that are still to come.
+    [[nodiscard]] std::set<Endpoint> inheriting() const;
+    [[nodiscard]] bool is_half_adopted(const Endpoint& address) const;
+    /// Service addresses of the dead that were inherited so far.
+    [[nodiscard]] std::uint64_t inherited() const { return inherited_; }
+    void restart() {
+        pending_.clear();
+        others_.clear();
+    }
+
+private:
+    struct Pending {
+        Assignment assignment;
+        Instant since;
+        Instant asked_at;
+        bool is_begun = false;
+    };
+
+    [[nodiscard]] bool holds_all(const Logs& logs, const Membership& membership,
+                                 const View& view) const;
+    [[nodiscard]] static std::optional<LogPosition> lacking(const PeerLogs::value_type& dead,
+                                                            const Logs& logs, bool for_another);
+    [[nodiscard]] bool is_out_of_patience(Effects& effects, const Pending& pending) const;
+    void ask_for(Effects& effects, Pending& pending, const LogPosition& after,
+                 const Membership& membership, const View& view) const;
+    static void hand_on(Effects& effects, const LogId& owner, const Endpoint& address, PeerLog& log,
+                        const Logs& logs);
+    void begin(Effects& effects, const Assignment& assignment, PeerLog& log,
+               const Membership& membership, ServiceAddresses& addresses);
+    /// True when none is left.
+    bool adopt_some(Effects& effects, const Endpoint& address, PeerLog& log,
+                    const Logs& logs) const;
+
+    BrokerId self_;
+    std::size_t sessions_per_turn_;
+    bool may_go_on_ = false;
+    std::vector<Pending> pending_;
+    std::vector<Endpoint> others_;  // that the view gave to other heirs
+    std::uint64_t inherited_ = 0;
+};
+
+}  // namespace romano::cluster

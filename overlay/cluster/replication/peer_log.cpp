@@ -1,0 +1,209 @@
+#include "overlay/cluster/replication/peer_log.h"
+
+#include <algorithm>
+#include <cassert>
+#include <iterator>
+#include <utility>
+
+namespace romano::cluster {
+namespace {
+
+constexpr std::size_t early_events_most = 20'000;
+
+}  // namespace
+
+PeerLog::PeerLog(LogId id, std::size_t events_kept) : id_(id), mirror_(id), history_(events_kept) {}
+
+void PeerLog::offer(Seq first_seq, std::vector<LogEvent> events) {
+    if (events.empty() || first_seq == 0) return;
+    known_end_ = std::max(known_end_, first_seq + events.size() - 1);
+    const Seq expected = received() + 1;
+    if (first_seq > expected) {
+        if (early_events_ + events.size() > early_events_most || early_.contains(first_seq)) return;
+        early_events_ += events.size();
+        early_.emplace(first_seq, std::move(events));
+        return;
+    }
+    const Seq known = expected - first_seq;  // the first ones are here already
+    if (known >= events.size()) return;
+    ready_.insert(ready_.end(),
+                  std::make_move_iterator(events.begin() + static_cast<std::ptrdiff_t>(known)),
+                  std::make_move_iterator(events.end()));
+    if (const auto next = early_.begin(); next != early_.end() && next->first <= received() + 1) {
+        auto follows = early_.extract(next);
+        early_events_ -= follows.mapped().size();
+        offer(follows.key(), std::move(follows.mapped()));
+    }
+}
+
+std::vector<MessagePtr> PeerLog::publishes_after(Seq seq) const {
+    auto publishes = history_.publishes_after(seq);
+    while (!publishes.empty() && publishes.back()->position.seq > end()) publishes.pop_back();
+    std::ranges::copy_if(ahead_, std::back_inserter(publishes), [&](const MessagePtr& message) {
+        return message->position.seq > std::max(seq, applied());
+    });
+    return publishes;
+}
+
+MessagePtr PeerLog::publish_at(Seq seq) const {
+    if (seq <= applied()) return seq <= end() ? history_.publish_at(seq) : MessagePtr{};
+    const auto found = std::ranges::lower_bound(
+        ahead_, seq, {}, [](const MessagePtr& message) { return message->position.seq; });
+    return found == ahead_.end() || (*found)->position.seq != seq ? MessagePtr{} : *found;
+}
+
+const LogEvent* PeerLog::next() const {
+    return ready_.empty() ? nullptr : &ready_.front();
+}
+
+void PeerLog::apply() {
+    mirror_.apply(applied() + 1, ready_.front());
+    if (frozen_) follow_in_tail(ready_.front());
+    history_.append(std::move(ready_.front()));
+    ready_.pop_front();
+}
+
+/// What the dead broker still did with its sessions before it died.
+void PeerLog::follow_in_tail(const LogEvent& event) {
+    if (const auto* put = std::get_if<broker::SessionPut>(&event)) {
+        left_[put->image.header.client_id] = put->image.header.via;
+    } else if (const auto* changed = std::get_if<broker::SessionChanged>(&event)) {
+        const auto session = left_.find(changed->header.client_id);
+        if (session != left_.end()) session->second = changed->header.via;
+    } else if (const auto* erased = std::get_if<broker::SessionErased>(&event)) {
+        left_.erase(erased->client_id);
+    }
+}
+
+std::optional<SnapshotRequest> PeerLog::ask(Instant now, Duration patience) {
+    if (frozen_ || known_end_ <= applied() || !ready_.empty()) {
+        asked_at_ = now;
+        asked_after_ = applied();
+        return std::nullopt;
+    }
+    if (asked_after_ != applied()) {  // it moves: no need to ask yet
+        asked_at_ = now;
+        asked_after_ = applied();
+        if (applied() != 0) return std::nullopt;
+    }
+    if (now < asked_at_ + patience) return std::nullopt;
+    asked_at_ = now;
+    return SnapshotRequest{.log = id_, .after = applied()};
+}
+
+void PeerLog::offer_ahead(const std::vector<MessagePtr>& publishes) {
+    std::ranges::copy_if(publishes, std::back_inserter(ahead_), [this](const MessagePtr& message) {
+        return message->position.seq > (ahead_.empty() ? applied() : ahead_.back()->position.seq);
+    });
+}
+
+bool PeerLog::offer(Instant now, SnapshotPart part) {
+    const bool follows = part.part == 0 || (snapshot_ && snapshot_->as_of == part.as_of &&
+                                            snapshot_->part + 1 == part.part);
+    if (!follows) {
+        snapshot_.reset();  // parts are lost: the gap remains and is asked for again
+        return false;
+    }
+    offer_ahead(part.publishes);
+    if (part.part == 0) {
+        snapshot_ = std::move(part);
+    } else {
+        const auto append = [](auto& all, auto& more) {
+            all.insert(all.end(), std::make_move_iterator(more.begin()),
+                       std::make_move_iterator(more.end()));
+        };
+        append(snapshot_->sessions, part.sessions);
+        append(snapshot_->retained, part.retained);
+        append(snapshot_->publishes, part.publishes);
+        append(snapshot_->cursors, part.cursors);
+        snapshot_->part = part.part;
+        snapshot_->last = part.last;
+    }
+    asked_at_ = now;  // it comes
+    asked_after_ = applied();
+    return true;
+}
+
+std::optional<SnapshotPart> PeerLog::take_snapshot() {
+    if (!snapshot_ || !snapshot_->last) return std::nullopt;
+    return std::exchange(snapshot_, std::nullopt);
+}
+
+void PeerLog::restart(const SnapshotPart& snapshot) {
+    assert(snapshot.as_of.log == id_);
+    const Seq covered = std::min(received(), snapshot.as_of.seq) - applied();
+    ready_.erase(ready_.begin(), ready_.begin() + static_cast<std::ptrdiff_t>(covered));
+    mirror_ = broker::Mirror(snapshot.as_of, snapshot.sessions, snapshot.cursors);
+    history_.restart(snapshot.as_of.seq, snapshot.publishes);
+    ahead_.clear();
+    known_end_ = std::max(known_end_, snapshot.as_of.seq);
+    while (!early_.empty()) {
+        auto next = early_.extract(early_.begin());
+        early_events_ -= next.mapped().size();
+        const bool follows = next.key() <= received() + 1;
+        offer(next.key(), std::move(next.mapped()));
+        if (!follows) break;
+    }
+}
+
+void PeerLog::freeze() {
+    if (frozen_) return;
+    frozen_ = true;
+    ready_.clear();  // acknowledged to nobody, and perhaps beyond what the members agree on
+    early_.clear();
+    early_events_ = 0;
+    snapshot_.reset();
+    leave_all();
+}
+
+void PeerLog::leave_all() {
+    mirror_.visit([this](const broker::SessionImage& image) {
+        left_.insert_or_assign(image.header.client_id, image.header.via);
+    });
+}
+
+void PeerLog::heard_end(Seq last, const ViewNumber& view) {
+    known_end_ = std::max(known_end_, last);
+    lived_on_ |= frozen_ && agreed_end_ != 0 && last > agreed_end_ && view > ended_in_;
+}
+
+void PeerLog::end_at(Seq end, const ViewNumber& view) {
+    if (lived_on_ && end > agreed_end_) leave_all();
+    lived_on_ = false;
+    if (std::exchange(agreed_end_, end) != end) ended_in_ = view;
+}
+
+void PeerLog::thaw() {
+    outdated_ = false;
+    if (!frozen_) return;
+    frozen_ = false;
+    agreed_end_ = 0;
+    lived_on_ = false;
+    left_.clear();
+    asked_at_ = Instant::min();  // what was missed meanwhile is asked for at once
+    asked_after_ = applied();
+}
+
+std::vector<broker::SessionImage> PeerLog::sessions_left(const Endpoint& address,
+                                                         std::size_t most) const {
+    std::vector<broker::SessionImage> images;
+    for (const auto& [client, via] : left_) {
+        if (images.size() == most) break;
+        if (via != address) continue;
+        if (auto image = mirror_.image(client)) images.push_back(*std::move(image));
+    }
+    return images;
+}
+
+std::size_t PeerLog::count_left(const Endpoint& address) const {
+    return static_cast<std::size_t>(std::ranges::count_if(
+        left_, [&address](const auto& entry) { return entry.second == address; }));
+}
+
+std::vector<Endpoint> PeerLog::addresses_left() const {
+    std::set<Endpoint> addresses = serving_;
+    for (const auto& [client, via] : left_) addresses.insert(via);
+    return {addresses.begin(), addresses.end()};
+}
+
+}  // namespace romano::cluster

@@ -1,0 +1,160 @@
+// What is held of one peer's log: the mirror made by applying it in order, and its history.
+//
+// Batches may come twice, early or not at all. Early ones wait (bounded; the oldest gap is asked
+// for anyway, so that overflow drops the newest); a gap is asked for after a moment and again while
+// it lasts. When it closes there may be much at once: what can be applied waits, too, until its
+// owner takes it. A frozen log takes nothing from its writer any more: its broker is being removed,
+// and the members must agree on its last event; only tails that peers send continue it.
+#pragma once
+
+#include <algorithm>
+#include <deque>
+#include <map>
+#include <optional>
+#include <set>
+#include <vector>
+
+#include "broker/core/mirror.h"
+#include "overlay/cluster/messages.h"
+#include "overlay/cluster/replication/log_history.h"
+#include "romano/base/time.h"
+
+namespace romano::cluster {
+
+class PeerLog {
+public:
+    PeerLog(LogId id, std::size_t events_kept);
+
+    [[nodiscard]] Seq applied() const { return history_.last(); }
+    /// What counts of it: of a frozen log no more than was agreed on, though a process that stood
+    /// still may hold more; unless its writer has lived on.
+    [[nodiscard]] Seq end() const {
+        const bool is_over = frozen_ && agreed_end_ != 0 && !lived_on_;
+        return is_over ? std::min(applied(), agreed_end_) : applied();
+    }
+    [[nodiscard]] const broker::Mirror& mirror() const { return mirror_; }
+    [[nodiscard]] broker::Mirror& mirror() { return mirror_; }
+    [[nodiscard]] const LogHistory& history() const { return history_; }
+    [[nodiscard]] LogHistory& history() { return history_; }
+    /// Of the history up to end(), and of what is here beyond it: a snapshot whose last part is to
+    /// come, or the last words of a broker whose log was never here.
+    [[nodiscard]] std::vector<MessagePtr> publishes_after(Seq seq) const;
+    [[nodiscard]] MessagePtr publish_at(Seq seq) const;
+
+    // --- events
+    void offer(Seq first_seq, std::vector<LogEvent> events);
+    /// The last event of which none before it is missing, applied or not.
+    [[nodiscard]] Seq received() const { return applied() + ready_.size(); }
+    /// The next event in order, or null. It stays there until apply().
+    [[nodiscard]] const LogEvent* next() const;
+    void apply();
+    /// How far its writer is known to have come.
+    [[nodiscard]] Seq known_end() const { return std::max(known_end_, applied()); }
+    /// The writer says that its log ends there, and in which view it is.
+    void heard_end(Seq last, const ViewNumber& view);
+    /// A request for what is missing, at most one in `patience` and not before it was missing for
+    /// as long.
+    [[nodiscard]] std::optional<SnapshotRequest> ask(Instant now, Duration patience);
+
+    // --- snapshots
+    /// Publishes beyond the events that are here, in log order.
+    void offer_ahead(const std::vector<MessagePtr>& publishes);
+    /// False when it does not follow the parts that are here.
+    [[nodiscard]] bool offer(Instant now, SnapshotPart part);
+    /// Once its last part is here.
+    [[nodiscard]] std::optional<SnapshotPart> take_snapshot();
+    /// Replaces mirror and history by the snapshot.
+    void restart(const SnapshotPart& snapshot);
+
+    /// Its writer came into a view that we had without it.
+    void set_apart(bool was_apart) { was_apart_ = was_apart; }
+    [[nodiscard]] bool was_apart() const { return was_apart_; }
+
+    /// Predefined topic ids mean something else to its writer's clients than to ours: its sessions
+    /// are never ours.
+    void set_foreign(bool foreign) { foreign_ = foreign; }
+    [[nodiscard]] bool is_foreign() const { return foreign_; }
+
+    // --- removal
+    void freeze();
+    void thaw();
+    [[nodiscard]] bool is_frozen() const { return frozen_; }
+    /// Where the members of a view said that it ends; none while they have not, or its writer was
+    /// heard in a later one.
+    struct AgreedEnd {
+        Seq seq = 0;
+        ViewNumber in;
+    };
+    [[nodiscard]] std::optional<AgreedEnd> agreed_end() const {
+        if (!frozen_ || lived_on_ || agreed_end_ == 0) return std::nullopt;
+        return AgreedEnd{agreed_end_, ended_in_};
+    }
+    /// We were replaced, or are new: until its writer hears us, or is in one view with us, others
+    /// know better what is left of it.
+    void become_outdated() { outdated_ = true; }
+    void heard_by_writer() { outdated_ = outdated_ && frozen_; }
+    [[nodiscard]] bool is_outdated() const { return outdated_; }
+    /// Of a frozen log: the last event that the members of that view agreed on. Its writer may have
+    /// lived on beyond an earlier one, in views that we missed: then what was taken from it is its
+    /// own again.
+    void end_at(Seq end, const ViewNumber& view);
+    [[nodiscard]] bool has_agreed_end() const { return applied() >= agreed_end_; }
+    /// All up to there is here, or, of a frozen log, all that was agreed on: nothing follows that,
+    /// whoever knows of more.
+    [[nodiscard]] bool holds(Seq seq) const {
+        const bool is_complete = frozen_ && agreed_end_ != 0 && applied() >= agreed_end_;
+        return applied() >= seq || is_complete;
+    }
+    /// The addresses that the writer's beacon names: robots may come there at any time.
+    void heard_serving(const std::vector<Endpoint>& addresses) {
+        if (!frozen_) serving_ = {addresses.begin(), addresses.end()};
+    }
+    /// Of a frozen log: the session has a new home, in another log.
+    void mark_taken(const broker::ClientId& client) { left_.erase(client); }
+    /// Of a frozen log: the address has a new broker.
+    void mark_served(const Endpoint& address) { serving_.erase(address); }
+    /// What there is to go on from, should this log's broker be gone; null when it is not home to
+    /// the client, or when the session of a frozen log has a new home, for all we know.
+    [[nodiscard]] const broker::SessionHeader* session(const broker::ClientId& client) const {
+        const bool is_taken = frozen_ && (outdated_ || !left_.contains(client));
+        return is_taken ? nullptr : mirror_.header(client);
+    }
+    /// Sessions of that address that have no new home yet: `most` of them.
+    [[nodiscard]] std::vector<broker::SessionImage> sessions_left(const Endpoint& address,
+                                                                  std::size_t most) const;
+    [[nodiscard]] std::size_t count_left(const Endpoint& address) const;
+    /// Addresses without a new broker or with sessions left.
+    [[nodiscard]] std::vector<Endpoint> addresses_left() const;
+
+private:
+    void follow_in_tail(const LogEvent& event);
+    void leave_all();
+
+    LogId id_;
+    broker::Mirror mirror_;
+    LogHistory history_;
+    std::deque<LogEvent> ready_;                  // follow applied()
+    std::map<Seq, std::vector<LogEvent>> early_;  // by first seq; beyond a gap
+    std::size_t early_events_ = 0;
+    Seq known_end_ = 0;
+    Instant asked_at_ = Instant::min();
+    Seq asked_after_ = 0;
+    std::optional<SnapshotPart> snapshot_;  // what has come of it
+    std::vector<MessagePtr> ahead_;         // beyond applied(), in log order
+
+    bool was_apart_ = false;
+    bool foreign_ = false;
+    bool frozen_ = false;
+    bool outdated_ = false;
+    Seq agreed_end_ = 0;
+    ViewNumber ended_in_;                        // the first view that agreed on that
+    bool lived_on_ = false;                      // its writer was heard in a later one
+    std::map<broker::ClientId, Endpoint> left_;  // of a frozen log: not taken; with their via
+    std::set<Endpoint> serving_;
+};
+
+/// All peers' logs that are held: of members, of peers that are about to join, and for some time of
+/// removed ones.
+using PeerLogs = std::map<LogId, PeerLog>;
+
+}  // namespace romano::cluster

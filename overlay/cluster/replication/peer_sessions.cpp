@@ -1,0 +1,52 @@
+#include "overlay/cluster/replication/peer_sessions.h"
+
+namespace romano::cluster {
+
+void PeerSessions::on_event(Instant now, const broker::Mirror& sessions,
+                            const broker::LogEvent& event, std::size_t many) {
+    interest_.on_event(sessions.log().broker, event);
+    homes_.on_event(sessions.log().broker, event);
+    slow_.on_event(now, sessions, event, many);
+}
+
+void PeerSessions::on_late_event(const LogId& log) {
+    if (follow(log)) followed_.erase(log.broker);
+}
+
+void PeerSessions::reset(const LogId& log, const broker::Mirror& sessions) {
+    interest_.reset(log.broker, sessions);
+    homes_.reset(log.broker, sessions);
+    slow_.forget(log.broker);
+    followed_.insert_or_assign(log.broker, log);
+}
+
+bool PeerSessions::follow(const LogId& log) const {
+    const auto followed = followed_.find(log.broker);
+    return followed != followed_.end() && followed->second == log;
+}
+
+void PeerSessions::on_end(const LogId& log) {
+    if (!follow(log)) return;
+    interest_.forget(log.broker);
+    followed_.erase(log.broker);
+}
+
+void PeerSessions::forget(const LogId& log) {
+    on_end(log);
+    if (followed_.contains(log.broker)) return;
+    homes_.forget(log.broker);
+    slow_.forget(log.broker);
+}
+
+void PeerSessions::on_own_session(const broker::ClientId& client, const PeerLogs& logs) {
+    slow_.forget(client);
+    on_living_home(client, logs);
+}
+
+void PeerSessions::on_living_home(const broker::ClientId& client, const PeerLogs& logs) {
+    for (const auto& [id, log] : logs) {
+        if (!followed_.contains(id.broker)) homes_.forget(id.broker, client);
+    }
+}
+
+}  // namespace romano::cluster

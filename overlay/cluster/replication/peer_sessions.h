@@ -1,0 +1,57 @@
+// What the peers' sessions want, where they are, and which are slow: the tables that follow the
+// events of logs which go on. A log that has ended is followed no more; its interest is forgotten,
+// and where its sessions were, and which were slow, stays until a living home takes its place.
+#pragma once
+
+#include <map>
+#include <string_view>
+
+#include "broker/core/audience.h"
+#include "overlay/cluster/ownership/homes.h"
+#include "overlay/cluster/replication/interest.h"
+#include "overlay/cluster/replication/peer_log.h"
+#include "overlay/cluster/replication/slow_receivers.h"
+
+namespace romano::cluster {
+
+class PeerSessions final : public broker::Audience {
+public:
+    [[nodiscard]] bool wants(std::string_view topic) const override {
+        return interest_.wants(topic);
+    }
+    [[nodiscard]] std::size_t longest_queue(std::string_view topic, Instant since) const override {
+        return slow_.longest_queue(topic, since);
+    }
+    [[nodiscard]] bool share_address_with(const broker::SessionHeader& own) const override {
+        return homes_.share_address_with(own);
+    }
+    [[nodiscard]] const Interest& interest() const { return interest_; }
+    [[nodiscard]] const Homes& homes() const { return homes_; }
+
+    /// The next event of a log that goes on, before its mirror applies it. Receivers with more than
+    /// `many` messages waiting are slow.
+    void on_event(Instant now, const broker::Mirror& sessions, const broker::LogEvent& event,
+                  std::size_t many);
+    /// An event of a log that has ended: the tables lack it.
+    void on_late_event(const LogId& log);
+    /// Replaces all that is known of the log's broker.
+    void reset(const LogId& log, const broker::Mirror& sessions);
+    /// The tables have all sessions of that log.
+    [[nodiscard]] bool follow(const LogId& log) const;
+    /// It has ended.
+    void on_end(const LogId& log);
+    /// It is not held any more.
+    void forget(const LogId& log);
+    /// The client has a living home: what ended logs say of it is over.
+    void on_living_home(const broker::ClientId& client, const PeerLogs& logs);
+    /// That is this broker.
+    void on_own_session(const broker::ClientId& client, const PeerLogs& logs);
+
+private:
+    Interest interest_;
+    Homes homes_;
+    SlowReceivers slow_;
+    std::map<BrokerId, LogId> followed_;
+};
+
+}  // namespace romano::cluster

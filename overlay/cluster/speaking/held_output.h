@@ -1,0 +1,73 @@
+// Datagrams to clients that wait until the log is safe up to their Send::after (design section 3,
+// "Replication"). They leave in the order of these positions, and as they came within one: a
+// client's later datagrams never have a lower position (broker::Send), so that its order is kept.
+// Those of an address that is not served here yet wait for that, and so does what the same client
+// is sent from another one: it may have answered what waits already.
+//
+// Bounded by octets; beyond that new ones are dropped, as a network may do: clients ask again.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <iterator>
+#include <map>
+#include <set>
+#include <unordered_set>
+#include <vector>
+
+#include "broker/core/actions.h"
+#include "romano/base/bytes.h"
+#include "romano/base/endpoint.h"
+
+namespace romano::cluster {
+
+class HeldOutput {
+public:
+    void hold(const broker::Send& send, Bytes octets);
+    /// Something waits for its address, perhaps: whatever is for this client waits as well.
+    void detain(const broker::ClientAddress& client) { detained_.insert(client); }
+    [[nodiscard]] bool detains(const broker::ClientAddress& client) const {
+        return detained_.contains(client);
+    }
+    /// What is to become of a datagram of that address, once its position is safe.
+    enum class Fate : std::uint8_t { leaves, waits, is_dropped };
+
+    /// Moves all that may leave now to `out`; `fate_of(via)` says what may.
+    template <typename FateOf>
+    void release(broker::Seq safe, FateOf&& fate_of, broker::Actions& out) {
+        detained_.clear();
+        for (auto next = waiting_.begin(); next != waiting_.end() && next->first <= safe;) {
+            const broker::ClientAddress& client = next->second.to;
+            Fate fate = fate_of(next->second.via);
+            if (fate == Fate::leaves && detains(client)) fate = Fate::waits;
+            if (fate == Fate::waits) detain(client);
+            if (fate == Fate::leaves) send(next->second, out);
+            next = fate == Fate::waits ? std::next(next) : erase(next);
+        }
+    }
+    void clear();
+
+    [[nodiscard]] std::set<Endpoint> addresses() const;
+    [[nodiscard]] bool empty() const { return waiting_.empty(); }
+    [[nodiscard]] std::size_t size() const { return waiting_.size(); }
+    [[nodiscard]] std::uint64_t dropped() const { return dropped_; }
+
+private:
+    struct Datagram {
+        Endpoint via;
+        broker::ClientAddress to;
+        std::vector<std::uint8_t> octets;
+    };
+
+    using Waiting = std::multimap<broker::Seq, Datagram>;
+
+    static void send(const Datagram& datagram, broker::Actions& out);
+    Waiting::iterator erase(Waiting::iterator datagram);
+
+    Waiting waiting_;
+    std::unordered_set<broker::ClientAddress, broker::ClientAddressHash> detained_;
+    std::size_t octets_ = 0;
+    std::uint64_t dropped_ = 0;
+};
+
+}  // namespace romano::cluster

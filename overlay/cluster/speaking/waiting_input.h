@@ -1,0 +1,80 @@
+// Clients' datagrams that cannot be answered yet: before the first view, while sessions of their
+// service address are on their way here, after a stall until the peers were heard, and where we may
+// have been cut off until peers had time to come.
+//
+// Bounded by octets; beyond that new ones are dropped, as a network may do: clients ask again.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <utility>
+#include <vector>
+
+#include "romano/base/bytes.h"
+#include "romano/base/endpoint.h"
+
+namespace romano::cluster {
+
+class WaitingInput {
+public:
+    struct Datagram {
+        Endpoint via;
+        Endpoint from;
+        std::vector<std::uint8_t> octets;
+        bool is_new = false;  // the cluster was not asked yet whose client this is
+    };
+
+    void hold(const Endpoint& via, const Endpoint& from, Bytes octets, bool is_new) {
+        if (octets_ + octets.size() + overhead > octets_most) {
+            ++dropped_;
+            return;
+        }
+        octets_ += octets.size() + overhead;
+        waiting_.push_back({via, from, {octets.begin(), octets.end()}, is_new});
+        ++clients_[from];
+    }
+
+    /// Those that need not wait any more, in the order in which they came.
+    template <typename MustWait>
+    [[nodiscard]] std::vector<Datagram> take_unless(MustWait&& must_wait) {
+        std::vector<Datagram> taken;
+        std::erase_if(waiting_, [&](Datagram& datagram) {
+            if (must_wait(datagram)) return false;
+            octets_ -= datagram.octets.size() + overhead;
+            const auto client = clients_.find(datagram.from);
+            if (--client->second == 0) clients_.erase(client);
+            taken.push_back(std::move(datagram));
+            return true;
+        });
+        return taken;
+    }
+
+    /// Something of that client waits, or was not served yet: what comes now comes after it.
+    [[nodiscard]] bool holds(const Endpoint& client) const { return clients_.contains(client); }
+
+    /// All that came by that address: clients ask again, and somebody else answers there now.
+    void drop(const Endpoint& via) {
+        (void)take_unless([&](const Datagram& datagram) { return datagram.via != via; });
+    }
+    void clear() {
+        waiting_.clear();
+        clients_.clear();
+        octets_ = 0;
+    }
+    [[nodiscard]] bool empty() const { return waiting_.empty(); }
+    [[nodiscard]] std::size_t size() const { return waiting_.size(); }
+    [[nodiscard]] std::uint64_t dropped() const { return dropped_; }
+
+private:
+    static constexpr std::size_t octets_most = 8U << 20U;
+    static constexpr std::size_t overhead = 128;  // of one datagram in the queue
+
+    std::deque<Datagram> waiting_;
+    std::map<Endpoint, std::size_t> clients_;  // how many of each wait
+    std::size_t octets_ = 0;
+    std::uint64_t dropped_ = 0;
+};
+
+}  // namespace romano::cluster

@@ -1,0 +1,459 @@
+#include "overlay/cluster/agreement/view_change.h"
+
+#include <gmock/gmock.h>
+
+#include <algorithm>
+
+#include "tests/overlay/cluster/events.h"
+
+namespace romano::cluster::view_change_test {
+namespace {
+
+using namespace std::chrono_literals;
+
+const LogId self = test::log_of("self");
+const LogId peer = test::log_of("peer");
+const LogId high = test::log_of("high");
+
+// A leader and its peers, which it knows by their beacons.
+struct Leader {
+    static ClusterOptions of_rank(std::uint32_t rank) {
+        ClusterOptions options;
+        options.rank = rank;
+        return options;
+    }
+
+    Membership membership{of_rank(5), self.broker, 1};
+    ViewChange change{self};
+    PeerLogs logs;
+    std::vector<Endpoint> none;
+    std::vector<LogPosition> told;
+    Outbox out;
+    Instant now{1s};
+    std::uint64_t ticks = 0;
+
+    Surroundings around() {
+        return {.membership = membership,
+                .logs = logs,
+                .serving = none,
+                .home = none,
+                .cannot_take = none,
+                .ended = told};
+    }
+    void hear(const LogId& from, const LogId& follows, election::Term term, std::uint32_t rank) {
+        hear(from, follows, term, rank, change.view());
+    }
+    void hear(const LogId& from, const LogId& follows, election::Term term, std::uint32_t rank,
+              View view) {
+        Beacon beacon{.log = from, .tick = ++ticks, .hears = {self.broker}};
+        beacon.promised = view.number;
+        beacon.view = std::move(view);
+        beacon.claim = {.rank = {.capability = rank, .id = node_of(from.broker)},
+                        .term = term,
+                        .leader = node_of(follows.broker)};
+        membership.on_beacon(now, beacon);
+        logs.try_emplace(from, from, 1'000);
+    }
+    /// Its beacons reach us, and ours do not reach it.
+    void hear_of_no_us(const LogId& from) {
+        membership.on_beacon(now, Beacon{.log = from, .tick = ++ticks});
+    }
+    void wait(Duration time) {
+        for (const Instant end = now + time; now < end;) {
+            now += 10ms;
+            membership.on_tick(now);
+            change.on_tick(now, around(), out);
+        }
+    }
+    [[nodiscard]] election::Term term() { return membership.leadership().term; }
+    /// Every member answers what it was asked last.
+    void answer(const LogId& member, ViewHoldings holdings = {}) {
+        std::optional<ViewNumber> asked;
+        for (const auto& outgoing : out) {
+            const auto* proposal = std::get_if<ViewProposal>(&outgoing.message);
+            if (proposal != nullptr && outgoing.to == member.broker) asked = proposal->view.number;
+        }
+        if (!asked) return;
+        holdings.number = *asked;
+        change.on_holdings(now, member, holdings, around(), out);
+    }
+    /// From this moment on.
+    void lead() {
+        while (!membership.leads()) wait(10ms);
+    }
+    /// In a view with the peer.
+    void begin() {
+        wait(200ms);
+        for (int i = 0; i < 20 && !change.has_view(); ++i) {
+            hear(peer, self, term(), 1);
+            wait(10ms);
+            answer(peer);
+        }
+        ASSERT_EQ(change.view().members.size(), 2U);
+    }
+};
+
+TEST(ViewChange, AProposalThatCameToNothingLeavesNoLogFrozen) {
+    Leader leader;
+    leader.begin();
+    // The peer is missed while another one has just come; that one then takes the lead, and dies.
+    leader.hear(high, self, leader.term(), 9);
+    leader.membership.on_left_out(leader.now, peer);
+    leader.wait(10ms);
+    ASSERT_TRUE(leader.logs.at(peer).is_frozen());
+    leader.hear(high, high, leader.term() + 1, 9);
+    leader.hear(peer, high, leader.term() + 1, 1);
+    leader.wait(10ms);
+    ASSERT_FALSE(leader.membership.leads());
+    leader.membership.on_left_out(leader.now, high);
+    for (int i = 0; i < 50; ++i) {
+        leader.hear(peer, self, leader.term(), 1);
+        leader.wait(10ms);
+        leader.answer(peer);
+    }
+    ASSERT_TRUE(leader.membership.leads());
+    EXPECT_EQ(leader.change.view().members.size(), 2U);
+    EXPECT_FALSE(leader.logs.at(peer).is_frozen());
+}
+
+// P2: a member had missed it, and held less of its log than the leader, which heard it still: what
+// lay between was delivered to nobody (simulator, seed 9736261).
+TEST(ViewChange, WhomTheLeaderHearsIsNotTakenOverAtAMembersWord) {
+    Leader leader;
+    leader.begin();
+    const LogId newcomer = test::log_of("newcomer");
+    const election::Term former = leader.term();
+    for (int i = 0; i < 60 && !leader.change.contains(newcomer); ++i) {
+        leader.hear(peer, self, leader.term(), 1);
+        leader.hear(high, peer, former, 1);  // follows another one, and answers nothing
+        leader.hear(newcomer, self, leader.term(), 1);
+        leader.wait(10ms);
+        leader.answer(newcomer);
+        leader.answer(peer, {.holds = {{high, 5}}, .addresses = {{high, test::address(3)}}});
+    }
+    ASSERT_TRUE(leader.change.contains(newcomer));
+    ASSERT_FALSE(leader.change.contains(high));
+    ASSERT_TRUE(leader.membership.is_alive(high));
+    const auto installed = leader.change.take_installed();
+    ASSERT_TRUE(installed);
+    EXPECT_TRUE(installed->ends.empty());
+    EXPECT_TRUE(installed->assignments.empty());
+    EXPECT_FALSE(leader.logs.at(high).is_frozen());
+}
+
+// P2: they dropped what it said then, and the only one that took it fell silent (simulator, faults
+// `relapse`, seed 9941534).
+TEST(ViewChange, AProposalWithAMemberThawsWhatAnEarlierOneFroze) {
+    Leader member;
+    member.begin();
+    member.hear(high, high, member.term() + 1, 9);
+    member.membership.on_left_out(member.now, peer);
+    member.wait(60ms);
+    View view{.number = {member.term(), high.broker, 1}, .members = {self, high}};
+    std::ranges::sort(view.members);
+    member.change.on_proposal(member.now, {.view = view, .removed = {peer}}, member.around(),
+                              member.out);
+    ASSERT_TRUE(member.logs.at(peer).is_frozen());
+    member.hear(high, high, member.term(), 9);
+    member.hear(peer, high, member.term(), 1);
+    ++view.number.count;
+    view.members.push_back(peer);
+    std::ranges::sort(view.members);
+    member.change.on_proposal(member.now, {.view = view, .removed = {}}, member.around(),
+                              member.out);
+    EXPECT_FALSE(member.logs.at(peer).is_frozen());
+}
+
+// P2: its sessions would have no heir. The leader may hear the new life long before we do.
+TEST(ViewChange, AProposalWithALaterLifeOfABrokerEndsTheFormerOne) {
+    Leader leader;
+    leader.begin();
+    leader.hear(high, high, leader.term() + 1, 9);
+    leader.wait(10ms);
+    ASSERT_FALSE(leader.membership.leads());
+    ASSERT_TRUE(leader.membership.is_alive(peer));
+    View view{.number = {leader.term(), high.broker, 1}, .members = {self, high}};
+    view.members.push_back({peer.broker, peer.incarnation + 1});
+    std::ranges::sort(view.members);
+    leader.change.on_proposal(leader.now, {.view = view, .removed = {}}, leader.around(),
+                              leader.out);
+    EXPECT_TRUE(leader.logs.at(peer).is_frozen());
+}
+
+// P3: it had been replaced, and held more than those agreed on who went on; later it was the only
+// one left who had been there (simulator, faults `relapse`, seed 9851395).
+TEST(ViewChange, AnEndThatWasAgreedOnStays) {
+    Leader member;
+    member.begin();
+    PeerLog& log = member.logs.at(peer);
+    log.offer(1, {test::published(peer, 1), test::published(peer, 2), test::published(peer, 3)});
+    while (log.next() != nullptr) log.apply();
+    member.hear(high, high, member.term() + 1, 9);
+    member.membership.on_left_out(member.now, peer);
+    member.wait(10ms);
+    View view{.number = {member.term(), high.broker, 1}, .members = {self, high}};
+    std::ranges::sort(view.members);
+    member.change.on_announcement(member.now, {.view = view, .ends = {{peer, 2}}}, member.around());
+    ASSERT_TRUE(log.is_frozen());
+    ++view.number.count;
+    member.out.clear();
+    member.change.on_proposal(member.now, {.view = view, .removed = {peer}}, member.around(),
+                              member.out);
+    ASSERT_EQ(member.out.size(), 1U);
+    EXPECT_EQ(std::get<ViewHoldings>(member.out[0].message).holds,
+              (std::vector<LogPosition>{{peer, 2}}));
+}
+
+// P3: a newcomer stood still while it waited for the answers to its first proposal, took the others
+// for unwilling, and went on alone from what it had read before (simulator, faults `relapse`, seed
+// 9972482).
+TEST(ViewChange, WhoStoodStillAsksAnew) {
+    Leader leader;
+    leader.begin();
+    leader.hear(high, peer, leader.term(), 1);
+    leader.wait(10ms);
+    leader.out.clear();
+    leader.now += 1s;
+    leader.change.resume(leader.logs);
+    leader.hear(peer, self, leader.term(), 1);
+    leader.hear(high, peer, leader.term(), 1);
+    leader.wait(10ms);
+    leader.answer(peer);
+    EXPECT_FALSE(std::ranges::count(leader.change.view().members, high)) << "it has not answered";
+    leader.answer(high);
+    EXPECT_TRUE(leader.change.contains(high));
+}
+
+// They may come back together to those who lived on and have not met them yet (seed 1522201).
+TEST(ViewChange, NewcomersListenForThoseWhoMayBeThere) {
+    Leader leader;
+    leader.lead();
+    const Instant since = leader.now;
+    while (leader.out.empty() && leader.now < since + 1s) {
+        leader.hear(peer, self, leader.term(), 1);
+        leader.wait(10ms);
+    }
+    EXPECT_FALSE(leader.out.empty());
+    EXPECT_GT(leader.now, since + 100ms);
+}
+
+// P2, P3: two had been replaced, and the third, which had all sessions, stood still for a second or
+// two. They went on without it, and it began anew: nobody had the sessions any more.
+TEST(ViewChange, NewcomersWaitForOneThatHasTheSessionsAndIsSilent) {
+    for (const bool has_ended : {false, true}) {
+        Leader leader;
+        const View without_us{.number = {1, high.broker, 1}, .members = {high}};
+        leader.hear(high, high, 1, 1, without_us);
+        if (has_ended) {
+            leader.membership.on_beacon(leader.now,
+                                        {.log = high, .tick = ++leader.ticks, .leaving = true});
+        }
+        const Instant since = leader.now;
+        while (leader.out.empty() && leader.now < since + 5s) {
+            leader.hear(peer, self, leader.term(), 1);
+            leader.wait(10ms);
+        }
+        EXPECT_EQ(leader.now > since + 2500ms, !has_ended);
+    }
+}
+
+TEST(ViewChange, ANewcomerJoinsThoseWhoLivedOnAtOnce) {
+    Leader leader;
+    leader.lead();
+    leader.hear(peer, self, leader.term(), 1, {.number = {1, peer.broker, 1}, .members = {peer}});
+    leader.wait(20ms);
+    EXPECT_FALSE(leader.out.empty());
+}
+
+struct DoubtfulLeader : Leader {
+    void hear_both() {
+        hear(peer, self, term(), 1);
+        hear(high, self, term(), 1);
+    }
+    /// In a view with both, and then it hears neither.
+    void lose_both() {
+        begin();
+        for (int i = 0; i < 20 && !change.contains(high); ++i) {
+            hear_both();
+            wait(10ms);
+            answer(peer);
+            answer(high);
+        }
+        ASSERT_EQ(change.view().members.size(), 3U);
+        (void)change.take_installed();
+        out.clear();
+        while (membership.is_alive(peer)) wait(10ms);
+        ASSERT_FALSE(membership.is_alive(high));
+    }
+};
+
+// P3: it had missed one a moment before the other, and dropped what that one said when both were
+// back; the other one delivered it, and the client said it again to the heir.
+TEST(ViewChange, WhoMayBeDeafFreezesNobodysLog) {
+    DoubtfulLeader leader;
+    leader.begin();
+    for (int i = 0; i < 20 && !leader.change.contains(high); ++i) {
+        leader.hear_both();
+        leader.wait(10ms);
+        leader.answer(peer);
+        leader.answer(high);
+    }
+    leader.wait(30ms);
+    leader.hear(high, self, leader.term(), 1);
+    while (leader.membership.is_alive(peer)) leader.wait(10ms);
+    ASSERT_TRUE(leader.logs.at(peer).is_frozen());
+    while (leader.membership.is_alive(high)) leader.wait(10ms);
+    ASSERT_TRUE(leader.membership.may_be_deaf(leader.now));
+    EXPECT_FALSE(leader.logs.at(peer).is_frozen());
+    leader.wait(200ms);
+    EXPECT_TRUE(leader.logs.at(peer).is_frozen()) << "it goes on without them";
+}
+
+// P3: what they had delivered themselves came from the deaf one once more.
+TEST(ViewChange, WhoMayBeDeafTakesNobodysPlace) {
+    DoubtfulLeader leader;
+    leader.lose_both();
+    leader.wait(180ms);
+    EXPECT_TRUE(leader.out.empty());
+    EXPECT_FALSE(leader.logs.at(high).is_frozen());
+    leader.hear_both();
+    leader.wait(20ms);
+    EXPECT_TRUE(leader.out.empty());
+    EXPECT_EQ(leader.change.view().members.size(), 3U);
+    EXPECT_FALSE(leader.change.take_installed());
+}
+
+TEST(ViewChange, WhoHearsNobodyForThreeDetectionTimesGoesOnAlone) {
+    DoubtfulLeader leader;
+    leader.lose_both();
+    leader.wait(220ms);
+    EXPECT_EQ(leader.change.view().members, std::vector{self});
+    EXPECT_TRUE(leader.logs.at(high).is_frozen());
+}
+
+// Its last beacons may have told of our former life.
+TEST(ViewChange, ANewcomerOpensNoViewWithoutAPeerThatItHearsStill) {
+    Leader leader;
+    leader.wait(100ms);
+    leader.hear(peer, self, leader.term(), 1);
+    leader.wait(20ms);
+    ASSERT_TRUE(leader.membership.leads());
+    for (int i = 0; i < 20; ++i) {
+        leader.hear_of_no_us(peer);
+        leader.wait(10ms);
+    }
+    ASSERT_FALSE(leader.membership.is_alive(peer));
+    EXPECT_FALSE(leader.change.has_view());
+}
+
+TEST(ViewChange, AProposalOutnumbersTheViewsOfAllWhomItAsks) {
+    Leader leader;
+    leader.begin();
+    // The peer was in a view of its own for a moment, and follows us again.
+    Beacon beacon{.log = peer, .tick = ++leader.ticks, .hears = {self.broker}};
+    beacon.view = {.number = {leader.term() + 1, BrokerId{~0ULL}, 1}, .members = {peer}};
+    beacon.promised = beacon.view.number;
+    beacon.claim = {.rank = {.capability = 1, .id = node_of(peer.broker)},
+                    .term = leader.term(),
+                    .leader = node_of(self.broker)};
+    leader.membership.on_beacon(leader.now, beacon);
+    leader.out.clear();
+    for (int i = 0; i < 30; ++i) {
+        beacon.tick = ++leader.ticks;
+        leader.membership.on_beacon(leader.now, beacon);
+        leader.wait(10ms);
+    }
+    ASSERT_FALSE(leader.out.empty());
+    const auto& proposal = std::get<ViewProposal>(leader.out.back().message);
+    EXPECT_GT(proposal.view.number, beacon.view.number);
+}
+
+// I4: it was taken back after four detection times, and a view below it entered.
+TEST(ViewChange, NoClockTakesAPromiseBack) {
+    Leader member;
+    member.begin();
+    const ViewNumber promised{member.term() + 1, high.broker, 1};
+    View view{promised, {high, self}};
+    std::ranges::sort(view.members);
+    member.hear(high, high, promised.term, 9);
+    member.change.on_proposal(member.now, {.view = view, .removed = {}}, member.around(),
+                              member.out);
+    ASSERT_EQ(member.change.promised(), promised);
+    for (int i = 0; i < 100; ++i) {
+        member.hear(high, high, promised.term, 9);
+        member.wait(10ms);
+    }
+    EXPECT_EQ(member.change.promised(), promised);
+    View older = view;
+    older.number.count = 0;
+    member.change.on_announcement(member.now, {.view = older}, member.around());
+    EXPECT_LT(member.change.view().number, older.number);
+}
+
+// I4: or else a member whose leader went away before it announced would wait for ever.
+TEST(ViewChange, ALeaderGoesBeyondWhatAMemberPromised) {
+    Leader leader;
+    leader.begin();
+    Beacon beacon{.log = peer, .tick = ++leader.ticks, .hears = {self.broker}};
+    beacon.view = leader.change.view();
+    beacon.promised = {leader.term(), BrokerId{~0ULL}, 1};
+    beacon.claim = {.rank = {.capability = 1, .id = node_of(peer.broker)},
+                    .term = leader.term(),
+                    .leader = node_of(self.broker)};
+    leader.membership.on_beacon(leader.now, beacon);
+    leader.out.clear();
+    leader.wait(10ms);
+    ASSERT_FALSE(leader.out.empty());
+    EXPECT_GT(std::get<ViewProposal>(leader.out.back().message).view.number, beacon.promised);
+    leader.answer(peer);
+    EXPECT_GT(leader.change.view().number, beacon.promised);
+}
+
+// I4: its answers were on their way yet, and with them it entered a view below its promise.
+TEST(ViewChange, WhoPromisesAHigherViewAnnouncesItsOwnNoMore) {
+    Leader leader;
+    leader.begin();
+    leader.hear(high, self, leader.term(), 9);  // a newcomer, who is asked
+    leader.wait(10ms);
+    const ViewNumber own = leader.change.promised();
+    ASSERT_GT(own, leader.change.view().number);
+    View higher{{leader.term() + 1, high.broker, 1}, {high, self}};
+    std::ranges::sort(higher.members);
+    leader.hear(high, high, leader.term() + 1, 9);
+    leader.change.on_proposal(leader.now, {.view = higher, .removed = {}}, leader.around(),
+                              leader.out);
+    ASSERT_EQ(leader.change.promised(), higher.number);
+    for (const LogId& member : {peer, high}) {
+        leader.change.on_holdings(leader.now, member, {.number = own}, leader.around(), leader.out);
+    }
+    EXPECT_LT(leader.change.view().number, own);
+}
+
+TEST(ViewChange, AProposalGoesWithItsLeadersTerm) {
+    Leader leader;
+    leader.begin();
+    leader.hear(high, self, leader.term(), 1);  // a newcomer, who does not answer yet
+    leader.wait(20ms);
+    const election::Term before = leader.term();
+    leader.hear(high, high, before + 1, 1);  // it led, out of our sight: our term grows
+    leader.hear(high, self, before + 1, 1);
+    leader.wait(20ms);
+    ASSERT_GT(leader.term(), before);
+    const auto& proposal = std::get<ViewProposal>(leader.out.back().message);
+    EXPECT_EQ(proposal.view.number.term, leader.term());
+}
+
+TEST(ViewChange, SomebodyGoesOnForABrokerThatDiedOutsideOfTheView) {
+    Leader leader;
+    leader.begin();
+    leader.logs.try_emplace(high, high, 1'000);  // it followed somebody else, and is gone
+    leader.wait(10ms);
+    leader.answer(peer);
+    const auto installed = leader.change.take_installed();
+    ASSERT_TRUE(installed);
+    EXPECT_TRUE(leader.logs.at(high).is_frozen());
+    EXPECT_THAT(installed->ends, testing::ElementsAre(LogPosition{high, 0}));
+}
+
+}  // namespace
+}  // namespace romano::cluster::view_change_test

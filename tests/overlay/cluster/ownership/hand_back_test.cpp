@@ -1,0 +1,207 @@
+#include "overlay/cluster/ownership/hand_back.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/overlay/cluster/events.h"
+
+namespace romano::cluster::hand_back_test {
+namespace {
+
+using namespace std::chrono_literals;
+
+const LogId self = test::log_of("b1");
+const LogId rival = test::log_of("b2");
+const Endpoint ours = test::address(1);
+const Endpoint theirs = test::address(2);
+
+/// After a heal: broker b1 serves its own address and b2's, and so does b2.
+struct AfterAHeal {
+    Membership membership{ClusterOptions{}, self.broker, 1};
+    ServiceAddresses addresses{{ours}};
+    HandBack hand_back{self.broker, 256};
+    View view{.members = {self, rival}};
+    broker::BrokerCore broker{broker::BrokerOptions{}, 1};
+    broker::Actions clients;
+    Outbox peers;
+    std::vector<LocalAction> local;
+    Instant now{1s};
+    std::uint64_t tick = 0;
+
+    explicit AfterAHeal(std::vector<BrokerId> heard_by_rival = {self.broker}) {
+        std::ranges::sort(view.members);
+        addresses.on_address(ours, true);
+        addresses.on_address(theirs, true);
+        hear(std::move(heard_by_rival));
+    }
+    void hear(std::vector<BrokerId> whom_it_hears) {
+        hear(std::move(whom_it_hears), {ours, theirs});
+    }
+    void hear(std::vector<BrokerId> whom_it_hears, std::vector<Endpoint> serving) {
+        membership.on_beacon(now, Beacon{.log = rival,
+                                         .tick = ++tick,
+                                         .hears = std::move(whom_it_hears),
+                                         .home_addresses = {theirs},
+                                         .serving = std::move(serving)});
+        compare();
+    }
+    [[nodiscard]] std::size_t handed_over() {
+        peers.clear();
+        Effects acting = effects();
+        hand_back.carry_on(acting, membership, view, addresses, {{}, {}, {}});
+        return peers.size();
+    }
+    void compare() {
+        Effects acting = effects();
+        hand_back.compare(acting, membership, view, addresses);
+    }
+    Effects effects() { return {now, broker, clients, peers, local, test::times}; }
+    [[nodiscard]] std::size_t claimed() const { return local.size(); }
+    void hear_on_for(Duration time) {
+        for (const Instant end = now + time; now < end; hear({self.broker})) {
+            now += 10ms;
+            membership.on_tick(now);
+        }
+    }
+    void hear_nothing_for(Duration time) {
+        for (const Instant end = now + time; now < end; compare()) {
+            now += 10ms;
+            membership.on_tick(now);
+        }
+    }
+};
+
+TEST(HandBack, P3_TwoThatServeAnAddressAreBothSilent) {
+    AfterAHeal healed;
+    EXPECT_TRUE(healed.hand_back.is_silent(theirs));
+    EXPECT_TRUE(healed.hand_back.is_silent(ours));
+}
+
+TEST(HandBack, P3_WhoIsOnlySuspectedMaySpeakStill) {
+    AfterAHeal healed;
+    healed.hear_nothing_for(200ms);
+    ASSERT_FALSE(healed.membership.is_heard(rival.broker));
+    EXPECT_TRUE(healed.hand_back.is_silent(theirs));
+    EXPECT_TRUE(healed.hand_back.is_silent(ours));
+    healed.view.members = {self};
+    healed.compare();
+    EXPECT_FALSE(healed.hand_back.is_silent(theirs));
+    EXPECT_FALSE(healed.hand_back.is_silent(ours));
+}
+
+// It took the address over, because it does not hear us (simulator, seed 1042460).
+TEST(HandBack, P3_WhoIsHeardOneWayMaySpeakForOurAddress) {
+    AfterAHeal healed{std::vector<BrokerId>{}};
+    healed.view.members = {self};
+    healed.compare();
+    ASSERT_FALSE(healed.membership.is_alive(rival));
+    EXPECT_TRUE(healed.hand_back.is_silent(ours));
+    EXPECT_TRUE(healed.hand_back.is_silent(theirs));
+}
+
+// An heir that had nothing left to hand over; the rival was heir before it (simulator, seed
+// 116938).
+TEST(HandBack, OnlyTheRivalsOwnWordEndsTheWaitForIt) {
+    AfterAHeal healed;
+    healed.hand_back.on_handed_over(test::log_of("b3").broker, ours);
+    EXPECT_TRUE(healed.hand_back.is_expecting(ours));
+    healed.hand_back.on_handed_over(rival.broker, ours);
+    EXPECT_FALSE(healed.hand_back.is_expecting(ours));
+    healed.compare();
+    EXPECT_FALSE(healed.hand_back.is_expecting(ours)) << "its next beacons still name the address";
+}
+
+// P2: two of its former lives had left the address, and the heir of the second one, which held
+// nothing, was the first to say so (simulator, faults `relapse`, seed 9978847).
+TEST(HandBack, P2_AnOwnerWaitsForAllWhoInheritedFromIt) {
+    AfterAHeal healed;
+    healed.hear({self.broker}, {theirs});
+    ASSERT_FALSE(healed.hand_back.is_expecting(ours));
+    const BrokerId other = test::log_of("b3").broker;
+    healed.hand_back.expect(healed.now, ours, {rival.broker, other});
+    healed.hand_back.on_handed_over(other, ours);
+    EXPECT_TRUE(healed.hand_back.is_expecting(ours));
+    healed.hand_back.on_handed_over(rival.broker, ours);
+    EXPECT_FALSE(healed.hand_back.is_expecting(ours));
+}
+
+// Its beacons come here before anything of ours gets there (simulator, seed 138174).
+TEST(HandBack, NothingIsHandedToWhoDoesNotHearUsYet) {
+    AfterAHeal healed;
+    healed.hear({});
+    EXPECT_EQ(healed.handed_over(), 0U);
+    healed.now += 50ms;
+    EXPECT_EQ(healed.handed_over(), 0U);
+    healed.hear({self.broker});
+    EXPECT_EQ(healed.handed_over(), 0U) << "what is on its way to clients leaves first";
+    healed.now += 50ms;
+    EXPECT_EQ(healed.handed_over(), 1U);
+}
+
+// Who does not hear us answers there: to call its clients away from it would make them wait.
+TEST(HandBack, AnOwnAddressIsClaimedWhenTheRivalHearsUs) {
+    AfterAHeal healed{std::vector<BrokerId>{}};
+    healed.now += 50ms;
+    healed.hear({});
+    EXPECT_EQ(healed.claimed(), 0U);
+    healed.hear({self.broker});
+    ASSERT_EQ(healed.claimed(), 1U);
+    EXPECT_EQ(std::get<TakeAddress>(healed.local[0]).address, ours);
+    healed.hear({self.broker});
+    EXPECT_EQ(healed.claimed(), 1U) << "once is enough";
+}
+
+// Its kernel asked for a client's hardware address in the name of ours, after we had claimed it:
+// for a second the client's datagrams went to a machine that did not have the address any more.
+TEST(HandBack, AnOwnAddressIsAnnouncedOnceMoreWhenTheRivalHasLetItGo) {
+    AfterAHeal healed;
+    ASSERT_EQ(healed.claimed(), 1U);
+    healed.hear({self.broker}, {theirs});
+    ASSERT_EQ(healed.local.size(), 2U);
+    EXPECT_EQ(std::get<AnnounceAddress>(healed.local[1]).address, ours);
+    healed.hear({self.broker}, {theirs});
+    EXPECT_EQ(healed.local.size(), 2U) << "once is enough";
+}
+
+// It serves them, on the other side of a cut.
+TEST(HandBack, NothingIsAnnouncedToClientsOfARivalThatDoesNotHearUs) {
+    AfterAHeal healed{std::vector<BrokerId>{}};
+    healed.hear({}, {theirs});
+    EXPECT_TRUE(healed.local.empty());
+}
+
+TEST(HandBack, AnOwnAddressIsClaimedWhenTheWaitIsInVain) {
+    AfterAHeal healed{std::vector<BrokerId>{}};
+    healed.hear_nothing_for(2100ms);
+    EXPECT_EQ(healed.claimed(), 1U);
+}
+
+// After a short cut beacons come at once, and the view when the reliable streams flow again. The
+// owner spoke from its stale copy in between: QoS 2 twice (cuts of less than a second, network
+// namespaces).
+TEST(HandBack, P3_ARivalThatIsHeardIsWaitedForUntilItIsInOurView) {
+    AfterAHeal healed;
+    healed.view.members = {self};
+    healed.hear_on_for(1s);
+    EXPECT_TRUE(healed.hand_back.is_silent(ours));
+    std::ranges::sort(healed.view.members = {self, rival});
+    healed.hear_on_for(1900ms);
+    EXPECT_TRUE(healed.hand_back.is_silent(ours)) << "it is about to hand over";
+    healed.hear_on_for(200ms);
+    EXPECT_FALSE(healed.hand_back.is_silent(ours));
+}
+
+TEST(HandBack, ARivalThatComesIntoNoViewWithUsIsWaitedForForSomeTimeOnly) {
+    AfterAHeal healed;
+    healed.view.members = {self};
+    healed.hear_on_for(4100ms);
+    EXPECT_FALSE(healed.hand_back.is_silent(ours));
+}
+
+TEST(HandBack, AnOwnAddressIsSilentForARivalForSomeTimeOnly) {
+    AfterAHeal healed;
+    healed.hear_nothing_for(2100ms);
+    EXPECT_FALSE(healed.hand_back.is_silent(ours)) << "what the rival has does not come";
+}
+
+}  // namespace
+}  // namespace romano::cluster::hand_back_test

@@ -1,0 +1,121 @@
+#include "overlay/cluster/ownership/homes.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/overlay/cluster/events.h"
+
+namespace romano::cluster::homes_test {
+namespace {
+
+using test::erased;
+using test::session;
+
+constexpr BrokerId b1{1};
+constexpr BrokerId b2{2};
+
+/// The client at that address, talking to one service address or another.
+broker::Origin place(int host, int via = 100) {
+    return {test::address(via), {test::address(host), {}}};
+}
+
+broker::LogEvent session_from(const std::string& client, int host, int via = 100,
+                              std::uint64_t heard_at = 0) {
+    auto event = session(client, test::address(via));
+    broker::SessionHeader& header = std::get<broker::SessionPut>(event).image.header;
+    header.address = {test::address(host), {}};
+    header.last_heard = broker::HybridTime{heard_at};
+    return event;
+}
+
+std::optional<BrokerId> home_of(const Homes& homes, const std::string& client) {
+    const auto home = homes.of(client);
+    return home ? std::optional{home->broker} : std::nullopt;
+}
+
+TEST(Homes, AClientIsFoundByItsIdAndByItsAddress) {
+    Homes homes;
+    homes.on_event(b1, session_from("a", 1));
+    EXPECT_EQ(home_of(homes, "a"), b1);
+    const auto home = homes.at(place(1));
+    ASSERT_TRUE(home);
+    EXPECT_EQ(home->client_id, "a");
+    homes.on_event(b1, session_from("a", 2));  // it moved
+    EXPECT_FALSE(homes.at(place(1)));
+    EXPECT_TRUE(homes.at(place(2)));
+    homes.on_event(b1, erased("a"));
+    EXPECT_FALSE(homes.of("a"));
+    EXPECT_FALSE(homes.at(place(2)));
+}
+
+// After a heal an heir gives a session up that its home had all the time.
+TEST(Homes, WhenTheLastOfTwoTakesItBackTheOtherIsHome) {
+    Homes homes;
+    homes.on_event(b1, session_from("a", 1));
+    homes.on_event(b2, session_from("a", 1));
+    EXPECT_EQ(home_of(homes, "a"), b2);
+    homes.on_event(b2, erased("a"));
+    EXPECT_EQ(home_of(homes, "a"), b1);
+    EXPECT_TRUE(homes.at(place(1)));
+    homes.on_event(b2, session_from("a", 1));
+    homes.forget(b1);
+    EXPECT_EQ(home_of(homes, "a"), b2);
+    EXPECT_TRUE(homes.at(place(1)));
+    homes.forget(b2);
+    EXPECT_FALSE(homes.of("a"));
+    EXPECT_FALSE(homes.at(place(1)));
+}
+
+// A NAT that keeps source ports; or a client that was started again under another id.
+TEST(Homes, OfTwoClientsAtOneAddressEachIsFoundByTheServiceAddressThatItTalksTo) {
+    Homes homes;
+    homes.on_event(b1, session_from("a", 1, 101));
+    ASSERT_TRUE(homes.only_one_at({test::address(1), {}}));
+    homes.on_event(b2, session_from("b", 1, 102));
+    EXPECT_EQ(homes.at(place(1, 101))->client_id, "a");
+    EXPECT_EQ(homes.at(place(1, 102))->client_id, "b");
+    EXPECT_FALSE(homes.at(place(1, 103)));
+    EXPECT_FALSE(homes.only_one_at({test::address(1), {}}));
+    homes.on_event(b2, erased("b"));
+    EXPECT_EQ(homes.only_one_at({test::address(1), {}})->client_id, "a");
+}
+
+TEST(Homes, OfTwoClientsHeardAtOnePlaceTheLaterOneIsThere) {
+    for (const bool later_is_told_first : {false, true}) {
+        Homes homes;
+        const auto earlier = session_from("a", 1, 101, 1);
+        const auto later = session_from("b", 1, 101, 2);
+        homes.on_event(b1, later_is_told_first ? later : earlier);
+        homes.on_event(b2, later_is_told_first ? earlier : later);
+        EXPECT_EQ(homes.at(place(1, 101))->client_id, "b");
+        EXPECT_EQ(homes.only_one_at({test::address(1), {}})->client_id, "b");
+    }
+}
+
+TEST(Homes, WhoIsLostIsConnectedFromNoAddress) {
+    Homes homes;
+    homes.on_event(b1, session_from("a", 1, 101));
+    homes.on_event(b2, session_from("b", 1, 102));
+    broker::Published will{};
+    will.message = broker::MessagePtr{broker::Message{}};
+    will.will_of = "b";
+    homes.on_event(b2, will);
+    EXPECT_EQ(homes.only_one_at({test::address(1), {}})->client_id, "a");
+}
+
+TEST(Homes, AnotherClientSharesTheAddressUnlessItWasHeardEarlierAtTheSamePlace) {
+    Homes homes;
+    homes.on_event(b1, session_from("a", 1, 101, 1));
+    broker::SessionHeader own;
+    own.client_id = "b";
+    own.address = {test::address(1), {}};
+    own.last_heard = broker::HybridTime{2};
+    own.via = test::address(101);
+    EXPECT_FALSE(homes.share_address_with(own));  // "a" was displaced by it
+    own.via = test::address(102);
+    EXPECT_TRUE(homes.share_address_with(own));
+    own.client_id = "a";
+    EXPECT_FALSE(homes.share_address_with(own));
+}
+
+}  // namespace
+}  // namespace romano::cluster::homes_test

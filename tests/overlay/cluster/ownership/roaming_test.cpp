@@ -1,0 +1,108 @@
+// A client of a peer that talks to us: how long it is waited for.
+
+#include "overlay/cluster/ownership/roaming.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <vector>
+
+#include "romano/mqttsn/codec.h"
+#include "tests/overlay/cluster/two_brokers.h"
+
+namespace romano::cluster::roaming_test {
+namespace {
+
+using namespace two_brokers;
+
+constexpr Duration patience = 100ms;  // as in test::times
+
+/// "robot" was at home at the peer, of which nothing was heard since, and pings us.
+struct RoamingTest : testing::Test, Owner {
+    RoamingTest() {
+        robot.header.client_id = "robot";
+        robot.header.address.endpoint = from;
+        homes.on_event(peer.broker, broker::SessionPut{robot});
+        std::vector<std::uint8_t> ping(8);
+        ping.resize(mqttsn::encode(mqttsn::Pingreq{}, ping));
+        Effects acting = effects();
+        EXPECT_TRUE(roaming.on_datagram(acting, {ours, from}, ping, homes, membership, view));
+    }
+    [[nodiscard]] bool is_waited_for_after(Duration time) {
+        now += time;
+        Effects acting = effects();
+        roaming.carry_on(acting, {logs, own}, homes, arriving, membership, view);
+        return roaming.is_fetching({ours, from});
+    }
+
+    const Endpoint from = test::address(99);
+    broker::SessionImage robot = image(0, theirs);
+    Homes homes;
+    PeerLogs logs;
+    OwnLog own{self, 100};
+    Membership membership{ClusterOptions{}, self.broker, 1};
+    View view{.members = {self}};
+    HandoffReceiver arriving{256};
+    Roaming roaming{0};
+};
+
+TEST_F(RoamingTest, IsAStrangerWhenItsHomeDoesNotAnswer) {
+    EXPECT_TRUE(is_waited_for_after(2 * patience));
+    EXPECT_FALSE(is_waited_for_after(1ms));
+}
+
+TEST_F(RoamingTest, P2_IsNoStrangerWhileItsSessionWaitsToBeAdopted) {
+    robot.worked_through = {{test::log_of("former"), 5}};
+    arriving.on_handoff(effects(), peer.broker, {.to = self, .last = true, .sessions = {robot}},
+                        false);
+    EXPECT_TRUE(is_waited_for_after(2 * patience + 1ms));
+    arriving.heed(now, [](const LogPosition&) { return true; });
+    Effects acting = effects();
+    arriving.on_turn(acting, {logs, own});
+    EXPECT_FALSE(is_waited_for_after(1ms));
+    EXPECT_NE(broker.header("robot"), nullptr);
+}
+
+TEST_F(RoamingTest, P2_TimeInWhichWeStoodStillDoesNotCount) {
+    now += 2 * patience;
+    roaming.resume(now);
+    EXPECT_TRUE(is_waited_for_after(2 * patience));
+    EXPECT_FALSE(is_waited_for_after(1ms));
+}
+
+// What is asked of a home while it listens after a stall is not heard.
+TEST_F(RoamingTest, P2_ItsHomeIsAskedAgain) {
+    membership.on_beacon(now, Beacon{.log = peer, .tick = 1, .hears = {self.broker}});
+    view.members = {std::min(self, peer), std::max(self, peer)};
+    const auto asked_after = [this](Duration time) {
+        EXPECT_TRUE(is_waited_for_after(time));
+        return take_sent<SessionRequest>().size();
+    };
+    EXPECT_EQ(asked_after(1ms), 1U);
+    EXPECT_EQ(asked_after(patience / 2 - 1ms), 0U);
+    EXPECT_EQ(asked_after(1ms), 1U);
+}
+
+// Its last word to us comes a moment after the new home has asked for its session.
+TEST(RoamingAway, P2_IsNoStrangerToTheHomeThatJustLetItGo) {
+    Cluster cluster;
+    cluster.serve(ours);
+    cluster.hear();
+    const Endpoint from = test::address(99);
+    const auto octets = [](const auto& message) {
+        std::vector<std::uint8_t> datagram(64);
+        datagram.resize(mqttsn::encode(message, datagram));
+        return datagram;
+    };
+    const mqttsn::Connect connect{false, true, mqttsn::protocol_id, 60, "robot"};
+    cluster.broker.on_datagram(cluster.now, ours, from, octets(connect), cluster.clients);
+    cluster.keep_log();
+    ASSERT_NE(cluster.broker.header("robot"), nullptr);
+    cluster.take(SessionRequest{"robot"});
+    ASSERT_EQ(cluster.broker.header("robot"), nullptr);
+    Effects acting = cluster.effects();
+    EXPECT_TRUE(cluster.core.must_fetch(acting, ours, from, octets(mqttsn::Pingreq{})));
+}
+
+}  // namespace
+}  // namespace romano::cluster::roaming_test

@@ -1,0 +1,110 @@
+#include "overlay/cluster/replication/log_history.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "tests/overlay/cluster/events.h"
+
+namespace romano::cluster::log_history_test {
+namespace {
+
+using test::published;
+using test::session;
+
+const LogId log = test::log_of("b1");
+
+constexpr Duration kept_on{1'000'000};
+
+LogHistory history_of(Seq events, std::size_t most) {
+    LogHistory history(most);
+    for (Seq seq = 1; seq <= events; ++seq) history.append(published(log, seq));
+    return history;
+}
+
+TEST(LogHistory, GivesTheEventsAfterAPosition) {
+    const LogHistory history = history_of(5, 100);
+    EXPECT_EQ(history.last(), 5U);
+    EXPECT_EQ(history.events_after(2, 100).size(), 3U);
+    EXPECT_EQ(history.events_after(2, 2).size(), 2U);
+    EXPECT_TRUE(history.events_after(5, 100).empty());
+}
+
+TEST(LogHistory, P8_BeyondItsBoundTheOldestGo) {
+    const LogHistory history = history_of(10, 4);
+    EXPECT_EQ(history.events_kept(), 4U);
+    EXPECT_EQ(history.publishes_kept(), 4U);
+    EXPECT_TRUE(history.reaches_back_to(6));
+    EXPECT_FALSE(history.reaches_back_to(5));
+}
+
+TEST(LogHistory, EventsAndPublishesAreForgottenApart) {
+    LogHistory history = history_of(10, 100);
+    history.forget_events(8);
+    EXPECT_EQ(history.events_kept(), 2U);
+    EXPECT_EQ(history.publishes_after(0).size(), 10U);
+    history.forget_publishes(Instant{}, kept_on, 3);
+    history.forget_publishes(Instant{kept_on}, kept_on, 3);
+    EXPECT_EQ(history.publishes_after(0).size(), 7U);
+    EXPECT_FALSE(history.publish_at(3));
+    EXPECT_TRUE(history.publish_at(4));
+}
+
+TEST(LogHistory, P2_PublishesStayForAWhileAfterAllCursorsPassedThem) {
+    LogHistory history = history_of(10, 100);
+    const Duration step = kept_on / 4;
+    for (Seq i = 0; i < 4; ++i) history.forget_publishes(Instant{} + i * step, kept_on, 3 + i);
+    EXPECT_EQ(history.publishes_kept(), 10U);
+    history.forget_publishes(Instant{kept_on}, kept_on, 10);
+    EXPECT_EQ(history.publishes_kept(), 7U);
+}
+
+// A broker that knows nobody yet says that all have passed everything.
+TEST(LogHistory, P2_WhatWasPassedBeforeItWasPublishedStaysAsLong) {
+    LogHistory history(100);
+    history.forget_publishes(Instant{}, kept_on, std::numeric_limits<Seq>::max());
+    for (Seq seq = 1; seq <= 10; ++seq) history.append(published(log, seq));
+    history.forget_publishes(Instant{kept_on}, kept_on, 10);
+    EXPECT_EQ(history.publishes_kept(), 10U);
+}
+
+// While a dead broker's log is kept nobody passes anything; then all of it may go.
+TEST(LogHistory, ManyAreForgottenInPieces) {
+    constexpr Seq piece = LogHistory::most_at_once;
+    LogHistory history = history_of(2 * piece + 10, 3 * piece);
+    EXPECT_FALSE(history.forget_events(2 * piece));
+    EXPECT_EQ(history.events_kept(), piece + 10);
+    EXPECT_FALSE(history.forget_events(2 * piece));
+    EXPECT_TRUE(history.forget_events(2 * piece));
+    EXPECT_EQ(history.events_kept(), 10U);
+
+    EXPECT_TRUE(history.forget_publishes(Instant{}, kept_on, 2 * piece)) << "none goes yet";
+    EXPECT_FALSE(history.forget_publishes(Instant{kept_on}, kept_on, 2 * piece));
+    EXPECT_EQ(history.publishes_kept(), piece + 10);
+    EXPECT_FALSE(history.forget_all());
+    EXPECT_TRUE(history.forget_all());
+    EXPECT_EQ(history.publishes_kept(), 0U);
+}
+
+TEST(LogHistory, OnlyPublishesAreKeptAsPublishes) {
+    LogHistory history(100);
+    history.append(session("robot"));
+    history.append(published(log, 2));
+    EXPECT_EQ(history.publishes_kept(), 1U);
+    EXPECT_FALSE(history.publish_at(1));
+}
+
+TEST(LogHistory, GoesOnAfterASnapshot) {
+    LogHistory history(100);
+    const auto kept = std::get<broker::Published>(published(log, Seq{7})).message;
+    history.restart(9, {kept});
+    EXPECT_EQ(history.last(), 9U);
+    EXPECT_TRUE(history.reaches_back_to(9));
+    EXPECT_FALSE(history.reaches_back_to(8));
+    history.append(session("robot"));
+    EXPECT_EQ(history.events_after(9, 10).size(), 1U);
+    EXPECT_EQ(history.publish_at(7), kept);
+}
+
+}  // namespace
+}  // namespace romano::cluster::log_history_test

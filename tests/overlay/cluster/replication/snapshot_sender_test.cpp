@@ -1,0 +1,69 @@
+#include "overlay/cluster/replication/snapshot_sender.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/overlay/cluster/events.h"
+
+namespace romano::cluster::snapshot_sender_test {
+namespace {
+
+using namespace std::chrono_literals;
+
+const LogId self = test::log_of("self");
+const LogId peer = test::log_of("peer");
+
+struct SnapshotSenderTest : testing::Test {
+    SnapshotSenderTest() {
+        for (Seq seq = 1; seq <= 1'000; ++seq) own.append(seq, test::published(self, seq));
+        hear(peer);
+        sender.send(peer, Snapshot(core, logs));
+    }
+
+    void hear(const LogId& log) {
+        Beacon beacon{.name = "peer", .log = log};
+        membership.on_beacon(now, beacon);
+    }
+    /// The parts that leave at this moment.
+    std::size_t carry_on() {
+        Outbox out;
+        std::vector<LocalAction> local;
+        broker::Actions clients;
+        Effects effects{now, core, clients, out, local, test::times};
+        sender.carry_on(effects, logs, membership);
+        for (const auto& outgoing : out) EXPECT_EQ(outgoing.to, peer.broker);
+        return out.size();
+    }
+
+    Instant now{10s};
+    broker::BrokerCore core{test::writer_of(self), 1};
+    PeerLogs peers;
+    OwnLog own{self, 1'000};
+    Logs logs{peers, own};
+    Membership membership{ClusterOptions{}, self.broker, 1};
+    SnapshotSender sender;
+};
+
+TEST_F(SnapshotSenderTest, SomePartsLeaveAtATime) {
+    std::size_t sent = 0;
+    for (; sender.is_sending(peer, self); now = std::max(now, sender.next_wakeup())) {
+        const std::size_t parts = carry_on();
+        ASSERT_GE(parts, 1U);
+        ASSERT_LE(parts, 3U);
+        EXPECT_EQ(carry_on(), 0U) << "not before it is time";
+        sent += parts;
+    }
+    EXPECT_EQ(sent, 16U) << "1,000 publishes, 64 a part";
+    EXPECT_EQ(sender.next_wakeup(), Instant::max());
+}
+
+TEST_F(SnapshotSenderTest, WhatIsForAnEarlierLifeOfThePeerIsDropped) {
+    carry_on();
+    EXPECT_TRUE(sender.is_sending(peer, self));
+    now += 2ms;
+    hear(test::log_of("peer", 2));
+    EXPECT_EQ(carry_on(), 0U);
+    EXPECT_FALSE(sender.is_sending(peer, self));
+}
+
+}  // namespace
+}  // namespace romano::cluster::snapshot_sender_test
