@@ -7,11 +7,13 @@
 #include "experiments/cli/apply.h"
 #include "experiments/cli/broker_options.h"
 #include "experiments/cli/brokers.h"
+#include "experiments/cli/compare.h"
 #include "experiments/cli/control.h"
 #include "experiments/cli/cost.h"
 #include "experiments/cli/load.h"
 #include "experiments/cli/paper.h"
 #include "experiments/cli/pub.h"
+#include "experiments/cli/results.h"
 #include "experiments/cli/robots.h"
 #include "experiments/cli/simulate.h"
 #include "experiments/cli/status.h"
@@ -40,6 +42,9 @@ int main(int argc, char** argv) {
     add_control(program, exit_code);
     add_apply(program, exit_code);
     add_sweep(program, exit_code);
+    add_report(program, exit_code);
+    add_merge(program, exit_code);
+    add_compare(program, exit_code);
     add_simulate(program, exit_code);
     add_cost(program, exit_code);
     add_paper(program, exit_code);

@@ -18,6 +18,7 @@ constexpr const char* sweep_examples = R"(Examples:
   romano sweep experiments/demo.toml --retry-failed  (runs that failed once more)
   romano sweep experiments/demo.toml --cell 7      (one cell again, in a folder of its own)
   romano sweep experiments/demo.toml --cell 7 --replace  (in the place of its earlier run)
+  romano sweep experiments/demo.toml --shard 2/3   (every third cell, for the second of three machines)
 Sweeps may run side by side: each takes a loopback network and DDS domains that are free.
 What a sweep file may say: experiments/README.md.
 Exit code: 0; 1 when a run failed; 2 when nothing was run; 130 when interrupted.
@@ -26,8 +27,15 @@ Exit code: 0; 1 when a run failed; 2 when nothing was run; 130 when interrupted.
 struct SweepOptions {
     SweepRequest request;
     std::uint32_t cell = 0;
+    std::string shard;
     bool list = false;
 };
+
+Shard shard_in(const std::string& text) {
+    const auto shard = parse_shard(text);
+    if (!shard) throw SweepError("--shard `" + text + "`: must be I/N with I from 1 to N: 2/3");
+    return *shard;
+}
 
 }  // namespace
 
@@ -50,6 +58,11 @@ void add_sweep(CLI::App& program, int& exit_code) {
                   "Run the cells again whose runs failed, too")
         ->excludes(cell)
         ->excludes(fresh);
+    command
+        .add_option("--shard", options->shard,
+                    "Run the I-th of N parts only, into OUTPUT-shards/I-of-N; then: romano merge")
+        ->type_name("I/N")
+        ->excludes(cell);
     command.add_flag("--list", options->list, "List the cells and run nothing");
     command.add_option("--broker", options->request.broker_program,
                        "The broker's program (default: romano-broker beside this program)");
@@ -63,6 +76,7 @@ void add_sweep(CLI::App& program, int& exit_code) {
             exit_code = 0;
             return;
         }
+        if (!options->shard.empty()) request.shard = shard_in(options->shard);
         if (cell->count() > 0) request.only_cell = options->cell;
         if (request.broker_program.empty()) {
             request.broker_program =

@@ -48,12 +48,20 @@ Cell without_repetition(Cell cell) {
 
 }  // namespace
 
-Percentiles Configuration::of(Measured RunRow::*measured) const {
+bool is_same_point(const Cell& a, const Cell& b) {
+    return without_repetition(a) == without_repetition(b);
+}
+
+std::vector<double> Configuration::values(Measured RunRow::*measured) const {
     std::vector<double> values;
     for (const RunRow& run : runs) {
         if (run.*measured) values.push_back(*(run.*measured));
     }
-    return Percentiles{std::move(values)};
+    return values;
+}
+
+Percentiles Configuration::of(Measured RunRow::*measured) const {
+    return Percentiles{values(measured)};
 }
 
 std::optional<double> Configuration::sum(Measured RunRow::*measured) const {
@@ -69,9 +77,8 @@ std::vector<Configuration> configurations_of(std::span<const RunRow> rows) {
     std::vector<RunRow> ordered(rows.begin(), rows.end());
     std::ranges::stable_sort(ordered, {}, [](const RunRow& row) { return row.cell.number; });
     for (const RunRow& row : ordered) {
-        const Cell wanted = without_repetition(row.cell);
         auto found = std::ranges::find_if(configurations, [&](const Configuration& each) {
-            return without_repetition(each.cell()) == wanted;
+            return is_same_point(each.cell(), row.cell);
         });
         if (found == configurations.end()) {
             found = configurations.insert(found, Configuration{});

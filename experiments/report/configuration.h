@@ -18,7 +18,8 @@ struct Configuration {
     std::vector<RunRow> failed;
 
     [[nodiscard]] const Cell& cell() const { return (runs.empty() ? failed : runs).front().cell; }
-    /// Of the runs that measured it.
+    /// Of the runs that measured it, in order.
+    [[nodiscard]] std::vector<double> values(Measured RunRow::*measured) const;
     [[nodiscard]] Percentiles of(Measured RunRow::*measured) const;
     [[nodiscard]] std::optional<double> median(Measured RunRow::*measured) const {
         return of(measured).at(0.5);
@@ -26,6 +27,8 @@ struct Configuration {
     [[nodiscard]] std::optional<double> sum(Measured RunRow::*measured) const;
 };
 
+/// The cells differ in nothing but number, repetition and seed.
+[[nodiscard]] bool is_same_point(const Cell& a, const Cell& b);
 /// In the order of their first runs.
 [[nodiscard]] std::vector<Configuration> configurations_of(std::span<const RunRow> rows);
 

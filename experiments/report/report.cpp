@@ -4,39 +4,14 @@
 #include <sstream>
 
 #include "experiments/measure/percentile.h"
+#include "experiments/report/certainty.h"
 #include "experiments/report/configuration.h"
 #include "experiments/report/figures.h"
+#include "experiments/report/page.h"
 #include "experiments/report/summary_table.h"
 
 namespace romano::experiments {
 namespace {
-
-constexpr const char* style = R"(
-:root { color-scheme: light; --ink: #1d2330; --soft: #5b6475; --line: #dfe3ea; --good: #0b7a4b;
-        --bad: #b3261e; }
-body { font: 16px/1.55 system-ui, "Segoe UI", Roboto, "DejaVu Sans", sans-serif; color: var(--ink);
-       max-width: 1180px; margin: 0 auto; padding: 2rem 1.5rem 4rem; background: #fff; }
-h1 { font-size: 1.9rem; margin: 0 0 .2rem; } h2 { font-size: 1.3rem; margin: 2.6rem 0 .4rem; }
-.sub { color: var(--soft); margin: 0 0 1.4rem; }
-.tiles { display: grid; grid-template-columns: repeat(auto-fit, minmax(240px, 1fr)); gap: .8rem; }
-.tile { border: 1px solid var(--line); border-radius: 10px; padding: .8rem 1rem; }
-.tile b { display: block; font-size: 1.55rem; line-height: 1.25; }
-.tile span { color: var(--soft); font-size: .88rem; line-height: 1.35; display: block; }
-.good b { color: var(--good); } .bad b { color: var(--bad); }
-figure { margin: .6rem 0 0; } .panels { display: flex; flex-wrap: wrap; align-items: flex-start; gap: .6rem; }
-.panels svg { flex: 1 1 340px; max-width: 600px; min-width: 0; height: auto; }
-figcaption { border-left: 3px solid var(--line); padding: .1rem 0 .1rem .9rem; max-width: 56rem; }
-figcaption p { margin: .3rem 0; } .how { color: var(--soft); font-size: .92rem; }
-.wide { overflow-x: auto; }
-table { border-collapse: collapse; font-size: .9rem; font-variant-numeric: tabular-nums; }
-th, td { padding: .32rem .45rem; text-align: right; border-bottom: 1px solid var(--line);
-         white-space: nowrap; } th { vertical-align: bottom; } th small { color: var(--soft);
-         font-weight: normal; } tbody tr:hover { background: #f5f7fa; }
-pre { background: #f5f7fa; border: 1px solid var(--line); border-radius: 8px; padding: .8rem 1rem;
-      overflow-x: auto; font-size: .86rem; } code { font-size: .92em; }
-dl { display: grid; grid-template-columns: max-content 1fr; gap: .2rem 1.2rem; }
-dt { color: var(--soft); } dd { margin: 0; }
-)";
 
 double total(std::span<const RunRow> rows, Measured RunRow::*value) {
     double sum = 0;
@@ -131,6 +106,22 @@ std::string worst_lag_of(std::span<const RunRow> rows) {
     return number_text(Percentiles{std::move(lags)}.max(), 1) + " ms behind schedule";
 }
 
+/// Says nothing when no configuration was run twice.
+std::string certainty_section(std::span<const Configuration> configurations) {
+    const SummaryTable table = certainty_of(configurations);
+    if (table.rows.empty()) return "";
+    return "<h2>How sure the numbers are</h2>\n<div class=\"wide\">\n" + to_html(table) +
+           "</div>\n<p class=\"how\">Means over the runs of a configuration, with the interval "
+           "that "
+           "covers the true mean in 95 of 100 such sweeps (bootstrap), and the runs that an "
+           "interval of 10 % to either side takes (<code>repetitions</code> in the sweep "
+           "file). With fewer than " +
+           std::to_string(runs_for_an_interval) +
+           " runs the intervals are rough. <code>romano compare</code> sets two results beside "
+           "each "
+           "other.</p>\n";
+}
+
 std::string setting(const char* name, const std::string& value) {
     return std::string{"<dt>"} + name + "</dt><dd>" + html_text(value) + "</dd>\n";
 }
@@ -141,12 +132,9 @@ std::string report_of(const Sweep& sweep, const Manifest& manifest, std::span<co
                       const std::filesystem::path& results) {
     const auto configurations = configurations_of(rows);
     std::ostringstream html;
-    html << "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
-         << "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>"
-         << html_text(sweep.settings.name) << ": ROMANO without a central broker</title>\n<style>"
-         << style << "</style>\n</head>\n<body>\n<h1>ROMANO without a central broker</h1>\n"
-         << "<p class=\"sub\">Sweep <b>" << html_text(sweep.settings.name) << "</b>, "
-         << rows.size() << " of " << sweep.cells.size()
+    html << page_begin(sweep.settings.name) << "<p class=\"sub\">Sweep <b>"
+         << html_text(sweep.settings.name) << "</b>, " << rows.size() << " of "
+         << sweep.cells.size()
          << " cells: real brokers and real MQTT-SN robots over UDP on one host, traffic pattern <b>"
          << name_of(sweep.settings.pattern) << "</b>. " << html_text(manifest.started_utc)
          << "</p>\n"
@@ -154,15 +142,8 @@ std::string report_of(const Sweep& sweep, const Manifest& manifest, std::span<co
 
     int number = 0;
     for (const Figure& figure : figures_of(configurations, sweep.settings, results)) {
-        html << "<h2>" << ++number << ". " << html_text(figure.title)
-             << "</h2>\n<figure>\n<div class=\"panels\">\n";
-        for (const Plot& panel : one_by_one(figure.plot)) {
-            html << draw(panel, results / "plots")
-                        .value_or("<p><em>Not drawn: gnuplot is missing.</em></p>");
-        }
-        html << "</div>\n<figcaption><p>" << figure.shows
-             << "</p><p class=\"how\">How it was measured: " << figure.measured
-             << "</p></figcaption>\n</figure>\n";
+        html << "<h2>" << ++number << ". " << html_text(figure.title) << "</h2>\n"
+             << to_html(figure, results / "plots");
     }
 
     html << "<h2>Summary</h2>\n<div class=\"wide\">\n"
@@ -175,7 +156,7 @@ std::string report_of(const Sweep& sweep, const Manifest& manifest, std::span<co
             "interval. <em>leaderless</em>: longest. "
             "<em>again</em>: CONNECT, REGISTER and SUBSCRIBE messages that clients sent after the "
             "fault. <em>overhead</em>: between brokers, all together.</p>\n"
-         << failures_of(rows);
+         << certainty_section(configurations) << failures_of(rows);
 
     const Machine& machine = manifest.machine;
     html << "<h2>Machine and build</h2>\n<dl>\n"
@@ -195,7 +176,8 @@ std::string report_of(const Sweep& sweep, const Manifest& manifest, std::span<co
             "<code>samples/</code> (every message), <code>traces/</code> (what the brokers said), "
             "<code>plots/</code> (gnuplot scripts with their numbers), "
             "<code>manifest.json</code>.</p>\n<p>The sweep file:</p>\n<pre>"
-         << html_text(sweep.text) << "</pre>\n</body>\n</html>\n";
+         << html_text(sweep.text) << "</pre>\n"
+         << page_end;
     return html.str();
 }
 

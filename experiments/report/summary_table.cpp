@@ -32,7 +32,9 @@ std::string number_text(const Measured& number, int decimals) {
     if (!number) return nothing;
     std::array<char, 48> text{};
     std::snprintf(text.data(), text.size(), "%.*f", decimals, *number);
-    return text.data();
+    const std::string_view written = text.data();
+    const bool is_zero = written.find_first_not_of("-0.") == std::string_view::npos;
+    return std::string{is_zero && written.starts_with('-') ? written.substr(1) : written};
 }
 
 SummaryTable summary_of(std::span<const Configuration> configurations) {

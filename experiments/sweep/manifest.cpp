@@ -36,6 +36,31 @@ std::string to_json(const Manifest& manifest, const Sweep& sweep) {
     return json.dump(2, ' ', false, ordered_json::error_handler_t::replace) + "\n";
 }
 
+Manifest parse_manifest(const std::string& text, const std::string& file) {
+    const auto json = nlohmann::json::parse(text, nullptr, false);
+    if (!json.is_object()) throw SweepError("`" + file + "` is no manifest of a sweep");
+    const auto part = [&](const char* name) { return json.value(name, nlohmann::json::object()); };
+    try {
+        const auto build = part("romano");
+        const auto machine = part("machine");
+        return {.build = {.version = build.value("version", ""),
+                          .commit = build.value("commit", ""),
+                          .compiler = build.value("compiler", ""),
+                          .type = build.value("build_type", "")},
+                .machine = {.cpu = machine.value("cpu", ""),
+                            .cores = machine.value("cores", 0U),
+                            .memory_gib = machine.value("memory_gib", 0.0),
+                            .kernel = machine.value("kernel", ""),
+                            .system = machine.value("system", ""),
+                            .load_average = machine.value("load_average_1_min", 0.0)},
+                .started_utc = json.value("started_utc", ""),
+                .sweep_file = json.value("sweep_file", ""),
+                .broker_version = json.value("broker", "")};
+    } catch (const nlohmann::json::exception& wrong) {
+        throw SweepError("`" + file + "` is no manifest of a sweep: " + wrong.what());
+    }
+}
+
 std::string rerun_command(const std::string& sweep_file, const Cell& cell) {
     return "romano sweep '" + sweep_file + "' --cell " + std::to_string(cell.number);
 }

@@ -18,6 +18,9 @@ struct Manifest {
 };
 
 [[nodiscard]] std::string to_json(const Manifest& manifest, const Sweep& sweep);
+/// What it does not say stays empty. Throws SweepError when the text is no manifest; `file` names
+/// it.
+[[nodiscard]] Manifest parse_manifest(const std::string& text, const std::string& file);
 
 /// The command that runs one cell again, exactly.
 [[nodiscard]] std::string rerun_command(const std::string& sweep_file, const Cell& cell);

@@ -1,8 +1,8 @@
 #include "experiments/sweep/results_folder.h"
 
 #include <algorithm>
-#include <fstream>
-#include <iterator>
+
+#include "experiments/sweep/text_file.h"
 
 namespace romano::experiments {
 namespace {
@@ -11,24 +11,26 @@ namespace fs = std::filesystem;
 
 constexpr const char* sweep_copy = "sweep.toml";
 
-std::string read_file(const fs::path& file) {
-    std::ifstream stream(file, std::ios::binary);
-    return {std::istreambuf_iterator<char>(stream), {}};
-}
-
-void write_file(const fs::path& file, const std::string& text) {
-    std::ofstream stream(file, std::ios::binary | std::ios::trunc);
-    if (!stream.write(text.data(), static_cast<std::streamsize>(text.size())).flush()) {
-        throw SweepError("cannot write `" + file.string() + "`");
-    }
-}
-
 bool means(const std::string& text, const Sweep& sweep) {
     try {
         return is_same_experiment(parse_sweep(text, sweep_copy), sweep);
     } catch (const SweepError&) {  // of a version that had other settings
         return false;
     }
+}
+
+/// Without a last row that was cut off. Throws SweepError on columns of another version.
+std::vector<RunRow> read_rows(const fs::path& file, const char* advice) {
+    std::vector<RunRow> runs;
+    const auto rows = parse_csv(read_text(file));
+    if (rows.empty()) return runs;
+    if (rows.front() != run_columns()) {
+        throw SweepError("`" + file.string() + "` has the columns of another version" + advice);
+    }
+    for (const CsvRow& fields : std::span{rows}.subspan(1)) {
+        if (auto row = run_from_csv(fields)) runs.push_back(std::move(*row));
+    }
+    return runs;
 }
 
 const CsvRow& sample_columns() {
@@ -72,29 +74,23 @@ ResultsFolder::ResultsFolder(fs::path folder, const Sweep& sweep, bool fresh)
                          "`: " + failed.message());
     }
     if (fs::exists(folder_ / sweep_copy)) {
-        if (!means(read_file(folder_ / sweep_copy), sweep)) {
+        if (!means(read_text(folder_ / sweep_copy), sweep)) {
             throw SweepError("the sweep file means another experiment since `" + folder_.string() +
                              "` was begun; use --fresh to start anew, or set another `output`");
         }
     }
-    write_file(folder_ / sweep_copy, sweep.text);
-    const auto rows = parse_csv(read_file(folder_ / "runs.csv"));
-    if (rows.empty()) {
-        write_file(folder_ / "runs.csv", csv_line(run_columns()));
-        return;
-    }
-    if (rows.front() != run_columns()) {
-        throw SweepError("`" + (folder_ / "runs.csv").string() +
-                         "` has the columns of another version; use --fresh to start anew");
-    }
+    write_text(folder_ / sweep_copy, sweep.text);
+    rows_ = read_rows(folder_ / "runs.csv", "; use --fresh to start anew");
+    write_rows();
+}
+
+void ResultsFolder::write_rows() const {
     std::string whole = csv_line(run_columns());
-    for (const CsvRow& fields : std::span{rows}.subspan(1)) {
-        if (auto row = run_from_csv(fields)) {
-            rows_.push_back(std::move(*row));
-            whole += csv_line(fields);
-        }
-    }
-    write_file(folder_ / "runs.csv", whole);  // without a last row that was cut off
+    for (const RunRow& each : rows_) whole += csv_line(to_csv(each));
+    // Under another name first: whoever reads, and whoever goes on after a power cut, finds a
+    // whole.
+    write_text(folder_ / "runs.csv.new", whole);
+    fs::rename(folder_ / "runs.csv.new", folder_ / "runs.csv");
 }
 
 const RunRow* ResultsFolder::row_of(const Cell& cell) const {
@@ -105,12 +101,35 @@ const RunRow* ResultsFolder::row_of(const Cell& cell) const {
 void ResultsFolder::put(const RunRow& row) {
     std::erase_if(rows_, [&](const RunRow& other) { return other.cell == row.cell; });
     rows_.push_back(row);
-    std::string whole = csv_line(run_columns());
-    for (const RunRow& each : rows_) whole += csv_line(to_csv(each));
-    // Under another name first: whoever reads, and whoever goes on after a power cut, finds a
-    // whole.
-    write_file(folder_ / "runs.csv.new", whole);
-    fs::rename(folder_ / "runs.csv.new", folder_ / "runs.csv");
+    write_rows();
+}
+
+void ResultsFolder::take(const RunRow& row, const fs::path& from) {
+    for (const char* part : {"samples", "traces"}) {
+        std::error_code none;
+        for (const auto& file : fs::directory_iterator(from / part, none)) {
+            const std::string name = file.path().filename().string();
+            const std::string stem = file_stem(row.cell);
+            if (!name.starts_with(stem + '.') && !name.starts_with(stem + '-')) continue;
+            std::error_code failed;
+            fs::copy_file(file.path(), folder_ / part / name, fs::copy_options::overwrite_existing,
+                          failed);
+            if (failed) {
+                throw SweepError("cannot copy `" + file.path().string() + "`: " + failed.message());
+            }
+        }
+    }
+    put(row);
+}
+
+Results read_results(const fs::path& folder) {
+    const fs::path copy = folder / sweep_copy;
+    if (!fs::exists(copy) || !fs::exists(folder / "runs.csv")) {
+        throw SweepError("`" + folder.string() + "` holds no results of a sweep (" + sweep_copy +
+                         " and runs.csv are missing)");
+    }
+    return {.sweep = parse_sweep(read_text(copy), copy.string()),
+            .rows = read_rows(folder / "runs.csv", "")};
 }
 
 void ResultsFolder::write_samples(const Cell& cell, const DeliveryAccount& account) const {
@@ -131,7 +150,7 @@ void ResultsFolder::write_samples(const Cell& cell, const DeliveryAccount& accou
             }
         }
     }
-    write_file(folder_ / "samples" / (file_stem(cell) + ".csv"), text);
+    write_text(folder_ / "samples" / (file_stem(cell) + ".csv"), text);
 }
 
 void ResultsFolder::write_memory(const Cell& cell, const std::vector<MemorySample>& memory) const {
@@ -139,7 +158,7 @@ void ResultsFolder::write_memory(const Cell& cell, const std::vector<MemorySampl
     for (const auto& [at_s, broker, rss_mib] : memory) {
         text += csv_line({csv_number(at_s), broker, csv_number(rss_mib)});
     }
-    write_file(folder_ / "samples" / (file_stem(cell) + "-memory.csv"), text);
+    write_text(folder_ / "samples" / (file_stem(cell) + "-memory.csv"), text);
 }
 
 fs::path ResultsFolder::trace_file(const Cell& cell, const std::string& name) const {
@@ -147,7 +166,7 @@ fs::path ResultsFolder::trace_file(const Cell& cell, const std::string& name) co
 }
 
 std::vector<Sample> read_samples(const fs::path& folder, const Cell& cell) {
-    const auto rows = parse_csv(read_file(folder / "samples" / (file_stem(cell) + ".csv")));
+    const auto rows = parse_csv(read_text(folder / "samples" / (file_stem(cell) + ".csv")));
     std::vector<Sample> samples;
     if (rows.empty() || rows.front() != sample_columns()) return samples;
     for (const CsvRow& fields : std::span{rows}.subspan(1)) {
@@ -164,7 +183,7 @@ std::vector<Sample> read_samples(const fs::path& folder, const Cell& cell) {
 }
 
 std::vector<MemorySample> read_memory(const fs::path& folder, const Cell& cell) {
-    const auto rows = parse_csv(read_file(folder / "samples" / (file_stem(cell) + "-memory.csv")));
+    const auto rows = parse_csv(read_text(folder / "samples" / (file_stem(cell) + "-memory.csv")));
     std::vector<MemorySample> memory;
     if (rows.empty() || rows.front() != memory_columns()) return memory;
     for (const CsvRow& fields : std::span{rows}.subspan(1)) {

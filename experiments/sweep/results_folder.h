@@ -36,6 +36,8 @@ public:
 
     /// In the place of an earlier row of that cell, if there is one.
     void put(const RunRow& row);
+    /// Takes the cell's row, samples and traces over from another folder of the same experiment.
+    void take(const RunRow& row, const std::filesystem::path& from);
     /// Raw samples: one line a (message, receiver) pair.
     void write_samples(const Cell& cell, const DeliveryAccount& account) const;
     /// What the brokers' memory was at times within the load.
@@ -44,10 +46,20 @@ public:
     [[nodiscard]] std::filesystem::path trace_file(const Cell& cell, const std::string& name) const;
 
 private:
+    void write_rows() const;
+
     std::filesystem::path folder_;
     std::optional<Claim> claim_;
     std::vector<RunRow> rows_;
 };
+
+/// What a folder holds, to be read only: a sweep may be going on in it.
+struct Results {
+    Sweep sweep;
+    std::vector<RunRow> rows;
+};
+/// Throws SweepError when the folder holds no results of this version.
+[[nodiscard]] Results read_results(const std::filesystem::path& folder);
 
 /// "cell-0012": samples and traces of a cell are named so.
 [[nodiscard]] std::string file_stem(const Cell& cell);

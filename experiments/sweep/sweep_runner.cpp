@@ -2,24 +2,25 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <boost/asio/io_context.hpp>
 #include <csignal>
 #include <cstdio>
 #include <ctime>
-#include <fstream>
+#include <iterator>
 #include <utility>
 #include <vector>
 
 #include "experiments/process/program.h"
-#include "experiments/report/configuration.h"
-#include "experiments/report/report.h"
 #include "experiments/report/summary_table.h"
 #include "experiments/sweep/cell_run.h"
 #include "experiments/sweep/manifest.h"
 #include "experiments/sweep/place.h"
 #include "experiments/sweep/progress_bar.h"
 #include "experiments/sweep/results_folder.h"
+#include "experiments/sweep/telling.h"
+#include "experiments/sweep/text_file.h"
 
 namespace romano::experiments {
 namespace {
@@ -65,11 +66,6 @@ std::string line_of(const RunRow& row) {
     return broken.empty() ? line : line + ": BROKEN: " + broken;
 }
 
-void write_text(const std::filesystem::path& file, const std::string& text) {
-    std::ofstream stream(file, std::ios::binary | std::ios::trunc);
-    if (!(stream << text).flush()) throw SweepError("cannot write `" + file.string() + "`");
-}
-
 const Cell& cell_numbered(const Sweep& sweep, std::uint32_t number) {
     if (number == 0 || number > sweep.cells.size()) {
         throw SweepError("--cell " + std::to_string(number) + ": the sweep has cells 1 to " +
@@ -78,16 +74,36 @@ const Cell& cell_numbered(const Sweep& sweep, std::uint32_t number) {
     return sweep.cells[number - 1];
 }
 
-/// In order.
-std::vector<Cell> cells_to_run(const Sweep& sweep, const SweepRequest& request,
-                               const ResultsFolder& results) {
-    if (request.replace) return {cell_numbered(sweep, request.only_cell.value())};
-    std::vector<Cell> cells;
-    for (const Cell& cell : sweep.cells) {
-        const RunRow* row = results.row_of(cell);
-        if (row == nullptr || (request.retry_failed && !row->ok())) cells.push_back(cell);
+/// In order. Of one shard, if one is asked for.
+std::vector<Cell> cells_in_question(const Sweep& sweep, const SweepRequest& request) {
+    if (request.only_cell) return {cell_numbered(sweep, *request.only_cell)};
+    std::vector<Cell> cells = sweep.cells;
+    if (!request.shard) return cells;
+    const Shard& shard = *request.shard;
+    if (shard.of > cells.size()) {
+        throw SweepError("--shard " + text_of(shard) + ": the sweep has only " +
+                         std::to_string(cells.size()) + " cells");
     }
+    std::erase_if(
+        cells, [&](const Cell& cell) { return (cell.number - 1) % shard.of != shard.number - 1; });
     return cells;
+}
+
+bool is_to_run(const Cell& cell, const SweepRequest& request, const ResultsFolder& results) {
+    const RunRow* row = results.row_of(cell);
+    return row == nullptr || request.only_cell || (request.retry_failed && !row->ok());
+}
+
+/// Parts have results of their own: machines that share a folder run side by side.
+std::filesystem::path output_of(const Sweep& sweep, const SweepRequest& request) {
+    std::filesystem::path output = sweep.settings.output;
+    if (request.only_cell && !request.replace) {
+        return output / ("cell-" + std::to_string(*request.only_cell) + "-again");
+    }
+    if (!request.shard) return output;
+    output += "-shards";
+    return output /
+           (std::to_string(request.shard->number) + "-of-" + std::to_string(request.shard->of));
 }
 
 NetworkPlace claim_network_of(const SweepSettings& settings) {
@@ -101,11 +117,9 @@ NetworkPlace claim_network_of(const SweepSettings& settings) {
 
 int run_sweep(const SweepRequest& request) {
     Sweep sweep = read_sweep(request.file);
-    if (request.only_cell && !request.replace) {
-        const Cell only = cell_numbered(sweep, *request.only_cell);
-        sweep.cells = {only};
-        sweep.settings.output /= "cell-" + std::to_string(only.number) + "-again";
-    }
+    const std::vector<Cell> cells = cells_in_question(sweep, request);
+    if (request.only_cell && !request.replace) sweep.cells = cells;
+    sweep.settings.output = output_of(sweep, request);
     if (::access(request.broker_program.c_str(), X_OK) != 0) {
         throw SweepError("no broker to run: `" + request.broker_program.string() +
                          "` is no program; build romano-broker, or name it with --broker");
@@ -122,16 +136,18 @@ int run_sweep(const SweepRequest& request) {
 
     listen_for_interrupts();
     boost::asio::io_context io{1};
-    const std::vector<Cell> cells = cells_to_run(sweep, request, results);
-    const auto done_before = sweep.cells.size() - cells.size();
-    if (done_before > 0 && !request.only_cell) {
+    std::vector<Cell> to_run;
+    std::ranges::copy_if(cells, std::back_inserter(to_run),
+                         [&](const Cell& cell) { return is_to_run(cell, request, results); });
+    const std::size_t done_before = cells.size() - to_run.size();
+    if (done_before > 0) {
         std::printf("%s: %zu of %zu cells were done before; going on\n", results.path().c_str(),
-                    done_before, sweep.cells.size());
+                    done_before, cells.size());
     }
     bool stopped = false;
     {
-        ProgressBar bar{stdout, sweep.cells.size(), done_before};
-        for (const Cell& cell : cells) {
+        ProgressBar bar{stdout, cells.size(), done_before};
+        for (const Cell& cell : to_run) {
             const CellSurroundings surroundings{
                 .io = io,
                 .broker_program = request.broker_program,
@@ -153,20 +169,10 @@ int run_sweep(const SweepRequest& request) {
         }
     }
 
-    const auto report = results.path() / "report.html";
-    write_text(report, report_of(sweep, manifest, results.rows(), results.path()));
-    if (!results.rows().empty()) {
-        std::printf("\n%s\n", to_text(summary_of(configurations_of(results.rows()))).c_str());
-    }
-    std::printf("Report: %s\n", std::filesystem::absolute(report).c_str());
-    if (stopped) {
-        std::printf("Interrupted: the same command goes on where it stopped.\n");
-        return 130;
-    }
-    for (const RunRow& row : results.rows()) {
-        if (!row.ok() || !row.broken_promises().empty()) return 1;
-    }
-    return 0;
+    const int exit_code = tell(sweep, manifest, results.rows(), results.path());
+    if (!stopped) return exit_code;
+    std::printf("Interrupted: the same command goes on where it stopped.\n");
+    return 130;
 }
 
 }  // namespace romano::experiments

@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 
+#include "experiments/sweep/shard.h"
 #include "experiments/sweep/sweep_file.h"
 
 namespace romano::experiments {
@@ -14,6 +15,7 @@ struct SweepRequest {
     bool fresh = false;                      // forget earlier results
     bool retry_failed = false;               // run cells again whose runs failed
     std::optional<std::uint32_t> only_cell;  // run this one again, into a folder of its own
+    std::optional<Shard> shard;              // its cells only, into a folder of its own
     bool replace = false;                    // but its row takes the place of the earlier one
     std::filesystem::path broker_program;    // romano-broker
 };

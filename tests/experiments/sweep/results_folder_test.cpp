@@ -56,6 +56,39 @@ TEST_F(ResultsFolders, ForgetARowThatWasCutOff) {
     EXPECT_EQ((ResultsFolder{folder_, sweep_, false}.rows().size()), 2u);
 }
 
+// Cell 1000's files begin as cell 10000's do.
+TEST_F(ResultsFolders, TakeACellWithItsFilesAndNoOthers) {
+    const fs::path from = temporary_ / "shard";
+    RunRow row = made_up(sweep_.cells[0]);
+    row.cell.number = 1000;
+    {
+        ResultsFolder shard{from, sweep_, false};
+        shard.put(row);
+    }
+    for (const char* name : {"samples/cell-1000.csv", "samples/cell-1000-memory.csv",
+                             "samples/cell-10000.csv", "traces/cell-1000-b1.txt"}) {
+        std::ofstream(from / name) << name;
+    }
+    {
+        ResultsFolder whole{folder_, sweep_, false};
+        whole.take(row, from);
+    }
+    EXPECT_TRUE(fs::exists(folder_ / "samples/cell-1000.csv"));
+    EXPECT_TRUE(fs::exists(folder_ / "samples/cell-1000-memory.csv"));
+    EXPECT_TRUE(fs::exists(folder_ / "traces/cell-1000-b1.txt"));
+    EXPECT_FALSE(fs::exists(folder_ / "samples/cell-10000.csv"));
+    EXPECT_EQ(read_results(folder_).rows.size(), 1u);
+}
+
+TEST_F(ResultsFolders, AFolderWithoutResultsIsNamed) {
+    try {
+        (void)read_results(temporary_ / "nothing");
+        FAIL() << "accepted";
+    } catch (const SweepError& error) {
+        EXPECT_THAT(error.what(), HasSubstr("nothing` holds no results of a sweep"));
+    }
+}
+
 TEST_F(ResultsFolders, RefuseAnotherExperimentUntilFresh) {
     {
         ResultsFolder results{folder_, sweep_, false};

@@ -47,6 +47,33 @@ protected:
     tests::TemporaryFolder folder_;
 };
 
+// What a computing cluster does: parts side by side, one of them again, one report.
+TEST_F(SmallSweep, InShardsIsMergedToTheSameCells) {
+    write_sweep("[axes]\nbrokers = 1\nrobots = [2, 3, 4]\nrate = 10\nqos = \"1\"\n");
+    auto first = std::async(std::launch::async, [this] { return sweep("--shard 1/2"); });
+    const Ran second = sweep("--shard 2/2");
+    EXPECT_EQ(first.get().exit_code, 0);
+    EXPECT_EQ(second.exit_code, 0) << second.output;
+    const std::string out = (folder_ / "out").string();
+    const Ran half = run_romano("merge " + out + " " + out + "-shards/2-of-2");
+    EXPECT_EQ(half.exit_code, 1) << "two cells are missing";
+    EXPECT_THAT(half.output, HasSubstr("2 of 3 cells were not run; the first is cell 1"));
+    const Ran merged = run_romano("merge " + out + " " + out + "-shards/*");
+    EXPECT_EQ(merged.exit_code, 0) << merged.output;
+    ASSERT_THAT(rows(), SizeIs(3));
+    EXPECT_TRUE(fs::exists(folder_ / "out/samples/cell-0001.csv"));
+    EXPECT_THAT(read("report.html"), HasSubstr("3 of 3"));
+    EXPECT_THAT(sweep().output, HasSubstr("3 of 3 cells were done before"));
+
+    fs::remove(folder_ / "out/report.html");
+    EXPECT_EQ(run_romano("report " + out).exit_code, 0);
+    EXPECT_THAT(read("report.html"), HasSubstr("3 of 3"));
+    const Ran same = run_romano("compare " + out + " " + out + " --output " + out + "/compared");
+    EXPECT_EQ(same.exit_code, 0) << same.output;
+    EXPECT_THAT(same.output, HasSubstr("have too few runs"));
+    EXPECT_THAT(read("compared/report.html"), HasSubstr("All differences"));
+}
+
 TEST_F(SmallSweep, OfOneBrokerDeliversEverything) {
     write_sweep("[axes]\nbrokers = 1\nrobots = [2, 4]\nrate = 10\nqos = \"0+1+2\"\n");
     const Ran ran = sweep();
