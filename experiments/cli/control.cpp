@@ -1,7 +1,5 @@
 #include "experiments/cli/control.h"
 
-#include <unistd.h>
-
 #include <array>
 #include <chrono>
 #include <cstdio>
@@ -18,7 +16,7 @@
 #include "experiments/cli/interrupt.h"
 #include "experiments/operator/loop_request.h"
 #include "experiments/operator/node_watch.h"
-#include "overlay/cluster/digest.h"
+#include "experiments/operator/own_id.h"
 
 namespace romano::experiments {
 namespace {
@@ -56,17 +54,6 @@ struct ControlOptions {
     bool ends = false;
     bool as_json = false;
 };
-
-/// The same each time, for a robot keeps the topic of each asker, and has room for a dozen.
-message::RomanoId id_of_this_machine() {
-    char host[256] = {};
-    (void)::gethostname(host, sizeof host - 1);
-    cluster::Digest digest;
-    digest.add(std::string_view{host});
-    char digits[9];
-    std::snprintf(digits, sizeof digits, "%08x", digest.value());
-    return *message::RomanoId::parse(digits);
-}
 
 class Supervisor {
 public:

@@ -19,6 +19,7 @@
 #include "experiments/cli/status.h"
 #include "experiments/cli/sub.h"
 #include "experiments/cli/sweep.h"
+#include "experiments/cli/web.h"
 #include "experiments/sweep/build_info.h"
 
 int main(int argc, char** argv) {
@@ -38,6 +39,7 @@ int main(int argc, char** argv) {
     add_status(program, exit_code);
     add_load(program, exit_code);
     add_robots(program, exit_code);
+    add_web(program, exit_code);
     add_robot_commands(program, exit_code);
     add_control(program, exit_code);
     add_apply(program, exit_code);

@@ -12,8 +12,9 @@ namespace {
 using boost::asio::ip::udp;
 
 /// All clients of one thread share these: they are used between an input and its drain only.
-client::OutputFor<SocketLimits>& shared_output() {
-    thread_local client::OutputFor<SocketLimits> output;
+template <typename Limits>
+client::OutputFor<Limits>& shared_output() {
+    thread_local client::OutputFor<Limits> output;
     return output;
 }
 
@@ -30,8 +31,11 @@ void SentCounts::count(Bytes datagram) {
     if (type_at < datagram.size()) ++counts_[datagram[type_at]];
 }
 
-SocketClient::SocketClient(boost::asio::io_context& io, const BrokerAddress& broker,
-                           const client::Timing& timing, std::uint64_t seed, OnEvent on_event)
+template <typename Limits>
+BasicSocketClient<Limits>::BasicSocketClient(boost::asio::io_context& io,
+                                             const BrokerAddress& broker,
+                                             const client::Timing& timing, std::uint64_t seed,
+                                             OnEvent on_event)
     : socket_(io, broker.protocol()),
       core_(timing, seed),
       on_event_(std::move(on_event)),
@@ -41,36 +45,44 @@ SocketClient::SocketClient(boost::asio::io_context& io, const BrokerAddress& bro
     receive();
 }
 
-void SocketClient::connect(const client::ConnectOptions& options) {
-    core_.connect(net::now(), options, shared_output());
+template <typename Limits>
+void BasicSocketClient<Limits>::connect(const client::ConnectOptions& options) {
+    core_.connect(net::now(), options, shared_output<Limits>());
     drain();
 }
 
-void SocketClient::disconnect() {
-    core_.disconnect(net::now(), shared_output());
+template <typename Limits>
+void BasicSocketClient<Limits>::disconnect() {
+    core_.disconnect(net::now(), shared_output<Limits>());
     drain();
 }
 
-SocketClient::Begun SocketClient::publish(const mqttsn::TopicRef& topic, Bytes data,
-                                          const client::PublishOptions& options) {
-    const Begun begun = core_.publish(net::now(), topic, data, options, shared_output());
-    drain();
-    return begun;
-}
-
-SocketClient::Begun SocketClient::subscribe(const mqttsn::TopicRef& topic, mqttsn::Qos qos) {
-    const Begun begun = core_.subscribe(net::now(), topic, qos, shared_output());
+template <typename Limits>
+typename BasicSocketClient<Limits>::Begun BasicSocketClient<Limits>::publish(
+    const mqttsn::TopicRef& topic, Bytes data, const client::PublishOptions& options) {
+    const Begun begun = core_.publish(net::now(), topic, data, options, shared_output<Limits>());
     drain();
     return begun;
 }
 
-SocketClient::Begun SocketClient::register_name(std::string_view name) {
-    const Begun begun = core_.register_name(net::now(), name, shared_output());
+template <typename Limits>
+typename BasicSocketClient<Limits>::Begun BasicSocketClient<Limits>::subscribe(
+    const mqttsn::TopicRef& topic, mqttsn::Qos qos) {
+    const Begun begun = core_.subscribe(net::now(), topic, qos, shared_output<Limits>());
     drain();
     return begun;
 }
 
-void SocketClient::receive() {
+template <typename Limits>
+typename BasicSocketClient<Limits>::Begun BasicSocketClient<Limits>::register_name(
+    std::string_view name) {
+    const Begun begun = core_.register_name(net::now(), name, shared_output<Limits>());
+    drain();
+    return begun;
+}
+
+template <typename Limits>
+void BasicSocketClient<Limits>::receive() {
     socket_.async_wait(udp::socket::wait_read, [this](const boost::system::error_code& stopped) {
         if (stopped) return;
         auto& buffer = shared_buffer();
@@ -83,15 +95,16 @@ void SocketClient::receive() {
                 continue;
             }
             if (error) break;
-            core_.on_datagram(net::now(), {buffer.data(), size}, shared_output());
+            core_.on_datagram(net::now(), {buffer.data(), size}, shared_output<Limits>());
             drain();
         }
         receive();
     });
 }
 
-void SocketClient::drain() {
-    const auto& output = shared_output();
+template <typename Limits>
+void BasicSocketClient<Limits>::drain() {
+    const auto& output = shared_output<Limits>();
     for (const Bytes datagram : output.datagrams()) {
         sent_.count(datagram);
         // What the socket does not take is lost, as on any network; the core repeats it.
@@ -111,10 +124,14 @@ void SocketClient::drain() {
     for (std::size_t i = 0; i < count; ++i) on_event_(events[i]);
 }
 
-void SocketClient::tick() {
-    core_.on_tick(net::now(), shared_output());
+template <typename Limits>
+void BasicSocketClient<Limits>::tick() {
+    core_.on_tick(net::now(), shared_output<Limits>());
     drain();
 }
+
+template class BasicSocketClient<SocketLimits>;
+template class BasicSocketClient<WatcherLimits>;
 
 BrokerAddress resolve_broker(boost::asio::io_context& io, const std::string& host,
                              std::uint16_t port) {

@@ -30,6 +30,15 @@ struct SocketLimits {
     static constexpr std::size_t unreleased = 64;
 };
 
+/// Room for one who listens to everything, and says something to each of thousands of robots.
+struct WatcherLimits {
+    static constexpr std::size_t datagram_octets = 65'507;
+    static constexpr std::size_t queue_octets = 4UL * 1024 * 1024;
+    static constexpr std::size_t topics = 32'768;
+    static constexpr std::size_t name_octets = 4UL * 1024 * 1024;
+    static constexpr std::size_t unreleased = 256;
+};
+
 /// Datagrams sent, by message type.
 class SentCounts {
 public:
@@ -42,13 +51,14 @@ private:
     std::array<std::uint32_t, 256> counts_{};
 };
 
-class SocketClient {
+template <typename Limits>
+class BasicSocketClient {
 public:
     using OnEvent = std::function<void(const client::Event&)>;
     using Begun = Result<client::OperationId, client::Refusal>;
 
-    SocketClient(boost::asio::io_context& io, const BrokerAddress& broker,
-                 const client::Timing& timing, std::uint64_t seed, OnEvent on_event);
+    BasicSocketClient(boost::asio::io_context& io, const BrokerAddress& broker,
+                      const client::Timing& timing, std::uint64_t seed, OnEvent on_event);
 
     /// `options.client_id` and the will are kept by reference, as the core does.
     void connect(const client::ConnectOptions& options);
@@ -68,12 +78,18 @@ private:
     void tick();
 
     boost::asio::ip::udp::socket socket_;
-    client::Client<SocketLimits> core_;
+    client::Client<Limits> core_;
     OnEvent on_event_;
     net::CoreTimer timer_;
     SentCounts sent_;
     bool was_refused_ = false;
 };
+
+using SocketClient = BasicSocketClient<SocketLimits>;
+extern template class BasicSocketClient<SocketLimits>;
+/// Of 8 MB: not one that many are made of, nor one for the stack.
+using WatcherClient = BasicSocketClient<WatcherLimits>;
+extern template class BasicSocketClient<WatcherLimits>;
 
 /// Looks `host` up: a name, an IPv4 or an IPv6 address. Throws std::runtime_error with a sentence.
 [[nodiscard]] BrokerAddress resolve_broker(boost::asio::io_context& io, const std::string& host,

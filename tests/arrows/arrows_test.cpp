@@ -54,6 +54,10 @@ const std::map<std::string, Folders>& allowed() {
          {"romano/base", "romano/mqttsn", "romano/client", "election", "broker/core", "overlay",
           "overlay/cluster", "overlay/member"}},
         {"overlay/radio", {"romano/base", "firmware/hdlc", "overlay/sim"}},
+        // the fleet's picture, a core among programs
+        {"experiments/fleet",
+         {"romano/base", "romano/mqttsn", "romano/message", "romano/server", "romano/control",
+          "experiments"}},
         // programs
         {"broker/daemon",
          {"romano/base", "romano/mqttsn", "election", "broker/core", "broker/server",
@@ -72,9 +76,10 @@ const std::map<std::string, Folders>& allowed() {
 // Folders whose code has no heap, clock, thread, file or socket of its own.
 const std::set<std::string>& cores() {
     static const std::set<std::string> folders = {
-        "romano/base",   "romano/mqttsn",  "romano/message",  "romano/protection", "romano/client",
-        "romano/node",   "romano/control", "romano/server",   "election",          "broker/core",
-        "broker/server", "broker/uplink",  "overlay/cluster", "overlay/member"};
+        "romano/base",     "romano/mqttsn",  "romano/message",   "romano/protection",
+        "romano/client",   "romano/node",    "romano/control",   "romano/server",
+        "election",        "broker/core",    "broker/server",    "broker/uplink",
+        "overlay/cluster", "overlay/member", "experiments/fleet"};
     return folders;
 }
 

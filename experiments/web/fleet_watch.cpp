@@ -1,0 +1,248 @@
+#include "experiments/web/fleet_watch.h"
+
+#include <array>
+#include <chrono>
+#include <functional>
+#include <utility>
+#include <variant>
+
+#include "broker/net/clock.h"
+#include "experiments/operator/own_id.h"
+#include "experiments/operator/robot_message.h"
+#include "experiments/watch/broker_status.h"
+#include "romano/server/node_entry.h"
+#include "romano/server/server.h"
+
+namespace romano::experiments {
+namespace {
+
+using namespace std::chrono_literals;
+using mqttsn::Qos;
+
+constexpr auto tick_every = 50ms;
+constexpr auto echo_every = 200ms;
+constexpr auto echo_is_lost_after = 2s;
+constexpr auto connect_again_after = 1s;
+// Robots are asked a few at a time: thousands of questions at once would be a burst.
+constexpr int most_asked_at_once = 20;
+
+constexpr std::string_view echo_prefix = "romano-web/";
+constexpr std::string_view entry_prefix = "$ROMANO/nodes/";
+constexpr std::string_view status_prefix = "$SYS/";
+/// Where robots say where they are when they are asked; 15 octets at most, which all can name.
+constexpr std::string_view place_prefix = "at/";
+
+std::array<std::uint8_t, 8> octets_of(std::uint64_t number) {
+    std::array<std::uint8_t, 8> out{};
+    for (std::uint8_t& octet : out) {
+        octet = static_cast<std::uint8_t>(number);
+        number >>= 8U;
+    }
+    return out;
+}
+
+std::uint64_t number_in(Bytes octets) {
+    std::uint64_t number = 0;
+    for (std::size_t at = octets.size(); at > 0; --at) number = number << 8U | octets[at - 1];
+    return number;
+}
+
+}  // namespace
+
+FleetWatch::FleetWatch(boost::asio::io_context& io, FleetWatchOptions options,
+                       FleetPicture& picture)
+    : io_(io),
+      options_(std::move(options)),
+      picture_(picture),
+      loops_(id_of_this_machine()),
+      echo_topic_(std::string{echo_prefix} + options_.client_id),
+      timer_(io) {
+    connect();
+    tick();
+}
+
+void FleetWatch::connect() {
+    connect_due_.reset();
+    failed_ = false;
+    // A new one: what the old one had not sent yet was meant for that moment.
+    old_client_ = std::move(client_);
+    client_ = std::make_unique<WatcherClient>(io_, options_.broker, options_.timing,
+                                              std::hash<std::string>{}(options_.client_id),
+                                              [this, life = ++life_](const client::Event& event) {
+                                                  if (life == life_) on_event(event);
+                                              });
+    client_->connect({.client_id = options_.client_id,
+                      .clean_session = true,
+                      .keep_alive = options_.keep_alive});
+}
+
+void FleetWatch::leave() {
+    leaving_ = true;
+    timer_.cancel();
+    client_->disconnect();
+}
+
+void FleetWatch::subscribe_to_all() {
+    const auto subscribe = [this](std::string_view filter, Qos qos) {
+        (void)client_->subscribe(client::topic_name(filter), qos);
+    };
+    subscribe(brokers_filter, Qos::at_least_once);
+    subscribe(server::entries_filter, Qos::at_least_once);
+    for (const std::string& filter : options_.filters) subscribe(filter, Qos::at_most_once);
+    if (options_.filters == std::vector<std::string>{"#"}) return;
+    subscribe(server::common_topic, Qos::at_most_once);
+    subscribe(std::string{place_prefix} + '+', Qos::at_most_once);
+    subscribe(echo_topic_, Qos::at_most_once);
+    subscribe(loops_.self().text(), Qos::at_most_once);
+}
+
+void FleetWatch::on_event(const client::Event& event) {
+    if (leaving_) return;
+    if (std::holds_alternative<client::Connected>(event)) {
+        has_begun_ = true;
+        denial_.reset();
+        picture_.on_link(net::now(), true);
+        subscribe_to_all();
+    } else if (const auto* received = std::get_if<client::Received>(&event)) {
+        on_received(*received);
+    } else if (const auto* published = std::get_if<client::Published>(&event)) {
+        on_ended(published->operation, true);
+    } else if (const auto* refused = std::get_if<client::Refused>(&event)) {
+        denial_ = refused->return_code;
+        lose();
+    } else if (const auto* denied = std::get_if<client::Failed>(&event)) {
+        if (!commands_.contains(denied->operation) && !has_begun_) denial_ = denied->return_code;
+        on_ended(denied->operation, false);
+    } else if (std::holds_alternative<client::Lost>(event) ||
+               std::holds_alternative<client::Disconnected>(event)) {
+        lose();
+    }
+}
+
+void FleetWatch::lose() {
+    failed_ = true;
+    picture_.on_link(net::now(), false);
+    for (const auto& [operation, command] : std::exchange(commands_, {})) {
+        picture_.on_command_ended(command, false);
+    }
+    for (; !echoes_.empty(); echoes_.pop_front()) picture_.on_echo_lost();
+    connect_due_ = net::now() + connect_again_after;
+}
+
+void FleetWatch::on_received(const client::Received& received) {
+    const std::string_view topic = received.topic.name;
+    if (topic == echo_topic_) return on_echo(received.data);
+    if (topic.starts_with(echo_prefix)) return;  // of another one who watches
+    if (topic.starts_with(status_prefix)) {
+        const auto status = parse_broker_status(as_text(received.data));
+        if (status) picture_.on_broker(net::now(), *status);
+        return;
+    }
+    if (topic.starts_with(entry_prefix)) {
+        const auto id = message::RomanoId::parse(topic.substr(entry_prefix.size()));
+        if (id && received.data.empty()) return picture_.on_entry_deleted(net::now(), *id);
+        const auto entry = server::parse_entry(topic, as_text(received.data));
+        if (entry) picture_.on_entry(net::now(), *entry);
+        return;
+    }
+    on_fleet_message(topic, received.data);
+}
+
+void FleetWatch::on_fleet_message(std::string_view topic, Bytes data) {
+    if (topic == loops_.self().text()) {
+        for (const LoopStop::ToRobot& message : loops_.on_answer(net::now(), data)) tell(message);
+    }
+    picture_.on_message(net::now(), topic, data);
+}
+
+void FleetWatch::on_echo(Bytes data) {
+    const std::uint64_t number = number_in(data);
+    while (!echoes_.empty() && echoes_.front().number < number) {
+        echoes_.pop_front();
+        picture_.on_echo_lost();
+    }
+    if (echoes_.empty() || echoes_.front().number != number) return;
+    picture_.on_echo(net::now() - echoes_.front().sent);
+    echoes_.pop_front();
+}
+
+void FleetWatch::on_ended(client::OperationId operation, bool broker_has_it) {
+    const auto command = commands_.find(operation);
+    if (command == commands_.end()) return;
+    picture_.on_command_ended(command->second, broker_has_it);
+    commands_.erase(command);
+}
+
+void FleetWatch::publish(std::string_view topic, Bytes data, Qos qos,
+                         std::optional<std::uint64_t> command) {
+    const auto begun = client_->publish(client::topic_name(topic), data, {.qos = qos});
+    if (!command) return;
+    if (begun) {
+        commands_[*begun] = *command;
+    } else {
+        picture_.on_command_ended(*command, false);
+    }
+}
+
+void FleetWatch::tell(const LoopStop::ToRobot& message) {
+    publish(message.robot.text(), message.octets, Qos::at_least_once, std::nullopt);
+}
+
+std::uint64_t FleetWatch::carry_out(const Orders& orders) {
+    const std::uint64_t command = picture_.on_command(net::now(), orders.words, orders.robots);
+    for (const Order& order : orders.orders) {
+        publish(order.topic, order.octets, order.qos, command);
+    }
+    if (!orders.ends_loops) return command;
+    for (const message::RomanoId& robot : orders.robots) {
+        const auto found = picture_.robots().find(robot);
+        if (found == picture_.robots().end() || found->second.entry.form != Form::binary) continue;
+        tell(loops_.begin(net::now(), robot));
+    }
+    return command;
+}
+
+void FleetWatch::tick() {
+    const Instant now = net::now();
+    if (connect_due_ && now >= *connect_due_) connect();
+    if (picture_.is_linked()) {
+        send_echo(now);
+        if (options_.ask_every > Duration{0}) ask_for_places(now);
+    }
+    picture_.on_tick(now);
+    timer_.expires_after(tick_every);
+    timer_.async_wait([this](const boost::system::error_code& stopped) {
+        if (!stopped) tick();
+    });
+}
+
+void FleetWatch::send_echo(Instant now) {
+    while (!echoes_.empty() && now - echoes_.front().sent > echo_is_lost_after) {
+        echoes_.pop_front();
+        picture_.on_echo_lost();
+    }
+    if (now < echo_due_) return;
+    echo_due_ = now + echo_every;
+    echoes_.push_back({.number = ++last_echo_, .sent = now});
+    publish(echo_topic_, octets_of(last_echo_), Qos::at_most_once, std::nullopt);
+}
+
+void FleetWatch::ask_for_places(Instant now) {
+    int asked = 0;
+    std::erase_if(asked_, [&](const auto& one) { return !picture_.robots().contains(one.first); });
+    for (const auto& [id, robot] : picture_.robots()) {
+        if (asked >= most_asked_at_once) break;
+        if (robot.entry.form != Form::binary) continue;
+        if (robot.entry.state != server::NodeState::connected) continue;
+        if (robot.place && now - robot.placed_at < options_.ask_every) continue;
+        const auto [last, is_first] = asked_.try_emplace(id, now);
+        if (!is_first && now - last->second < options_.ask_every) continue;
+        last->second = now;
+        ++asked;
+        const std::string answer_topic = std::string{place_prefix} + std::string{id.text()};
+        publish(id.text(), request_message(Form::binary, answer_topic, "location"),
+                Qos::at_most_once, std::nullopt);
+    }
+}
+
+}  // namespace romano::experiments

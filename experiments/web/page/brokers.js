@@ -1,0 +1,57 @@
+// A card for each broker.
+
+import {age, byId, count, make, octets, put} from './text.js';
+
+const cards = new Map();
+
+function makeCard() {
+    const card = {node: make('li', {class: 'card broker'})};
+    card.name = make('span', {class: 'name'});
+    card.badge = make('span', {class: 'badge'});
+    card.robots = make('b', {});
+    card.robotsWord = make('span', {});
+    card.sessions = make('dd', {});
+    card.peers = make('dd', {});
+    card.addresses = make('dd', {class: 'mono'});
+    card.warning = make('p', {class: 'warning'});
+    card.node.append(
+        make('h3', {}, make('span', {class: 'dot', 'aria-hidden': 'true'}), card.name, card.badge),
+        make('p', {class: 'big'}, card.robots, ' ', card.robotsWord),
+        make('dl', {}, make('dt', {}, 'Sessions'), card.sessions, make('dt', {}, 'To peers'), card.peers,
+             make('dt', {}, 'Serves'), card.addresses),
+        card.warning);
+    return card;
+}
+
+export function showBrokers(model) {
+    const list = byId('brokers');
+    const robots = model.robotsByHome();
+    for (const [name, card] of cards) {
+        if (model.brokers.has(name)) continue;
+        card.node.remove();
+        cards.delete(name);
+    }
+    for (const name of [...model.brokers.keys()].sort()) {
+        const broker = model.brokers.get(name);
+        const isNew = !cards.has(name);
+        if (isNew) cards.set(name, makeCard());
+        const card = cards.get(name);
+        card.node.dataset.home = model.colourOf(name);
+        card.node.classList.toggle('dead', !broker.alive);
+        put(card.name, name);
+        const leads = broker.alive && name === model.cluster.leader;
+        put(card.badge, broker.alive ? (leads ? 'leads' : '') : 'dead');
+        card.badge.classList.toggle('bad', !broker.alive);
+        const here = robots.get(name) ?? 0;
+        put(card.robots, here);
+        put(card.robotsWord, here === 1 ? 'robot' : 'robots');
+        put(card.sessions, broker.alive ? `${broker.sessions}, ${broker.connected} connected`
+                                        : `none for ${age(model.now() - broker.since_unix_ms)}`);
+        put(card.peers, broker.to_peers_octets_per_s === undefined || !broker.alive
+            ? '–' : octets(broker.to_peers_octets_per_s));
+        put(card.addresses, broker.addresses.length > 0 ? broker.addresses.join(' ') : '–');
+        put(card.warning, broker.alive && broker.cannot_take > 0
+            ? `It cannot take over ${count(broker.cannot_take, 'address', 'addresses')} of others (see its log).` : '');
+        if (isNew) list.append(card.node);
+    }
+}

@@ -1,0 +1,78 @@
+// The fleet as the server tells it: first the whole, then what has changed.
+
+const mostPlaces = 100;
+const mostSeconds = 300;
+const mostHappenings = 200;
+const stepOfPathMm = 20;
+
+export class Model {
+    constructor() {
+        this.clear();
+    }
+
+    clear() {
+        this.brokers = new Map();
+        this.robots = new Map();
+        this.happenings = new Map();
+        this.seconds = [];
+        this.watch = {is_linked: false};
+        this.cluster = {leader: '', members: []};
+        this.skewMs = 0;
+    }
+
+    /** The server's clock. */
+    now() {
+        return Date.now() + this.skewMs;
+    }
+
+    setState(state) {
+        this.clear();
+        this.change(state);
+    }
+
+    change(change) {
+        this.watch = change.watch;
+        this.cluster = change.cluster;
+        for (const broker of change.brokers) this.brokers.set(broker.name, broker);
+        for (const id of change.left ?? []) this.robots.delete(id);
+        for (const robot of change.robots) {
+            const before = this.robots.get(robot.robot);
+            robot.path = robot.path ?? before?.path ?? [];
+            if (robot.place) walk(robot.path, robot.place);
+            this.robots.set(robot.robot, robot);
+        }
+        for (const happening of change.time_line) this.happenings.set(happening.number, happening);
+        for (const number of this.happenings.keys()) {
+            if (this.happenings.size <= mostHappenings) break;
+            this.happenings.delete(number);
+        }
+        this.seconds.push(...change.seconds);
+        this.seconds.splice(0, Math.max(0, this.seconds.length - mostSeconds));
+        if (change.seconds.length > 0) {
+            this.skewMs = change.seconds[change.seconds.length - 1].unix_ms - Date.now();
+        }
+    }
+
+    /** Of each broker; homes that are no known broker count too. */
+    robotsByHome() {
+        const counts = new Map();
+        for (const robot of this.robots.values()) {
+            counts.set(robot.home, (counts.get(robot.home) ?? 0) + 1);
+        }
+        return counts;
+    }
+
+    /** A broker has the same colour as long as no broker comes that stands before it. */
+    colourOf(home) {
+        const names = [...this.brokers.keys()].sort();
+        const at = names.indexOf(home);
+        return at < 0 ? 'none' : String(at % 8);
+    }
+}
+
+function walk(path, place) {
+    const last = path[path.length - 1];
+    if (last && Math.hypot(last[0] - place.x_mm, last[1] - place.y_mm) < stepOfPathMm) return;
+    path.push([place.x_mm, place.y_mm]);
+    if (path.length > mostPlaces) path.shift();
+}

@@ -1,0 +1,59 @@
+// What HTTP requests are answered: the page's files, the fleet's picture as JSON, and orders to
+// robots. No socket; README.md describes the API.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "experiments/fleet/fleet_picture.h"
+#include "experiments/fleet/orders.h"
+#include "experiments/web/request_rules.h"
+
+namespace romano::experiments {
+
+struct WebRequest {
+    std::string method;  // "GET"
+    std::string target;  // "/api/robots/abcd1234?x=1"
+    RequestFields fields;
+    std::string body;
+};
+
+struct WebAnswer {
+    unsigned status = 200;
+    std::string content_type;
+    std::string body;
+    bool is_event_stream = false;  // it has no body: events follow, until somebody leaves
+    std::string allow = {};        // of a 405
+};
+
+/// Sends orders to robots.
+class Steering {
+public:
+    /// Numbers the command of the picture's time line.
+    virtual std::uint64_t carry_out(const Orders& orders) = 0;
+
+protected:
+    ~Steering() = default;
+};
+
+class WebApi {
+public:
+    /// `names`: of this machine, beside its addresses.
+    WebApi(const FleetPicture& picture, Steering& steering, std::vector<std::string> names)
+        : picture_(picture), steering_(steering), names_(std::move(names)) {}
+
+    [[nodiscard]] WebAnswer answer(const WebRequest& request);
+
+private:
+    [[nodiscard]] WebAnswer get(std::string_view path) const;
+    [[nodiscard]] WebAnswer post(std::string_view path, const std::string& body);
+    [[nodiscard]] WebAnswer order(const Orders& orders);
+    [[nodiscard]] const SeenRobot* robot_of(std::string_view id) const;
+
+    const FleetPicture& picture_;
+    Steering& steering_;
+    std::vector<std::string> names_;
+};
+
+}  // namespace romano::experiments
