@@ -77,7 +77,7 @@ void serve(const WebOptions& options) {
     const tcp::endpoint address = address_in(options);
     boost::asio::io_context io{1};
     const Interrupt interrupt{io};
-    FleetPicture picture{net::unix_time_at_zero()};
+    FleetPicture picture{net::unix_time_at_zero(), options.broker.where()};
     FleetWatch watch{io,
                      {.broker = resolve_broker(io, options.broker.host, options.broker.port),
                       .client_id = options.broker.id_or("romano-web"),

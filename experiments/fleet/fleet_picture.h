@@ -46,7 +46,9 @@ public:
     using Robots = std::map<message::RomanoId, SeenRobot>;
     using Brokers = std::map<std::string, SeenBroker>;
 
-    explicit FleetPicture(Duration unix_time_at_zero) : unix_time_at_zero_(unix_time_at_zero) {}
+    /// `watched`: the broker that the watcher talks to, for people.
+    explicit FleetPicture(Duration unix_time_at_zero, std::string watched = {})
+        : unix_time_at_zero_(unix_time_at_zero), watched_(std::move(watched)) {}
 
     /// The watcher's own broker answers, or does no more.
     void on_link(Instant now, bool is_up);
@@ -65,6 +67,7 @@ public:
     void on_tick(Instant now);
 
     [[nodiscard]] std::uint64_t version() const { return version_; }
+    [[nodiscard]] const std::string& watched() const { return watched_; }
     [[nodiscard]] bool is_linked() const { return is_linked_; }
     [[nodiscard]] std::optional<Instant> link_since() const { return link_since_; }
     [[nodiscard]] const Brokers& brokers() const { return brokers_; }
@@ -97,6 +100,7 @@ private:
     [[nodiscard]] SeenRobot* find(std::string_view id);
 
     Duration unix_time_at_zero_;
+    std::string watched_;
     std::uint64_t version_ = 0;
     bool is_linked_ = false;
     std::optional<Instant> link_since_;

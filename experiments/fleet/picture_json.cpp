@@ -17,7 +17,7 @@ double in_ms(Duration time) {
 }
 
 Json watch_json(const FleetPicture& picture) {
-    Json out{{"is_linked", picture.is_linked()}};
+    Json out{{"broker", picture.watched()}, {"is_linked", picture.is_linked()}};
     if (picture.link_since()) out["since_unix_ms"] = picture.unix_ms(*picture.link_since());
     out["dropped"] = picture.dropped();
     return out;
@@ -152,6 +152,7 @@ nlohmann::ordered_json to_json(const FleetPicture& picture, const SeenRobot& rob
     for (const RobotMessage& message : robot.messages) {
         out["messages"].push_back({{"unix_ms", picture.unix_ms(message.at)},
                                    {"to_robot", message.to_robot},
+                                   {"times", message.times},
                                    {"topic", message.topic},
                                    {"text", message.text}});
     }

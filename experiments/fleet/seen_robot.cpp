@@ -1,5 +1,6 @@
 #include "experiments/fleet/seen_robot.h"
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <utility>
@@ -64,10 +65,19 @@ std::optional<Duration> SeenRobot::longest_silence(Instant now) const {
 }
 
 void SeenRobot::keep(Instant now, bool to_robot, std::string_view topic, Bytes data) {
-    messages.push_back(RobotMessage{.at = now,
-                                    .to_robot = to_robot,
-                                    .topic = shown_text(topic),
-                                    .text = shown_data(topic, data)});
+    RobotMessage message{.at = now,
+                         .to_robot = to_robot,
+                         .topic = shown_text(topic),
+                         .text = shown_data(topic, data)};
+    const auto before = std::ranges::find_if(messages, [&](const RobotMessage& one) {
+        return one.to_robot == to_robot && one.topic == message.topic &&
+               (!to_robot || one.text == message.text);
+    });
+    if (before != messages.end()) {
+        message.times = before->times + 1;
+        messages.erase(before);
+    }
+    messages.push_back(std::move(message));
     if (messages.size() > most_messages) messages.pop_front();
 }
 

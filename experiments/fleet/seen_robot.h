@@ -23,14 +23,15 @@ struct Place {
 
 struct RobotMessage {
     Instant at;
-    bool to_robot = false;  // on its own topic; else it is the robot's
+    std::uint64_t times = 1;  // so far; `at` and `text` are the last one's
+    bool to_robot = false;    // on its own topic; else it is the robot's
     std::string topic;
     std::string text;
 };
 
 class SeenRobot {
 public:
-    static constexpr std::size_t most_messages = 24;
+    static constexpr std::size_t most_messages = 32;
     static constexpr std::size_t most_places = 100;
 
     /// What the robot itself has sent.
@@ -57,6 +58,8 @@ public:
     std::optional<std::uint16_t> battery_mv;
     std::uint32_t messages_per_s = 0;
     std::deque<Place> path;  // the oldest first; not each step
+    /// The oldest first: of what it says the last on each topic, of what it is told each other
+    /// text.
     std::deque<RobotMessage> messages;
 
 private:

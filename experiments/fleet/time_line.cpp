@@ -1,5 +1,6 @@
 #include "experiments/fleet/time_line.h"
 
+#include <algorithm>
 #include <array>
 #include <chrono>
 #include <utility>
@@ -27,7 +28,19 @@ std::string_view name_of(HappeningKind kind) {
     return names.at(static_cast<std::size_t>(kind));
 }
 
+void TimeLine::make_room(HappeningKind kind) {
+    const auto is_same_kind = [kind](const Happening& one) { return one.kind == kind; };
+    const bool is_frequent = kind >= HappeningKind::roam && kind != HappeningKind::watch_lost &&
+                             kind != HappeningKind::watch_back;
+    if (is_frequent && std::ranges::count_if(happenings_, is_same_kind) >=
+                           std::ptrdiff_t{most_of_a_frequent_kind}) {
+        happenings_.erase(std::ranges::find_if(happenings_, is_same_kind));
+    }
+    if (happenings_.size() >= most_happenings) happenings_.pop_front();
+}
+
 Happening& TimeLine::add(Instant now, std::uint64_t version, What what) {
+    make_room(what.kind);
     Happening& added = happenings_.emplace_back();
     added.number = ++last_;
     added.changed = version;
@@ -37,8 +50,7 @@ Happening& TimeLine::add(Instant now, std::uint64_t version, What what) {
     added.from = std::move(what.from);
     added.to = std::move(what.to);
     added.what = std::move(what.what);
-    if (happenings_.size() > most_happenings) happenings_.pop_front();
-    return happenings_.back();
+    return added;
 }
 
 Happening& TimeLine::add(Instant now, std::uint64_t version, What what,
@@ -61,9 +73,8 @@ Happening& TimeLine::add(Instant now, std::uint64_t version, What what,
 }
 
 Happening* TimeLine::find(std::uint64_t number) {
-    const std::uint64_t first = last_ - happenings_.size() + 1;
-    if (number < first || number > last_) return nullptr;
-    return &happenings_[static_cast<std::size_t>(number - first)];
+    const auto found = std::ranges::lower_bound(happenings_, number, {}, &Happening::number);
+    return found != happenings_.end() && found->number == number ? &*found : nullptr;
 }
 
 }  // namespace romano::experiments

@@ -55,6 +55,8 @@ struct Happening {
 class TimeLine {
 public:
     static constexpr std::size_t most_happenings = 200;
+    /// Who commands often, and robots that come and go, do not push the deaths out.
+    static constexpr std::size_t most_of_a_frequent_kind = 40;
     static constexpr std::size_t most_robots_named = 5;
 
     struct What {
@@ -73,6 +75,8 @@ public:
     [[nodiscard]] const std::deque<Happening>& happenings() const { return happenings_; }
 
 private:
+    void make_room(HappeningKind kind);
+
     std::uint64_t last_ = 0;
     std::deque<Happening> happenings_;
 };

@@ -15,7 +15,7 @@ function makeCard() {
     card.addresses = make('dd', {class: 'mono'});
     card.warning = make('p', {class: 'warning'});
     card.node.append(
-        make('h3', {}, make('span', {class: 'dot', 'aria-hidden': 'true'}), card.name, card.badge),
+        make('h3', {}, card.name, card.badge),
         make('p', {class: 'big'}, card.robots, ' ', card.robotsWord),
         make('dl', {}, make('dt', {}, 'Sessions'), card.sessions, make('dt', {}, 'To peers'), card.peers,
              make('dt', {}, 'Serves'), card.addresses),
@@ -40,13 +40,12 @@ export function showBrokers(model) {
         card.node.classList.toggle('dead', !broker.alive);
         put(card.name, name);
         const leads = broker.alive && name === model.cluster.leader;
-        put(card.badge, broker.alive ? (leads ? 'leads' : '') : 'dead');
+        put(card.badge, broker.alive ? (leads ? 'leads' : '') : `dead for ${age(model.now() - broker.since_unix_ms)}`);
         card.badge.classList.toggle('bad', !broker.alive);
         const here = robots.get(name) ?? 0;
         put(card.robots, here);
         put(card.robotsWord, here === 1 ? 'robot' : 'robots');
-        put(card.sessions, broker.alive ? `${broker.sessions}, ${broker.connected} connected`
-                                        : `none for ${age(model.now() - broker.since_unix_ms)}`);
+        put(card.sessions, broker.alive ? `${broker.sessions}, ${broker.connected} connected` : 'none');
         put(card.peers, broker.to_peers_octets_per_s === undefined || !broker.alive
             ? '–' : octets(broker.to_peers_octets_per_s));
         put(card.addresses, broker.addresses.length > 0 ? broker.addresses.join(' ') : '–');

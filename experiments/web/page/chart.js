@@ -5,7 +5,7 @@ import {make, put} from './text.js';
 const svgNamespace = 'http://www.w3.org/2000/svg';
 const spanMs = 300000;
 const height = 120;
-const inset = {left: 40, right: 10, top: 8, bottom: 20};
+const inset = {left: 48, right: 10, top: 8, bottom: 20};
 
 function draw(tag, attributes, text) {
     const node = document.createElementNS(svgNamespace, tag);
@@ -14,10 +14,10 @@ function draw(tag, attributes, text) {
     return node;
 }
 
-/** 1, 2 or 5 with zeros: the least that is not under it. */
+/** A number that is easily halved and read: the least that is not under the value. */
 function roundUp(value) {
     const power = 10 ** Math.floor(Math.log10(Math.max(value, 1e-3)));
-    return [1, 2, 5, 10].map((n) => n * power).find((n) => n >= value * 0.999);
+    return [1, 1.5, 2, 2.5, 3, 4, 5, 6, 8, 10].map((n) => n * power).find((n) => n >= value * 0.999);
 }
 
 export class Chart {
@@ -30,7 +30,7 @@ export class Chart {
         this.note = make('span', {class: 'note'});
         this.svg = draw('svg', {role: 'img', height});
         this.title = title;
-        figure.append(make('figcaption', {}, make('span', {}, title), this.now, this.note), this.svg);
+        figure.append(make('figcaption', {}, make('span', {}, title), this.note, this.now), this.svg);
         this.svg.addEventListener('pointermove', (event) => this.point(event));
         this.svg.addEventListener('pointerleave', () => {
             this.pointed = undefined;

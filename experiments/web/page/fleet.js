@@ -17,7 +17,7 @@ const messages = new Chart(byId('chart-messages'), {
     text: (value) => number(value),
 });
 const delay = new Chart(byId('chart-delay'), {
-    title: 'There and back through the broker', least: 1,
+    title: 'Delay of an echo', least: 1,
     lines: [{key: 'delay_ms', class: 'line'}, {key: 'worst_delay_ms', class: 'line worst'}],
     text: (value, isShort) => (isShort ? number(value) + ' ms' : milliseconds(value)),
 });
@@ -64,6 +64,7 @@ function showSummary() {
         model.cluster.leader ? `${model.cluster.leader} leads` : 'nobody leads',
         count(model.robots.size, 'robot'),
     ];
+    put(byId('seen-by'), `Seen through the broker at ${model.watch.broker}. An echo is a message that this page’s server sends to itself through it.`);
     if (last) parts.push(`${number(last.messages)} messages/s`);
     put(byId('summary'), parts.join(' · '));
 }

@@ -78,16 +78,17 @@ export class RobotPage {
     }
 
     showMessages(messages) {
-        const key = (m) => `${m.unix_ms} ${m.topic} ${m.text}`;
+        const key = (m) => `${m.unix_ms} ${m.times} ${m.topic} ${m.text}`;
         const list = byId('messages');
         const newest = messages.slice().reverse();
         if (newest.length > 0 && list.dataset.newest === key(newest[0]) && list.children.length > 0) return;
         list.dataset.newest = newest.length > 0 ? key(newest[0]) : '';
         list.replaceChildren(...newest.map((message) => {
-            const direction = message.to_robot ? 'to it' : 'it says';
+            const direction = message.to_robot ? 'is told' : 'says';
+            const words = message.text + (message.times > 1 ? ` (${message.times} times)` : '');
             return make('li', {class: message.to_robot ? 'to' : 'from'}, make('time', {}, clock(message.unix_ms)),
                         make('span', {class: 'direction'}, direction),
-                        make('span', {class: 'topic mono'}, message.topic), make('span', {class: 'words mono'}, message.text));
+                        make('span', {class: 'topic mono'}, message.topic), make('span', {class: 'words mono'}, words));
         }));
         put(byId('messages-hint'), newest.length > 0 ? '' :
             'Nothing yet: what has its id in its topic, and heartbeats, are shown here.');

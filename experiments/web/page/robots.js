@@ -22,7 +22,8 @@ function makeRow(id) {
 
 export function placeText(place) {
     const metres = (mm) => (mm / 1000).toFixed(2);
-    return `${metres(place.x_mm)}, ${metres(place.y_mm)} m, ${Math.round(place.heading_mdeg / 1000)}°`;
+    const text = `${metres(place.x_mm)}, ${metres(place.y_mm)} m, ${Math.round(place.heading_mdeg / 1000)}°`;
+    return text.replaceAll('-', '−');
 }
 
 export function heartbeatText(model, robot) {
@@ -37,7 +38,10 @@ function showRow(model, row, robot) {
     const texts = [robot.robot, robot.state, robot.home, heartbeatText(model, robot),
                    number(robot.messages_per_s) + '/s', robot.place ? placeText(robot.place) : '',
                    batteryText(robot)];
-    texts.forEach((text, at) => put(row.cells[at], text === '' ? '–' : text));
+    texts.forEach((text, at) => {
+        put(row.cells[at], text === '' ? '–' : text);
+        row.cells[at].classList.toggle('none', text === '');
+    });
     row.cells[1].dataset.state = robot.state;
     row.cells[2].dataset.home = model.colourOf(robot.home);
 }

@@ -1,6 +1,6 @@
 // What happened, the newest first, in words.
 
-import {byId, clock, count, make, milliseconds, shown} from './text.js';
+import {byId, clock, count, make, milliseconds, put, shown} from './text.js';
 
 const mostShown = 60;
 const items = new Map();
@@ -15,9 +15,9 @@ const sentences = {
     'broker-found': (h) => `${h.to} is a broker too`,
     'broker-died': (h) => `${h.to} died`,
     'broker-back': (h) => `${h.to} is back after ${milliseconds(h.took_ms ?? 0)}`,
-    'leader': (h) => `${h.to} leads` + (h.took_ms === undefined ? '' : `; nobody did for ${milliseconds(h.took_ms)}`),
+    'leader': (h) => `${h.to} leads` + (h.took_ms >= 1 ? `; nobody did for ${milliseconds(h.took_ms)}` : ''),
     'take-over': (h) => `${h.to} took over ${who(h)} of ${h.from}` +
-        (h.took_ms === undefined ? '' : `, ${milliseconds(h.took_ms)} after the word of its death`),
+        (h.took_ms >= 1 ? `, ${milliseconds(h.took_ms)} after the word of its death` : ''),
     'hand-back': (h) => `${h.from} gave ${who(h)} back to ${h.to}`,
     'roam': (h) => `${who(h)} went from ${h.from} to ${h.to}`,
     'robots-found': (h) => `${who(h)} came to ${h.to}`,
@@ -27,6 +27,7 @@ const sentences = {
     'robots-back': (h) => `${who(h)} can be heard again`,
     'watch-lost': () => 'the broker of this page does not answer',
     'watch-back': (h) => `the broker of this page answers again, after ${milliseconds(h.took_ms ?? 0)}`,
+    'commands': (h) => `${h.commands} commands; the last: ${h.what}, to ${who(h)}`,
     'command': (h) => `command: ${h.what}, to ${who(h)}` +
         (h.refused > 0 ? `; ${count(h.refused, 'message')} did not get out` : ''),
 };
@@ -41,17 +42,31 @@ export function sentence(happening) {
     return text;
 }
 
+/** Several commands in a row are one line: a joystick must not hide what happens to brokers. */
+function withRowsOfCommands(newest) {
+    const lines = [];
+    for (const happening of newest) {
+        const last = lines[lines.length - 1];
+        const isCommand = happening.kind === 'command';
+        if (isCommand && last?.row) last.row.push(happening);
+        else lines.push({...happening, row: isCommand ? [happening] : undefined});
+    }
+    return lines.flatMap((line) => {
+        if (!line.row || line.row.length < 3) return line.row ?? [line];
+        return [{...line, kind: 'commands', commands: line.row.length, number: 'row ' + line.row[line.row.length - 1].number}];
+    });
+}
+
 function makeItem(happening) {
     const words = make('span', {class: 'words'});
-    const node = make('li', {'data-kind': happening.kind},
-                      make('time', {datetime: new Date(happening.unix_ms).toISOString()}, clock(happening.unix_ms)),
-                      make('span', {class: 'mark', 'aria-hidden': 'true'}), words);
-    return {node, words};
+    const time = make('time', {});
+    const node = make('li', {'data-kind': happening.kind}, time, make('span', {class: 'mark', 'aria-hidden': 'true'}), words);
+    return {node, time, words};
 }
 
 export function showTimeLine(model) {
     const list = byId('time-line');
-    const newest = [...model.happenings.values()].sort((a, b) => b.number - a.number).slice(0, mostShown);
+    const newest = withRowsOfCommands([...model.happenings.values()].sort((a, b) => b.number - a.number)).slice(0, mostShown);
     const keep = new Set(newest.map((h) => h.number));
     for (const [number, item] of items) {
         if (keep.has(number)) continue;
@@ -61,8 +76,8 @@ export function showTimeLine(model) {
     newest.forEach((happening, at) => {
         if (!items.has(happening.number)) items.set(happening.number, makeItem(happening));
         const item = items.get(happening.number);
-        const text = shown(sentence(happening));
-        if (item.words.textContent !== text) item.words.textContent = text;
+        put(item.words, sentence(happening));
+        put(item.time, clock(happening.unix_ms));
         if (list.children[at] !== item.node) list.insertBefore(item.node, list.children[at] ?? null);
     });
     list.classList.toggle('empty', newest.length === 0);
