@@ -5,7 +5,9 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
+#include "experiments/sweep/slurm.h"
 #include "experiments/sweep/sweep_runner.h"
 
 namespace romano::experiments {
@@ -19,6 +21,7 @@ constexpr const char* sweep_examples = R"(Examples:
   romano sweep experiments/demo.toml --cell 7      (one cell again, in a folder of its own)
   romano sweep experiments/demo.toml --cell 7 --replace  (in the place of its earlier run)
   romano sweep experiments/demo.toml --shard 2/3   (every third cell, for the second of three machines)
+  romano sweep experiments/demo.toml --slurm 8 --slurm-option=--partition=short   (as a job array)
 Sweeps may run side by side: each takes a loopback network and DDS domains that are free.
 What a sweep file may say: experiments/README.md.
 Exit code: 0; 1 when a run failed; 2 when nothing was run; 130 when interrupted.
@@ -28,6 +31,8 @@ struct SweepOptions {
     SweepRequest request;
     std::uint32_t cell = 0;
     std::string shard;
+    std::uint32_t slurm_shards = 0;
+    std::vector<std::string> slurm_options;
     bool list = false;
 };
 
@@ -35,6 +40,23 @@ Shard shard_in(const std::string& text) {
     const auto shard = parse_shard(text);
     if (!shard) throw SweepError("--shard `" + text + "`: must be I/N with I from 1 to N: 2/3");
     return *shard;
+}
+
+int submit_to_slurm(const SweepOptions& options) {
+    namespace fs = std::filesystem;
+    const Sweep sweep = read_sweep(options.request.file);
+    if (options.slurm_shards > sweep.cells.size()) {
+        throw SweepError("--slurm " + std::to_string(options.slurm_shards) +
+                         ": the sweep has only " + std::to_string(sweep.cells.size()) + " cells");
+    }
+    const std::string said = submit({.program = fs::read_symlink("/proc/self/exe"),
+                                     .file = fs::absolute(options.request.file),
+                                     .output = fs::absolute(sweep.settings.output),
+                                     .broker_program = options.request.broker_program,
+                                     .shards = options.slurm_shards,
+                                     .options = options.slurm_options});
+    std::fputs(said.c_str(), stdout);
+    return 0;
 }
 
 }  // namespace
@@ -63,6 +85,19 @@ void add_sweep(CLI::App& program, int& exit_code) {
                     "Run the I-th of N parts only, into OUTPUT-shards/I-of-N; then: romano merge")
         ->type_name("I/N")
         ->excludes(cell);
+    CLI::Option* slurm =
+        command
+            .add_option("--slurm", options->slurm_shards,
+                        "Submit the cells to Slurm as an array of N jobs, and one that merges them")
+            ->type_name("N")
+            ->check(CLI::Range(1U, most_shards))
+            ->excludes(cell)
+            ->excludes(fresh);
+    command
+        .add_option("--slurm-option", options->slurm_options,
+                    "Of sbatch, for the array (repeatable): --slurm-option=--partition=short")
+        ->type_name("OPTION")
+        ->needs(slurm);
     command.add_flag("--list", options->list, "List the cells and run nothing");
     command.add_option("--broker", options->request.broker_program,
                        "The broker's program (default: romano-broker beside this program)");
@@ -82,7 +117,7 @@ void add_sweep(CLI::App& program, int& exit_code) {
             request.broker_program =
                 std::filesystem::read_symlink("/proc/self/exe").parent_path() / "romano-broker";
         }
-        exit_code = run_sweep(request);
+        exit_code = options->slurm_shards > 0 ? submit_to_slurm(*options) : run_sweep(request);
     });
 }
 

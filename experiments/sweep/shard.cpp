@@ -5,8 +5,6 @@
 namespace romano::experiments {
 namespace {
 
-constexpr std::uint32_t most_shards = 100'000;
-
 bool read_number(std::string_view text, std::uint32_t& number) {
     const char* end = text.data() + text.size();
     const auto [stop, error] = std::from_chars(text.data(), end, number);

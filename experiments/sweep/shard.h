@@ -8,6 +8,8 @@
 
 namespace romano::experiments {
 
+inline constexpr std::uint32_t most_shards = 100'000;
+
 struct Shard {
     std::uint32_t number = 1;  // from 1 to `of`
     std::uint32_t of = 1;

@@ -89,9 +89,24 @@ std::vector<Cell> cells_in_question(const Sweep& sweep, const SweepRequest& requ
     return cells;
 }
 
-bool is_to_run(const Cell& cell, const SweepRequest& request, const ResultsFolder& results) {
+/// The cells that a merged result of earlier shards has already; they may have been others.
+std::vector<Cell> done_elsewhere(const Sweep& sweep, const SweepRequest& request) {
+    std::vector<Cell> done;
+    if (!request.shard || !std::filesystem::exists(sweep.settings.output / "runs.csv")) return done;
+    const Results whole = read_results(sweep.settings.output);
+    if (!is_same_experiment(whole.sweep, sweep)) return done;
+    for (const RunRow& row : whole.rows) {
+        if (row.ok()) done.push_back(row.cell);
+    }
+    return done;
+}
+
+bool is_to_run(const Cell& cell, const SweepRequest& request, const ResultsFolder& results,
+               const std::vector<Cell>& done) {
+    if (request.only_cell) return true;
+    if (std::ranges::find(done, cell) != done.end()) return false;
     const RunRow* row = results.row_of(cell);
-    return row == nullptr || request.only_cell || (request.retry_failed && !row->ok());
+    return row == nullptr || (request.retry_failed && !row->ok());
 }
 
 /// Parts have results of their own: machines that share a folder run side by side.
@@ -118,6 +133,7 @@ NetworkPlace claim_network_of(const SweepSettings& settings) {
 int run_sweep(const SweepRequest& request) {
     Sweep sweep = read_sweep(request.file);
     const std::vector<Cell> cells = cells_in_question(sweep, request);
+    const std::vector<Cell> done = done_elsewhere(sweep, request);
     if (request.only_cell && !request.replace) sweep.cells = cells;
     sweep.settings.output = output_of(sweep, request);
     if (::access(request.broker_program.c_str(), X_OK) != 0) {
@@ -138,7 +154,7 @@ int run_sweep(const SweepRequest& request) {
     boost::asio::io_context io{1};
     std::vector<Cell> to_run;
     std::ranges::copy_if(cells, std::back_inserter(to_run),
-                         [&](const Cell& cell) { return is_to_run(cell, request, results); });
+                         [&](const Cell& cell) { return is_to_run(cell, request, results, done); });
     const std::size_t done_before = cells.size() - to_run.size();
     if (done_before > 0) {
         std::printf("%s: %zu of %zu cells were done before; going on\n", results.path().c_str(),
