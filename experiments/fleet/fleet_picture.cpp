@@ -148,7 +148,7 @@ void FleetPicture::look_for_leader(Instant now) {
     if (leads == leader_) return;
     if (leads.empty()) {
         leaderless_since_ = now;
-    } else if (!is_settling(now)) {
+    } else if (!is_settling(now) || !leader_.empty() || leaderless_since_) {
         Happening& happening =
             time_line_.add(now, next_version(), {.kind = HappeningKind::leader, .to = leads});
         if (leaderless_since_) happening.took = now - *leaderless_since_;
@@ -220,7 +220,7 @@ void FleetPicture::tell_of_state(Instant now, const SeenRobot& robot, NodeState 
 void FleetPicture::set_home(Instant now, SeenRobot& robot, const std::string& home) {
     const std::string from = std::exchange(robot.home, home);
     robot.changed = next_version();
-    if (!is_settling(now)) tell_of_move(now, robot, from);
+    tell_of_move(now, robot, from);
 }
 
 void FleetPicture::tell_of_move(Instant now, SeenRobot& robot, const std::string& from) {

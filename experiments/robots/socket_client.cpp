@@ -82,6 +82,12 @@ typename BasicSocketClient<Limits>::Begun BasicSocketClient<Limits>::register_na
 }
 
 template <typename Limits>
+void BasicSocketClient<Limits>::probe() {
+    core_.probe(net::now());
+    tick();
+}
+
+template <typename Limits>
 void BasicSocketClient<Limits>::receive() {
     socket_.async_wait(udp::socket::wait_read, [this](const boost::system::error_code& stopped) {
         if (stopped) return;

@@ -66,6 +66,8 @@ public:
     Begun publish(const mqttsn::TopicRef& topic, Bytes data, const client::PublishOptions& options);
     Begun subscribe(const mqttsn::TopicRef& topic, mqttsn::Qos qos);
     Begun register_name(std::string_view name);
+    /// Asks whether the broker is there; ends in nothing, or in Lost.
+    void probe();
 
     [[nodiscard]] const client::ClientCore& core() const { return core_; }
     [[nodiscard]] const SentCounts& sent() const { return sent_; }

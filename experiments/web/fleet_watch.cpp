@@ -22,6 +22,8 @@ using mqttsn::Qos;
 constexpr auto tick_every = 50ms;
 constexpr auto echo_every = 200ms;
 constexpr auto echo_is_lost_after = 2s;
+// Then the broker is asked whether it is there at all: who only hears does not know.
+constexpr auto echo_is_missed_after = 1s;
 constexpr auto connect_again_after = 1s;
 // Robots are asked a few at a time: thousands of questions at once would be a burst.
 constexpr int most_asked_at_once = 20;
@@ -207,7 +209,7 @@ void FleetWatch::tick() {
     if (connect_due_ && now >= *connect_due_) connect();
     if (picture_.is_linked()) {
         send_echo(now);
-        if (options_.ask_every > Duration{0}) ask_for_places(now);
+        if (options_.ask_every > Duration{0} && picture_.is_linked()) ask_for_places(now);
     }
     picture_.on_tick(now);
     timer_.expires_after(tick_every);
@@ -221,7 +223,8 @@ void FleetWatch::send_echo(Instant now) {
         echoes_.pop_front();
         picture_.on_echo_lost();
     }
-    if (now < echo_due_) return;
+    if (!echoes_.empty() && now - echoes_.front().sent > echo_is_missed_after) client_->probe();
+    if (now < echo_due_ || !picture_.is_linked()) return;
     echo_due_ = now + echo_every;
     echoes_.push_back({.number = ++last_echo_, .sent = now});
     publish(echo_topic_, octets_of(last_echo_), Qos::at_most_once, std::nullopt);

@@ -25,6 +25,7 @@ const delay = new Chart(byId('chart-delay'), {
 let hasServer = true;
 let lastHeardAt = performance.now();
 let isDue = false;
+let followed;  // the last command, and where its progress is told
 
 function schedule() {
     if (isDue) return;
@@ -82,6 +83,7 @@ function showAlarm() {
 
 /** Tells the server to command robots; says in `status` what came of it. */
 async function order(path, body, status) {
+    if (followed?.status === status) followed = undefined;
     put(status, 'Sending…');
     try {
         const answer = await fetch(path, {
@@ -97,7 +99,6 @@ async function order(path, body, status) {
 }
 
 /** Until the broker has all messages of the command. */
-let followed;
 function follow(command, status) {
     followed = {command, status, text: status.textContent};
     showFollowed();

@@ -102,6 +102,13 @@ TEST_F(Fleet, WhatWasThereBeforeTheWatcherIsNoNews) {
     EXPECT_EQ(robot(1).home, "r1");
 }
 
+TEST_F(Fleet, ADeathRightAfterTheWatcherCameIsNews) {
+    tell_robot(1, "r3");
+    tell_broker(3, false, {}, 3);
+    tell_broker(2, true, {2, 3}, 2);
+    EXPECT_THAT(kinds(), ElementsAre("broker-died", "leader", "take-over"));
+}
+
 TEST_F(Fleet, TheHeirOfAnAddressIsTheHomeOfItsRobotsAtOnce) {
     tell_robot(1, "r1");
     tell_robot(2, "r1");

@@ -1,0 +1,271 @@
+// `romano web` with real brokers and robots: through its API, and its page in a real Chromium.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <stdlib.h>
+
+#include <array>
+#include <boost/asio/buffer.hpp>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/beast/core.hpp>
+#include <boost/beast/http.hpp>
+#include <chrono>
+#include <functional>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "tests/system/broker_fixture.h"
+#include "tests/system/test_client.h"
+
+namespace romano::system::web_test {
+namespace {
+
+using namespace std::chrono_literals;
+using nlohmann::json;
+using testing::HasSubstr;
+namespace beast = boost::beast;
+namespace http = boost::beast::http;
+
+using Clock = std::chrono::steady_clock;
+using Response = http::response<http::string_body>;
+
+struct Web : BrokerFixture {
+    [[nodiscard]] std::pair<std::string, std::string> at(int broker) const {
+        const std::string service = addresses.service(broker);
+        const auto colon = service.find(':');
+        return {service.substr(0, colon), service.substr(colon + 1)};
+    }
+    std::unique_ptr<Process> romano(const std::string& command, int broker,
+                                    std::vector<std::string> more) const {
+        const auto [host, port] = at(broker);
+        more.insert(more.begin(), {command, "-h", host, "-p", port});
+        return std::make_unique<Process>(ROMANO_PROGRAM, more);
+    }
+    void start_web(int broker, std::vector<std::string> more = {}) {
+        more.insert(more.begin(), {"--listen", "127.0.0.1:0"});
+        web = romano("web", broker, std::move(more));
+        const std::string line = web->wait_for("the fleet is shown at ");
+        ASSERT_NE(line, "") << web->errors();
+        url = line.substr(line.find("http://"));
+        web_port = url.substr(url.rfind(':') + 1);
+        web_port.pop_back();  // the slash
+    }
+    Process& start_robot(const std::string& id, int broker, std::vector<std::string> more = {}) {
+        more.insert(more.begin(), {"--id", id, "--broker", addresses.service(broker)});
+        robots.push_back(std::make_unique<Process>(ROMANO_ROBOT, more));
+        EXPECT_NE(robots.back()->wait_for("established"), "");
+        return *robots.back();
+    }
+
+    [[nodiscard]] Response ask(http::verb method, const std::string& target,
+                               const std::string& body = {}) const {
+        boost::asio::io_context io;
+        beast::tcp_stream stream(io);
+        stream.connect(boost::asio::ip::tcp::resolver(io).resolve("127.0.0.1", web_port));
+        http::request<http::string_body> request{method, target, 11, body};
+        request.set(http::field::host, "127.0.0.1:" + web_port);
+        request.set(http::field::content_type, "application/json");
+        request.prepare_payload();
+        http::write(stream, request);
+        beast::flat_buffer buffer;
+        http::response_parser<http::string_body> parser;
+        parser.body_limit(64UL << 20U);
+        http::read(stream, buffer, parser);
+        return parser.release();
+    }
+    [[nodiscard]] json state() const {
+        return json::parse(ask(http::verb::get, "/api/state").body());
+    }
+    [[nodiscard]] std::string home_of(const std::string& robot) const {
+        const json seen = state();
+        for (const json& one : seen.at("robots")) {
+            if (one.at("robot") == robot) return one.at("home");
+        }
+        return {};
+    }
+    [[nodiscard]] bool has_happened(const std::string& kind) const {
+        const json seen = state();
+        for (const json& one : seen.at("time_line")) {
+            if (one.at("kind") == kind) return true;
+        }
+        return false;
+    }
+    /// Asks again and again, until it is so.
+    static bool comes(const std::function<bool()>& is_so, std::chrono::seconds limit = 20s) {
+        for (const auto end = Clock::now() + limit; Clock::now() < end;) {
+            if (is_so()) return true;
+            std::this_thread::sleep_for(5ms);
+        }
+        return false;
+    }
+
+    std::vector<std::unique_ptr<Process>> robots;
+    std::unique_ptr<Process> web;
+    std::string url;
+    std::string web_port;
+};
+
+TEST_F(Web, ShowsTheNewHomeOfAKilledBrokersRobotsWithinASecond) {
+    for (int n = 1; n <= 3; ++n) start_member(n);
+    for (const char* id : {"00000001", "00000002"}) start_robot(id, 2);
+    start_robot("00000003", 1);
+    start_web(3);
+    ASSERT_TRUE(comes([&] {
+        const json seen = state();
+        return seen.at("brokers").size() == 3 && seen.at("robots").size() == 3 &&
+               seen.at("cluster").at("members").size() == 3;
+    })) << state();
+    ASSERT_EQ(home_of("00000001"), "r2");
+    const auto killed_at = Clock::now();
+    brokers[1]->kill_9();
+    ASSERT_TRUE(comes([&] { return home_of("00000001") != "r2" && home_of("00000002") != "r2"; }));
+    EXPECT_LT(Clock::now() - killed_at, 1s);
+    EXPECT_EQ(home_of("00000003"), "r1");
+    EXPECT_TRUE(comes([&] { return has_happened("broker-died") && has_happened("take-over"); }));
+    // The page's own broker is no other: it goes on when that one dies.
+    brokers[2]->kill_9();
+    ASSERT_TRUE(comes([&] { return home_of("00000001") == "r1"; })) << state();
+    EXPECT_TRUE(state().at("watch").at("is_linked"));
+    EXPECT_TRUE(comes([&] { return state().at("cluster").at("leader") == "r1"; }));
+}
+
+TEST_F(Web, MovesARobotAndStopsAllAndWhatControlsThem) {
+    start_broker(1);
+    Process& leader = start_robot("00000001", 1);
+    Process& plant = start_robot("00000002", 1);
+    start_web(1);
+    ASSERT_TRUE(comes([&] { return state().at("robots").size() == 2; }));
+    const Response moved = ask(http::verb::post, "/api/robots/00000001/move",
+                               R"({"movement": "front", "amount": "10cm"})");
+    EXPECT_EQ(moved.result_int(), 202U) << moved.body();
+    EXPECT_NE(leader.wait_for("front 100 mm"), "");
+    // A machine that is busy with other tests must not break the loop.
+    const auto loop =
+        romano("control", 1,
+               {"00000002", "00000001", "--period-ms", "100", "--deadline-ms", "3000", "--detach"});
+    ASSERT_EQ(loop->wait_for_exit(), 0) << loop->errors();
+    EXPECT_NE(plant.wait_for("is controlled by 00000001"), "");
+    EXPECT_EQ(ask(http::verb::post, "/api/stop").result_int(), 202U);
+    EXPECT_NE(leader.wait_for("front 0 mm"), "");
+    EXPECT_NE(plant.wait_for("is no longer controlled by 00000001: ended by a node"), "");
+    EXPECT_TRUE(comes([&] {
+        const json last = state().at("time_line").back();
+        return last.at("kind") == "command" && last.at("confirmed") == 3;
+    }));
+}
+
+TEST_F(Web, StreamsWhatChanges) {
+    start_broker(1);
+    start_web(1);
+    boost::asio::io_context io;
+    beast::tcp_stream stream(io);
+    stream.connect(boost::asio::ip::tcp::resolver(io).resolve("127.0.0.1", web_port));
+    http::request<http::empty_body> request{http::verb::get, "/api/events", 11};
+    request.set(http::field::host, "127.0.0.1");
+    http::write(stream, request);
+    std::string text;
+    const auto read_until = [&](const std::string& words) {
+        std::array<char, 4096> room{};
+        while (text.find(words) == std::string::npos) {
+            const std::size_t size =
+                stream.socket().read_some(boost::asio::buffer(room));  // ctest limits the time
+            text.append(room.data(), size);
+        }
+    };
+    read_until("event: state\ndata: {");
+    EXPECT_THAT(text, HasSubstr("Content-Type: text/event-stream"));
+    Process& robot = start_robot("abcd1234", 1);
+    read_until(R"("robot":"abcd1234")");
+    robot.signal(SIGTERM);
+    read_until(R"("left":["abcd1234"])");
+}
+
+TEST_F(Web, RefusesCommandsWhileNoBrokerAnswersAndGoesOnWhenItIsBack) {
+    start_broker(1);
+    start_web(1, {"--broker-timeout", "1"});
+    ASSERT_TRUE(comes([&] { return state().at("brokers").size() == 1; }));
+    brokers[0]->kill_9();
+    ASSERT_TRUE(comes([&] { return !state().at("watch").at("is_linked"); }));
+    EXPECT_EQ(ask(http::verb::post, "/api/stop").result_int(), 503U);
+    start_broker(1);
+    ASSERT_TRUE(comes([&] { return state().at("watch").at("is_linked"); }));
+    EXPECT_EQ(ask(http::verb::post, "/api/stop").result_int(), 202U);
+    EXPECT_TRUE(has_happened("watch-lost"));
+    EXPECT_TRUE(has_happened("watch-back"));
+    web->signal(SIGTERM);
+    EXPECT_EQ(web->wait_for_exit(), 0);
+}
+
+TEST_F(Web, IsServedToThisMachineAloneUnlessItIsToldOtherwise) {
+    start_broker(1);
+    const auto refused = romano("web", 1, {"--listen", "0.0.0.0:0"});
+    EXPECT_EQ(refused->wait_for_exit(), 2);
+    EXPECT_THAT(refused->errors(), HasSubstr("whoever reaches the page can steer all robots"));
+    const auto open = romano("web", 1, {"--listen", "0.0.0.0:0", "--let-everybody-steer"});
+    EXPECT_NE(open->wait_for("http://0.0.0.0:"), "");
+    const auto no_address = romano("web", 1, {"--listen", "here"});
+    EXPECT_EQ(no_address->wait_for_exit(), 2);
+    EXPECT_THAT(no_address->errors(), HasSubstr("--listen `here`: must be an IP address"));
+    const auto alone = romano("web", 2, {"--broker-timeout", "0.4"});
+    EXPECT_EQ(alone->wait_for_exit(), 2);
+    EXPECT_THAT(alone->errors(), HasSubstr("no broker serves at"));
+}
+
+#ifdef PAGE_TEST
+TEST_F(Web, ThePageInARealBrowser) {
+    for (int n = 1; n <= 3; ++n) start_member(n);
+    const std::string robot_id = "00000001";
+    const std::string hostile_id = "0badf00d";
+    start_robot(robot_id, 2, {"--telemetry", "robots/" + robot_id + "/pose", "--every", "0.1"});
+    TestClient hostile{addresses.client(), addresses.service_endpoint(1),
+                       "<img src=x onerror=alert(1)>"};
+    ASSERT_TRUE(hostile.connect());
+    ASSERT_TRUE(hostile.subscribe(hostile_id, mqttsn::Qos::at_least_once));
+    const auto init = hostile.register_topic("init-info");
+    ASSERT_TRUE(init);
+    ASSERT_TRUE(hostile.publish(*init, std::string("\x0B\x0A", 2) + hostile_id,
+                                mqttsn::Qos::at_least_once));
+    start_web(3);
+    ASSERT_TRUE(comes([&] { return home_of(hostile_id) == "r1" && home_of(robot_id) == "r2"; }))
+        << state();
+    const auto say = [&](const std::string& topic, const std::string& data) {
+        const auto id = hostile.register_topic(hostile_id + '/' + topic);
+        ASSERT_TRUE(id) << topic.size();
+        ASSERT_TRUE(hostile.publish(*id, data, mqttsn::Qos::at_least_once));
+    };
+    say("\x1b[31m\xe2\x80\xae", "<script>alert(2)</script>");
+    say("long", std::string(60'000, '<'));
+    say(std::string(60'000 - hostile_id.size() - 1, 'x'), "a long name");
+
+    ::setenv("PAGE_TEST_MODULES", PAGE_TEST_MODULES, 1);
+    ::setenv("CHROMIUM", CHROMIUM_PROGRAM, 1);
+    Process page(NODE_PROGRAM, {PAGE_TEST, url, robot_id, hostile_id});
+    for (const char* seen : {"the fleet is shown", "hostile names are text", "it fits a phone",
+                             "a keyboard is enough", "a screen reader is told"}) {
+        ASSERT_NE(page.wait_for(seen, 60s), "") << seen << ": " << page.errors();
+    }
+    ASSERT_NE(page.wait_for("home is r2"), "") << page.errors();
+    const auto killed_at = Clock::now();
+    brokers[1]->kill_9();
+    const std::string line = page.wait_for("home is now ");
+    const auto took = Clock::now() - killed_at;
+    ASSERT_NE(line, "") << page.errors();
+    EXPECT_LT(took, 1s);
+    std::printf("the page showed the new home after %lld ms\n",
+                static_cast<long long>(
+                    std::chrono::duration_cast<std::chrono::milliseconds>(took).count()));
+    ASSERT_NE(page.wait_for("the time line tells of the take-over"), "") << page.errors();
+    web->kill_9();
+    ASSERT_NE(page.wait_for("the page says that it is alone"), "") << page.errors();
+    EXPECT_EQ(page.wait_for_exit(), 0) << page.errors();
+}
+#endif
+
+}  // namespace
+}  // namespace romano::system::web_test
