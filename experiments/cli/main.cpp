@@ -10,6 +10,7 @@
 #include "experiments/cli/compare.h"
 #include "experiments/cli/control.h"
 #include "experiments/cli/cost.h"
+#include "experiments/cli/keys.h"
 #include "experiments/cli/load.h"
 #include "experiments/cli/paper.h"
 #include "experiments/cli/pub.h"
@@ -42,6 +43,7 @@ int main(int argc, char** argv) {
     add_web(program, exit_code);
     add_robot_commands(program, exit_code);
     add_control(program, exit_code);
+    add_keys(program, exit_code);
     add_apply(program, exit_code);
     add_sweep(program, exit_code);
     add_report(program, exit_code);

@@ -61,8 +61,8 @@ void hkdf_sha256(Bytes secret, Bytes salt, std::string_view purpose, Bytes whose
     }
 }
 
-RobotKey robot_key(const FleetKey& fleet, std::string_view client_id) {
-    return {derived(fleet.octets, "ROMANO robot ", client_id)};
+RobotKey session_key(const OperatorKey& person, std::string_view client_id) {
+    return {derived(person.octets, "ROMANO session ", client_id)};
 }
 
 DirectionKeys direction_keys(const RobotKey& robot) {

@@ -18,8 +18,9 @@ struct RobotKey {
     Key octets;
 };
 
-/// What the brokers of a fleet share when they have no table of the robots' keys. Never on a robot.
-struct FleetKey {
+/// What a person and the brokers share: each of the person's programs is a client of its own, with
+/// a key from this one.
+struct OperatorKey {
     Key octets;
 };
 
@@ -28,7 +29,7 @@ struct DirectionKeys {
     Key to_robot;
 };
 
-[[nodiscard]] RobotKey robot_key(const FleetKey& fleet, std::string_view client_id);
+[[nodiscard]] RobotKey session_key(const OperatorKey& person, std::string_view client_id);
 [[nodiscard]] DirectionKeys direction_keys(const RobotKey& robot);
 
 /// Fills `out`, which has 8,160 octets at most.

@@ -29,10 +29,10 @@ TEST(Keys, EachDirectionHasItsOwn) {  // the octets are of another implementatio
     EXPECT_EQ(hex(keys.to_robot), "6b39e7b681eb10aaf772ce8667d976d6");
 }
 
-TEST(Keys, EachRobotOfAFleetHasItsOwn) {
-    const FleetKey fleet{counting_array<16>(0x80)};
-    EXPECT_EQ(hex(robot_key(fleet, "abcd1234").octets), "c51916221fe2415dc7b8628296861751");
-    EXPECT_NE(robot_key(fleet, "abcd1235").octets, robot_key(fleet, "abcd1234").octets);
+TEST(Keys, EachSessionOfAPersonHasItsOwn) {
+    const OperatorKey anna{counting_array<16>(0x80)};
+    EXPECT_EQ(hex(session_key(anna, "anna").octets), "a9dffa807788c5e4875d682a2fb78d32");
+    EXPECT_EQ(hex(session_key(anna, "anna/1").octets), "2b88b5396c6be520751857a4f523ed8e");
 }
 
 }  // namespace

@@ -1,0 +1,197 @@
+#include "romano/keys/key_folder.h"
+
+#include <algorithm>
+#include <set>
+#include <system_error>
+#include <utility>
+
+#include "romano/keys/broker_record.h"
+#include "romano/keys/key_error.h"
+#include "romano/keys/random_octets.h"
+
+namespace romano::keys {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* of_brokers = "brokers";
+
+const char* folder_name(Role role) {
+    return role == Role::robot ? "robots" : "operators";
+}
+
+void make_private_folder(const fs::path& folder) {
+    std::error_code error;
+    if (fs::create_directories(folder, error)) {
+        fs::permissions(folder, fs::perms::owner_all, error);
+    }
+    if (error) throw KeyError(folder.string() + ": cannot be made (" + error.message() + ")");
+}
+
+void add_client(ClientKeys& keys, const std::string& name, Role role) {
+    if (!is_name(name)) {
+        throw KeyError("--" + std::string{name_of(role)} + " '" + name +
+                       "': must be 1 to 20 letters, digits, '-' and '_'");
+    }
+    ClientKey client{role, {}};
+    fill_at_random(client.key);
+    if (!keys.emplace(name, client).second) {
+        throw KeyError("--" + std::string{name_of(role)} + " '" + name +
+                       "': has a key already; for a new one say first: romano keys withdraw DIR " +
+                       name);
+    }
+}
+
+std::vector<fs::path> entries_of(const fs::path& folder) {
+    std::error_code none;
+    std::vector<fs::path> found;
+    for (const auto& entry : fs::directory_iterator(folder, none)) found.push_back(entry.path());
+    std::ranges::sort(found);
+    return found;
+}
+
+/// Carries on behind what is wrong.
+class Findings {
+public:
+    template <typename Look>
+    void look(Look&& at) {
+        try {
+            at();
+        } catch (const KeyError& error) {
+            add(error.what());
+        }
+    }
+    void add(std::string sentence) { sentences_.push_back(std::move(sentence)); }
+    std::vector<std::string> take() { return std::move(sentences_); }
+
+private:
+    std::vector<std::string> sentences_;
+};
+
+void check_own_file(const fs::path& file, const ClientKeys* table, Findings& findings) {
+    findings.look([&] {
+        const OwnKey own = read_own_key(file);
+        if (file.stem() != own.name) {
+            findings.add(file.string() + ": is the key of " + own.name + "; name it " + own.name +
+                         ".key");
+        }
+        if (table == nullptr) return;
+        const auto known = table->find(own.name);
+        if (known == table->end()) {
+            findings.add(file.string() + ": " + own.name +
+                         " stands in no broker's table (withdrawn?); remove the file");
+        } else if (known->second != own.client) {
+            findings.add(file.string() + ": is another key of " + own.name +
+                         " than the brokers', who will drop its packets");
+        }
+    });
+}
+
+void check_equal_keys(const fs::path& file, const ClientKeys& keys, Findings& findings) {
+    std::map<protection::Key, std::string> owners;
+    for (const auto& [name, client] : keys) {
+        const auto [other, is_new] = owners.emplace(client.key, name);
+        if (!is_new) {
+            findings.add(file.string() + ": " + other->second + " and " + name +
+                         " have one key; each needs its own");
+        }
+    }
+}
+
+void check_broker_folder(const fs::path& folder, const ClientKeys* all, Findings& findings) {
+    findings.look([&] {
+        const ClientKeys keys = read_table(folder / table_name);
+        if (all != nullptr && keys != *all) {
+            findings.add((folder / table_name).string() +
+                         ": has other clients or keys than the fleet; `romano keys new` on the "
+                         "fleet's folder writes it anew");
+        }
+        if (all == nullptr) check_equal_keys(folder / table_name, keys, findings);
+    });
+    findings.look([&] { (void)read_broker_record(folder / record_name); });
+}
+
+}  // namespace
+
+fs::path KeyFolder::own_file(std::string_view name, Role role) const {
+    return folder_ / folder_name(role) / (std::string{name} + ".key");
+}
+
+fs::path KeyFolder::broker_folder(std::string_view name) const {
+    return folder_ / of_brokers / name;
+}
+
+std::vector<std::string> KeyFolder::brokers() const {
+    std::vector<std::string> names;
+    for (const fs::path& entry : entries_of(folder_ / of_brokers))
+        names.push_back(entry.filename());
+    return names;
+}
+
+ClientKeys KeyFolder::clients() const {
+    const fs::path table = folder_ / table_name;
+    return fs::exists(table) ? read_table(table) : ClientKeys{};
+}
+
+void KeyFolder::add(const Names& names) {
+    ClientKeys keys = clients();
+    for (const std::string& name : names.robots) add_client(keys, name, Role::robot);
+    for (const std::string& name : names.operators) add_client(keys, name, Role::person);
+    for (const std::string& name : names.brokers) {
+        if (!is_name(name)) {
+            throw KeyError("--broker '" + name + "': must be 1 to 20 letters, digits, '-' and '_'");
+        }
+    }
+    for (const char* below : {of_brokers, folder_name(Role::robot), folder_name(Role::person)}) {
+        make_private_folder(folder_ / below);
+    }
+    for (const std::string& name : names.brokers) make_private_folder(broker_folder(name));
+    const auto write_own = [&](const std::vector<std::string>& list, Role role) {
+        for (const std::string& name : list) {
+            write_own_key(own_file(name, role), {name, keys.at(name), 0});
+        }
+    };
+    write_own(names.robots, Role::robot);
+    write_own(names.operators, Role::person);
+    write_tables(keys);
+}
+
+void KeyFolder::withdraw(const std::vector<std::string>& names) {
+    ClientKeys keys = clients();
+    for (const std::string& name : names) {
+        if (keys.erase(name) == 0) throw KeyError("'" + name + "': has no key here");
+    }
+    write_tables(keys);
+}
+
+void KeyFolder::write_tables(const ClientKeys& keys) const {
+    write_table(folder_ / table_name, keys);
+    for (const std::string& name : brokers()) write_table(broker_folder(name) / table_name, keys);
+}
+
+std::vector<std::string> problems_of(const fs::path& path) {
+    Findings findings;
+    if (!fs::exists(path)) {
+        findings.add(path.string() + ": is not there; `romano keys new` makes it");
+    } else if (!fs::is_directory(path)) {
+        check_own_file(path, nullptr, findings);
+    } else if (!fs::exists(path / of_brokers)) {
+        check_broker_folder(path, nullptr, findings);
+    } else {
+        findings.look([&] {
+            const ClientKeys keys = read_table(path / table_name);
+            check_equal_keys(path / table_name, keys, findings);
+            for (const fs::path& broker : entries_of(path / of_brokers)) {
+                check_broker_folder(broker, &keys, findings);
+            }
+            for (const Role role : {Role::robot, Role::person}) {
+                for (const fs::path& file : entries_of(path / folder_name(role))) {
+                    if (file.extension() == ".key") check_own_file(file, &keys, findings);
+                }
+            }
+        });
+    }
+    return findings.take();
+}
+
+}  // namespace romano::keys

@@ -1,0 +1,50 @@
+// The folder of a fleet's keys, on the computer of whoever owns the fleet:
+//
+//     clients.keys               all clients and their keys
+//     brokers/NAME/              a broker's --keys folder: clients.keys, and what the broker keeps
+//     there robots/NAME.key            a robot's own file, to be moved to the robot
+//     operators/NAME.key         a person's own file
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "romano/keys/client_keys.h"
+
+namespace romano::keys {
+
+inline constexpr const char* table_name = "clients.keys";
+inline constexpr const char* record_name = "broker.numbers";
+
+struct Names {
+    std::vector<std::string> brokers;
+    std::vector<std::string> robots;
+    std::vector<std::string> operators;
+};
+
+class KeyFolder {
+public:
+    explicit KeyFolder(std::filesystem::path folder) : folder_(std::move(folder)) {}
+
+    /// Draws keys for new names, and gives all brokers the new table. All or nothing of what is
+    /// wrong with names: a client has one key. Throws KeyError.
+    void add(const Names& names);
+    /// Takes clients from all tables; their own files stay.
+    void withdraw(const std::vector<std::string>& clients);
+
+    [[nodiscard]] std::filesystem::path own_file(std::string_view name, Role role) const;
+    [[nodiscard]] std::filesystem::path broker_folder(std::string_view name) const;
+    [[nodiscard]] std::vector<std::string> brokers() const;
+    [[nodiscard]] ClientKeys clients() const;
+
+private:
+    void write_tables(const ClientKeys& keys) const;
+
+    std::filesystem::path folder_;
+};
+
+/// What is wrong with a fleet's folder, a broker's, or one key file: a sentence each.
+[[nodiscard]] std::vector<std::string> problems_of(const std::filesystem::path& path);
+
+}  // namespace romano::keys
