@@ -411,8 +411,8 @@ bool BrokerCore::serves(const Endpoint& via, const Endpoint& from, Bytes datagra
     return state_->knows(origin);
 }
 
-bool BrokerCore::has_client_at(const Endpoint& address) const {
-    return state_->tables.sessions.has_connected_at({address, {}});
+bool BrokerCore::has_client_at(const ClientAddress& address) const {
+    return state_->tables.sessions.has_connected_at(address);
 }
 
 std::optional<SessionImage> BrokerCore::image(std::string_view client_id) const {

@@ -90,7 +90,7 @@ public:
     /// behind.
     [[nodiscard]] bool serves(const Endpoint& via, const Endpoint& from, Bytes datagram) const;
     /// Some client is connected from that address, to whichever service address.
-    [[nodiscard]] bool has_client_at(const Endpoint& address) const;
+    [[nodiscard]] bool has_client_at(const ClientAddress& address) const;
 
     [[nodiscard]] std::optional<SessionImage> image(std::string_view client_id) const;
     /// Of the session that is homed here; null when there is none. Valid until the next input.

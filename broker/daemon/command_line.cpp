@@ -25,6 +25,8 @@ constexpr const char* examples = R"(Examples:
       --uplink-network site-a --uplink-topic 'fleet/# both' --uplink-topic 'pose/# out 0 "" site-a/' \
       --uplink-username site-a --uplink-password-file /etc/romano/uplink-password
       whoever leads the cluster exchanges these topics with an MQTT broker
+  romano-broker --listen protected://192.168.1.5:1883 --keys /var/lib/romano/keys
+      serves robots and people who have a key, and nobody else
   romano-broker --metrics 127.0.0.1:9883
       tells Prometheus and `romano status` what it counts
   romano-broker --default-config > r1.toml; romano-broker --config r1.toml
@@ -40,8 +42,13 @@ std::string one_line(std::string text) {
 
 void add_options(CLI::App& app, SettingTexts& texts) {
     app.add_option("--listen", texts.listen,
-                   "Serve clients at this address (repeatable; default 0.0.0.0:1883)")
+                   "Serve clients at this address (repeatable; default 0.0.0.0:1883); "
+                   "protected://ADDR:PORT for clients with keys")
         ->type_name("ADDR:PORT");
+    app.add_option("--keys", texts.keys,
+                   "Folder with the keys of protected clients (romano keys new); the broker writes "
+                   "there, too. For all brokers of a cluster that has protected addresses")
+        ->type_name("DIR");
     app.add_option("--name", texts.name,
                    "The broker's name, unique in its cluster (default: HOST-ADDR:PORT; on all "
                    "addresses HOST-MAC:PORT, with a hardware address of the machine)")

@@ -28,6 +28,7 @@ LoneBroker::LoneBroker(boost::asio::io_context& io, const Settings& settings,
                        const OnServing& on_serving)
     : io_(io),
       name_(settings.name),
+      protection_(open_protection(settings.keys)),
       options_(options_of(settings)),
       core_(options_, random_seed()),
       server_(settings.name, options_.unix_time_at_zero),
@@ -61,6 +62,10 @@ broker::BrokerOptions LoneBroker::options_of(const Settings& settings) {
 }
 
 void LoneBroker::on_datagram(const Endpoint& via, const Endpoint& from, Bytes octets) {
+    if (protection_) {
+        octets = protection_->admit(via, from, octets, actions_);
+        if (octets.empty()) return;
+    }
     core_.on_datagram(net::now(), via, from, octets, actions_);
     bad_senders_.look(core_.counters().malformed_total, from, octets);
     if (actions_.list().size() >= most_actions_held || actions_.octets_held() >= most_octets_held) {
@@ -80,6 +85,7 @@ void LoneBroker::on_core_wakeup() {
 }
 
 void LoneBroker::on_status_wakeup() {
+    if (protection_) protection_->look();
     publish_status();
     server_.on_tick(net::now(), core_, {}, actions_);
     on_batch_end();
@@ -112,6 +118,7 @@ void LoneBroker::send() {
         if (const auto* note = std::get_if<broker::Note>(&action)) spdlog::warn("{}", *note->text);
     }
     if (persistence_) persistence_->keep(core_, actions_);
+    if (protection_) protection_->seal(actions_);
     udp_.carry_out(actions_);
     actions_.clear();
 }
@@ -123,9 +130,11 @@ void LoneBroker::add_metrics(metrics::Page& page) const {
     heap_limit_.add_metrics(page);
     metrics::add_wakeups(page, core_timer_);
     if (persistence_) persistence_->add_metrics(page);
+    if (protection_) protection_->add_metrics(page);
 }
 
 void LoneBroker::leave() {
+    if (protection_) protection_->leave();
     io_.stop();
 }
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <boost/asio/io_context.hpp>
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
@@ -11,6 +12,7 @@
 #include "broker/daemon/bad_senders.h"
 #include "broker/daemon/heap_limit.h"
 #include "broker/daemon/persistence.h"
+#include "broker/daemon/protection.h"
 #include "broker/daemon/running_broker.h"
 #include "broker/net/core_timer.h"
 #include "broker/net/udp_service.h"
@@ -36,6 +38,7 @@ private:
 
     boost::asio::io_context& io_;
     std::string name_;
+    std::unique_ptr<Protection> protection_;  // null without --keys
     std::optional<Persistence> persistence_;
     broker::BrokerOptions options_;
     broker::BrokerCore core_;

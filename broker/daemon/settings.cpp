@@ -66,21 +66,43 @@ Endpoint address_and_port(std::string_view option, const std::string& text) {
     return *endpoint;
 }
 
+Endpoint plain(Endpoint endpoint) {
+    endpoint.packets = Endpoint::Packets::plain;
+    return endpoint;
+}
+
 std::vector<Endpoint> check_listen(const std::vector<std::string>& texts) {
     if (texts.empty()) return {*net::parse_endpoint("0.0.0.0:1883")};
     std::vector<Endpoint> out;
     for (const std::string& text : texts) {
-        const Endpoint endpoint = address_and_port("listen", text);
+        const auto parsed = net::parse_service_address(text);
+        const Endpoint endpoint = parsed ? *parsed : address_and_port("listen", text);
         if (net::is_multicast(endpoint)) {
             refuse_option("listen", text,
                           "is a multicast group; clients need an address of this machine");
         }
-        if (endpoint.port != 0 && std::ranges::count(out, endpoint) > 0) {
+        const auto is_same = [&](const Endpoint& other) { return plain(other) == plain(endpoint); };
+        if (endpoint.port != 0 && std::ranges::any_of(out, is_same)) {
             refuse_option("listen", text, "is given twice; once is enough");
         }
         out.push_back(endpoint);
     }
     return out;
+}
+
+std::optional<std::string> check_keys(const SettingTexts& texts,
+                                      const std::vector<Endpoint>& listen) {
+    const auto sealed = std::ranges::find(listen, Endpoint::Packets::sealed, &Endpoint::packets);
+    if (sealed != listen.end() && !texts.keys) {
+        refuse_option("listen", net::to_text(*sealed),
+                      "needs the keys of its clients; give --keys DIR, which `romano keys new` "
+                      "makes");
+    }
+    if (texts.keys && sealed == listen.end() && !texts.domain) {
+        refuse_option("keys", *texts.keys,
+                      "is for protected clients; give --listen protected://ADDR:PORT too");
+    }
+    return texts.keys;
 }
 
 std::optional<Endpoint> check_metrics(const std::optional<std::string>& text) {
@@ -324,7 +346,8 @@ Settings check(const SettingTexts& texts) {
                                                                "warn",  "error", "off"};
     Settings out;
     out.listen = check_listen(texts.listen);
-    out.name = check_name(texts.name, out.listen.front());
+    out.keys = check_keys(texts, out.listen);
+    out.name = check_name(texts.name, plain(out.listen.front()));
     out.discovery_groups = check_groups(texts.discovery_group, out.listen);
     out.gateway_id = number_in<std::uint8_t>("gateway-id", texts.gateway_id, 1, 255);
     out.advertise_period = check_advertise_period(texts, !out.discovery_groups.empty());

@@ -46,6 +46,7 @@ struct UplinkSettings {
 struct Settings {
     std::string name;
     std::vector<Endpoint> listen;
+    std::optional<std::string> keys;  // the folder of protected clients
     std::vector<Endpoint> discovery_groups;
     std::uint8_t gateway_id = 1;
     std::chrono::seconds advertise_period{};  // 0: never

@@ -11,6 +11,8 @@
 namespace romano::net {
 namespace {
 
+constexpr std::string_view sealed_scheme = "protected://";
+
 std::optional<std::uint16_t> parse_port(std::string_view text) {
     std::uint16_t port = 0;
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), port);
@@ -46,7 +48,20 @@ std::optional<Endpoint> parse_endpoint(std::string_view text) {
     return to_endpoint(parsed, *port);
 }
 
+std::optional<Endpoint> parse_service_address(std::string_view text) {
+    const bool is_sealed = text.starts_with(sealed_scheme);
+    if (is_sealed) text.remove_prefix(sealed_scheme.size());
+    auto endpoint = parse_endpoint(text);
+    if (endpoint && is_sealed) endpoint->packets = Endpoint::Packets::sealed;
+    return endpoint;
+}
+
 std::string to_text(const Endpoint& endpoint) {
+    if (endpoint.packets == Endpoint::Packets::sealed) {
+        Endpoint plain = endpoint;
+        plain.packets = Endpoint::Packets::plain;
+        return std::string{sealed_scheme} + to_text(plain);
+    }
     const SocketAddress address = to_socket_address(endpoint);
     std::array<char, INET6_ADDRSTRLEN> text{};
     const std::string port = ":" + std::to_string(endpoint.port);

@@ -81,6 +81,7 @@ boost::system::error_code ServiceSocket::bind(const Endpoint& address, Bind how)
     got.size = sizeof(sockaddr_in6);
     if (getsockname(fd, &got.any, &got.size) != 0) return last_error();
     bound_ = to_endpoint(got);
+    bound_.packets = address.packets;
     return set_option(fd, SOL_SOCKET, SO_REUSEADDR, 1);
 }
 
@@ -105,7 +106,8 @@ void ServiceSocket::enlarge_buffers() {
 
 bool ServiceSocket::covers(const Endpoint& address) const {
     if (address == bound_) return true;
-    return wildcard_ && address.family == bound_.family && address.port == bound_.port;
+    return wildcard_ && address.family == bound_.family && address.port == bound_.port &&
+           address.packets == bound_.packets;
 }
 
 std::size_t ServiceSocket::read(ReceiveBatch& batch) {
@@ -113,7 +115,10 @@ std::size_t ServiceSocket::read(ReceiveBatch& batch) {
 }
 
 Endpoint ServiceSocket::via(const ReceiveBatch& batch, std::size_t slot) const {
-    return wildcard_ ? batch.to(slot, bound_) : bound_;
+    if (!wildcard_) return bound_;
+    Endpoint to = batch.to(slot, bound_);
+    to.packets = bound_.packets;
+    return to;
 }
 
 void ServiceSocket::queue(const Endpoint& via, const Endpoint& to, Bytes octets,

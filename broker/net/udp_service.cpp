@@ -131,6 +131,7 @@ void UdpService::read(const std::shared_ptr<Channel>& channel) {
 void UdpService::carry_out(const broker::Actions& actions) {
     for (const broker::Action& action : actions.list()) {
         if (const auto* send = std::get_if<broker::Send>(&action)) {
+            if (send->via.family == Endpoint::Family::none) continue;  // it could not be sealed
             if (ServiceSocket* socket = socket_of(send->via)) {
                 keep_order(send->to.endpoint, socket);
                 socket->queue(send->via, send->to.endpoint, actions.octets(*send), counters_);

@@ -27,7 +27,7 @@ std::vector<std::uint8_t> octets(const Row& row, int column) {
 
 /// An interface may be gone since: then the client is not reachable until it is heard.
 Endpoint endpoint(const Row& row, int column) {
-    return net::parse_endpoint(row.text(column)).value_or(Endpoint{});
+    return net::parse_service_address(row.text(column)).value_or(Endpoint{});
 }
 
 class Reader {

@@ -1,7 +1,8 @@
 // An IP address and UDP port as plain octets, without any operating system's socket types.
 //
 // IPv4 addresses are held in the first four octets. `scope` is the interface index of a
-// link-local IPv6 address, 0 otherwise.
+// link-local IPv6 address, 0 otherwise. How clients speak at a service address is part of it, so
+// that it is known wherever the address moves.
 #pragma once
 
 #include <array>
@@ -13,11 +14,13 @@ namespace romano {
 
 struct Endpoint {
     enum class Family : std::uint8_t { none, ipv4, ipv6 };
+    enum class Packets : std::uint8_t { plain, sealed };  // sealed: romano/protection
 
     std::array<std::uint8_t, 16> address{};
     std::uint32_t scope = 0;
     std::uint16_t port = 0;
     Family family = Family::none;
+    Packets packets = Packets::plain;  // of a service address
 
     friend bool operator==(const Endpoint&, const Endpoint&) = default;
     friend auto operator<=>(const Endpoint&, const Endpoint&) = default;
@@ -30,6 +33,7 @@ struct Endpoint {
         for (std::size_t i = 0; i < used; ++i) mix(address[i]);
         mix(port);
         mix(scope);
+        if (packets != Packets::plain) mix(1);
         return static_cast<std::size_t>(h ^ (h >> 32U));
     }
 };

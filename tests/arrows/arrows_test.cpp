@@ -31,18 +31,21 @@ const std::map<std::string, Folders>& allowed() {
         {"romano/protection", {"romano/base", "romano/mqttsn"}},
         {"romano/client", {"romano/base", "romano/mqttsn"}},
         {"broker/core", {"romano/base", "romano/mqttsn"}},
+        {"broker/protection", {"romano/base", "romano/mqttsn", "romano/protection", "broker/core"}},
         {"broker/uplink", {"romano/base", "romano/mqttsn", "broker/core"}},
         {"romano/server", {"romano/base", "romano/message"}},
         {"broker/server", {"romano/base", "romano/mqttsn", "romano/server", "broker/core"}},
         {"romano/node", {"romano/base", "romano/mqttsn", "romano/message", "romano/client"}},
         {"romano/control", {"romano/base", "romano/mqttsn", "romano/message"}},
         {"overlay/cluster", {"romano/base", "romano/mqttsn", "election", "broker/core"}},
-        {"overlay",  // transport.h
-         {"romano/base", "broker/core", "election", "overlay/cluster"}},
+        {"overlay",  // transport.h, packets_told.h
+         {"romano/base", "romano/protection", "broker/core", "broker/protection", "election",
+          "overlay/cluster"}},
         {"overlay/member",
          {"romano/base", "romano/mqttsn", "election", "broker/core", "broker/server",
           "broker/uplink", "overlay", "overlay/cluster"}},
         // shells
+        {"romano/keys", {"romano/base", "romano/mqttsn", "romano/protection"}},
         {"broker/net", {"romano/base", "romano/mqttsn", "broker/core"}},
         {"broker/uplink/mqtt", {"romano/base", "romano/mqttsn", "broker/core", "broker/uplink"}},
         {"broker/metrics", {"romano/base", "romano/mqttsn", "broker/core", "broker/net"}},
@@ -51,8 +54,8 @@ const std::map<std::string, Folders>& allowed() {
          {"romano/base", "romano/mqttsn", "election", "broker/core", "overlay", "overlay/cluster"}},
         {"overlay/link", {"romano/base", "election", "broker/core"}},
         {"overlay/sim",
-         {"romano/base", "romano/mqttsn", "romano/client", "election", "broker/core", "overlay",
-          "overlay/cluster", "overlay/member"}},
+         {"romano/base", "romano/mqttsn", "romano/protection", "romano/client", "election",
+          "broker/core", "broker/protection", "overlay", "overlay/cluster", "overlay/member"}},
         {"overlay/radio", {"romano/base", "firmware/hdlc", "overlay/sim"}},
         // the fleet's picture, a core among programs
         {"experiments/fleet",
@@ -60,8 +63,9 @@ const std::map<std::string, Folders>& allowed() {
           "experiments"}},
         // programs
         {"broker/daemon",
-         {"romano/base", "romano/mqttsn", "election", "broker/core", "broker/server",
-          "broker/uplink", "broker/uplink/mqtt", "broker/net", "broker/metrics", "broker/store"}},
+         {"romano/base", "romano/mqttsn", "romano/protection", "romano/keys", "election",
+          "broker/core", "broker/protection", "broker/server", "broker/uplink",
+          "broker/uplink/mqtt", "broker/net", "broker/metrics", "broker/store"}},
         {"overlay/daemon",
          {"romano/base", "election", "broker/core", "broker/uplink", "broker/uplink/mqtt",
           "broker/net", "broker/metrics", "broker/daemon", "overlay", "overlay/cluster",
@@ -76,10 +80,10 @@ const std::map<std::string, Folders>& allowed() {
 // Folders whose code has no heap, clock, thread, file or socket of its own.
 const std::set<std::string>& cores() {
     static const std::set<std::string> folders = {
-        "romano/base",     "romano/mqttsn",  "romano/message",   "romano/protection",
-        "romano/client",   "romano/node",    "romano/control",   "romano/server",
-        "election",        "broker/core",    "broker/server",    "broker/uplink",
-        "overlay/cluster", "overlay/member", "experiments/fleet"};
+        "romano/base",       "romano/mqttsn",   "romano/message", "romano/protection",
+        "romano/client",     "romano/node",     "romano/control", "romano/server",
+        "election",          "broker/core",     "broker/server",  "broker/uplink",
+        "broker/protection", "overlay/cluster", "overlay/member", "experiments/fleet"};
     return folders;
 }
 

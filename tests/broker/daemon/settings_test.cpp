@@ -175,6 +175,22 @@ TEST(Settings, RefusesWhatIsNoAddressToListenOn) {
                 names("listen", "127.0.0.1:1"));
 }
 
+TEST(Settings, AProtectedAddressNeedsKeysAndAPortOfItsOwn) {
+    const std::string sealed = "protected://127.0.0.1:1885";
+    const Settings settings = check({.listen = {sealed, "127.0.0.1:1883"}, .keys = "fleet/b1"});
+    EXPECT_EQ(settings.listen[0].packets, Endpoint::Packets::sealed);
+    EXPECT_EQ(settings.listen[1].packets, Endpoint::Packets::plain);
+    EXPECT_EQ(net::to_text(settings.listen[0]), sealed);
+    EXPECT_EQ(settings.name.find('/'), std::string::npos) << settings.name;
+    EXPECT_THAT(refusal({.listen = {sealed}}), names("listen", sealed.c_str()));
+    EXPECT_THAT(refusal({.keys = "fleet/b1"}), names("keys", "fleet/b1"));
+    EXPECT_TRUE(check({.keys = "fleet/b1", .domain = "7"}).keys) << "it may stand in for others";
+    EXPECT_THAT(refusal({.listen = {sealed, "127.0.0.1:1885"}, .keys = "fleet/b1"}),
+                names("listen", "127.0.0.1:1885"));
+    EXPECT_THAT(refusal({.listen = {"dtls://127.0.0.1:1885"}}),
+                names("listen", "dtls://127.0.0.1:1885"));
+}
+
 TEST(Settings, RefusesANameThatCannotStandInATopic) {
     for (const char* name : {"", "a/b", "a+", "#", "a b", "\xff"}) {
         EXPECT_THAT(refusal({.name = name}), names("name", name));

@@ -47,6 +47,19 @@ TEST(EndpointText, RefusesWhatIsNoAddressAndPort) {
     }
 }
 
+TEST(EndpointText, AServiceAddressSaysHowItsClientsSpeak) {
+    for (const char* text : {"protected://127.0.0.1:1883", "protected://[::1]:1883"}) {
+        const auto address = parse_service_address(text);
+        ASSERT_TRUE(address) << text;
+        EXPECT_EQ(address->packets, Endpoint::Packets::sealed);
+        EXPECT_EQ(to_text(*address), text);
+        EXPECT_FALSE(parse_endpoint(text)) << "where only an address is wanted";
+    }
+    EXPECT_EQ(parse_service_address("127.0.0.1:1"), parse_endpoint("127.0.0.1:1"));
+    EXPECT_FALSE(parse_service_address("protected://127.0.0.1"));
+    EXPECT_FALSE(parse_service_address("other://127.0.0.1:1"));
+}
+
 TEST(SocketAddress, KeepsAnEndpoint) {
     for (const char* text : {"127.77.1.2:65535", "[2001:db8::7]:5", "[fe80::1%lo]:1883"}) {
         const Endpoint endpoint = *parse_endpoint(text);

@@ -1,0 +1,62 @@
+// The protected clients of a broker with its --keys folder: who they are, and what must be stored
+// so that no packet is taken twice and none is numbered twice.
+//
+//     clients.keys        the table: `romano keys` writes it, and a broker that runs reads it anew
+//     broker.numbers      the broker's identity and the bound of its numbers; never to be copied
+//     clients.heard       how far each client's packets were taken
+#pragma once
+
+#include <filesystem>
+#include <future>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "broker/core/actions.h"
+#include "broker/daemon/heard_file.h"
+#include "broker/metrics/page.h"
+#include "broker/protection/protected_clients.h"
+#include "romano/keys/broker_record.h"
+#include "romano/keys/lock_file.h"
+
+namespace romano::daemon {
+
+/// Throws Refusal. Null when no folder is given.
+[[nodiscard]] std::unique_ptr<class Protection> open_protection(
+    const std::optional<std::string>& folder);
+
+class Protection {
+public:
+    /// Throws keys::KeyError.
+    explicit Protection(std::filesystem::path folder);
+
+    /// As of ProtectedClients.
+    [[nodiscard]] Bytes admit(const Endpoint& via, const Endpoint& from, Bytes datagram,
+                              broker::Actions& out);
+    void seal(broker::Actions& actions);
+
+    /// From time to time: the table may have changed.
+    void look();
+    void leave();
+    void add_metrics(metrics::Page& page) const;
+
+    [[nodiscard]] broker::ProtectedClients& clients() { return clients_; }
+
+private:
+    void read_table();
+    void store_bound(std::size_t about_to_seal);
+    void end_storing();
+    void warn(const std::string& what);
+
+    std::filesystem::path folder_;
+    keys::LockFile lock_;
+    keys::BrokerRecord record_;
+    std::future<std::string> storing_;  // the record, and what went wrong: a disk takes its time
+    HeardFile heard_;
+    broker::ProtectedClients clients_;
+    std::filesystem::file_time_type table_of_;
+    std::string warned_of_;       // the last one, not to be said again
+    std::uint64_t unstored_ = 0;  // datagrams that were dropped because the disk is full
+};
+
+}  // namespace romano::daemon
