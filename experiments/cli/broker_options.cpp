@@ -25,7 +25,22 @@ void BrokerOptions::add_to(CLI::App& command) {
         ->capture_default_str();
 }
 
+void BrokerOptions::add_key_to(CLI::App& command) {
+    command
+        .add_option("--key", key_file,
+                    "Own key, for a broker with protected:// addresses (romano keys new)")
+        ->type_name("FILE");
+}
+
+std::shared_ptr<keys::ClientPackets> BrokerOptions::packets() const {
+    if (!packets_ && !key_file.empty()) {
+        packets_ = std::make_shared<keys::ClientPackets>(key_file, client_id);
+    }
+    return packets_;
+}
+
 std::string BrokerOptions::id_or(const char* made_up) const {
+    if (const auto own = packets()) return own->client_id();
     return client_id.empty() ? std::string{made_up} + "-" + std::to_string(::getpid()) : client_id;
 }
 
@@ -42,10 +57,16 @@ std::string BrokerOptions::where() const {
 }
 
 std::string BrokerOptions::unreachable(bool was_refused) const {
-    return was_refused ? "no broker serves at " + where() + ": nobody listens there (see -h and -p)"
-                       : "no broker answered at " + where() +
-                             " (see -h, -p, --broker-timeout; a broker that waits for its peers, "
-                             "or for a leader, answers nobody: its trace says so)";
+    if (was_refused) {
+        return "no broker serves at " + where() + ": nobody listens there (see -h and -p)";
+    }
+    if (!key_file.empty()) {
+        return "no broker answered at " + where() +
+               ": does it serve protected:// there, with this key in its table?";
+    }
+    return "no broker answered at " + where() +
+           " (see -h, -p, --key, --broker-timeout; a broker that waits for its peers, or for a "
+           "leader, answers nobody: its trace says so)";
 }
 
 void TopicOption::add_to(CLI::App& command, const char* what) {

@@ -3,6 +3,7 @@
 
 #include <CLI/CLI.hpp>
 #include <cstdint>
+#include <memory>
 #include <string>
 
 #include "experiments/robots/socket_client.h"
@@ -15,9 +16,14 @@ struct BrokerOptions {
     std::string client_id;  // empty: one is made up
     std::uint16_t keep_alive_s = 60;
     double timeout_s = 5;  // how long a broker may not answer
+    std::string key_file;  // empty: plain
 
     void add_to(CLI::App& command);
-    /// The client id, or a fresh one such as "romano-sub-4711".
+    /// For commands whose client can be protected.
+    void add_key_to(CLI::App& command);
+    /// Of the key; null when none is given. Throws keys::KeyError.
+    [[nodiscard]] std::shared_ptr<keys::ClientPackets> packets() const;
+    /// The client id, or a fresh one such as "romano-sub-4711", or the key's.
     [[nodiscard]] std::string id_or(const char* made_up) const;
     /// The repetitions within timeout_s.
     [[nodiscard]] client::Timing timing() const;
@@ -25,6 +31,9 @@ struct BrokerOptions {
     [[nodiscard]] std::string where() const;
     /// The sentence for a broker that does not answer.
     [[nodiscard]] std::string unreachable(bool was_refused) const;
+
+private:
+    mutable std::shared_ptr<keys::ClientPackets> packets_;
 };
 
 /// -t, as a name; or by the id that broker and client have agreed on beforehand.

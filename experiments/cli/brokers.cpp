@@ -105,7 +105,8 @@ void show_brokers(const BrokerOptions& options, bool as_json) {
                       resolve_broker(io, options.host, options.port),
                       options.id_or("romano-brokers"),
                       options.timing(),
-                      {}};
+                      {},
+                      options.packets()};
     while (!watch.is_subscribed()) {
         io.run_one_for(50ms);
         if (watch.has_failed()) {
@@ -133,6 +134,7 @@ void add_brokers(CLI::App& program, int& exit_code) {
     CLI::App& command = *program.add_subcommand(
         "brokers", "Show the cluster as one of its brokers sees it: who lives, leads, serves");
     options->add_to(command);
+    options->add_key_to(command);
     command.add_flag("--json", *as_json, "Print what the broker says, as a JSON array");
     command.footer(brokers_examples);
     command.callback([options, as_json, &exit_code] {

@@ -61,7 +61,8 @@ public:
         : options_(options),
           plant_(robot_id("plant", options.plant)),
           watch_(io_, resolve_broker(io_, options.broker.host, options.broker.port),
-                 options.broker.id_or("romano-control"), options.broker.timing()) {
+                 options.broker.id_or("romano-control"), options.broker.timing(),
+                 options.broker.packets()) {
         watch_.set_on_message([this](std::string_view topic, Bytes data) {
             if (topic != self_.text()) return;
             const auto message = control::decode(data);
@@ -222,6 +223,7 @@ void add_control(CLI::App& program, int& exit_code) {
     CLI::App& command = *program.add_subcommand(
         "control", "Let a robot control another one, and say how that goes");
     options->broker.add_to(command);
+    options->broker.add_key_to(command);
     command.add_option("plant", options->plant, "The id of the robot that is controlled")
         ->required();
     command.add_option("controller", options->controller,

@@ -93,9 +93,10 @@ public:
         : options_(options),
           topic_(options.topic.topic()),
           client_id_(options.broker.id_or("romano-pub")),
-          client_(io_, resolve_broker(io_, options.broker.host, options.broker.port),
-                  options.broker.timing(), static_cast<std::uint64_t>(::getpid()),
-                  [this](const client::Event& event) { on_event(event); }) {}
+          client_(
+              io_, resolve_broker(io_, options.broker.host, options.broker.port),
+              options.broker.timing(), static_cast<std::uint64_t>(::getpid()),
+              [this](const client::Event& event) { on_event(event); }, options.broker.packets()) {}
 
     void run() {
         if (options_.qos >= 0) {
@@ -243,6 +244,7 @@ void add_pub(CLI::App& program, int& exit_code) {
     auto options = std::make_shared<PubOptions>();
     CLI::App& command = *program.add_subcommand("pub", "Publish messages");
     options->broker.add_to(command);
+    options->broker.add_key_to(command);
     options->topic.add_to(command, "The topic's name");
     command.add_option("-m,--message", options->message, "The message");
     command.add_option("-f,--file", options->file, "The message is a file's content");

@@ -73,7 +73,8 @@ public:
         : options_(options),
           encode_(encode),
           watch_(io_, resolve_broker(io_, options.broker.host, options.broker.port),
-                 options.broker.id_or("romano-command"), options.broker.timing()) {}
+                 options.broker.id_or("romano-command"), options.broker.timing(),
+                 options.broker.packets()) {}
     /// Says goodbye, whatever came of it.
     ~Commander() { watch_.leave(); }
     Commander(const Commander&) = delete;
@@ -220,6 +221,7 @@ CLI::App& add_command(CLI::App& program, int& exit_code, const char* name, const
                       Encode encode) {
     CLI::App& command = *program.add_subcommand(name, what);
     options->broker.add_to(command);
+    options->broker.add_key_to(command);
     command
         .add_option("robot", options->receivers,
                     "Robots' ids, or topics that they listen to, with commas between")

@@ -97,7 +97,7 @@ void follow_robots(const BrokerOptions& options) {
     boost::asio::io_context io{1};
     const Interrupt interrupt{io};
     NodeWatch watch{io, resolve_broker(io, options.host, options.port),
-                    options.id_or("romano-robots"), options.timing()};
+                    options.id_or("romano-robots"), options.timing(), options.packets()};
     watch.set_on_message([&](std::string_view topic, Bytes data) {
         const std::string news = news_of(watch, topic, data);
         if (news.empty()) return;
@@ -118,7 +118,7 @@ void follow_robots(const BrokerOptions& options) {
 void show_robots(const BrokerOptions& options, bool as_json) {
     boost::asio::io_context io{1};
     NodeWatch watch{io, resolve_broker(io, options.host, options.port),
-                    options.id_or("romano-robots"), options.timing()};
+                    options.id_or("romano-robots"), options.timing(), options.packets()};
     watch.subscribe(std::string{server::entries_filter});
     const auto turn = [&] {
         io.run_one_for(20ms);
@@ -145,6 +145,7 @@ void add_robots(CLI::App& program, int& exit_code) {
     CLI::App& command = *program.add_subcommand(
         "robots", "Show the ROMANO robots of the cluster: state, home, last heartbeat");
     options->add_to(command);
+    options->add_key_to(command);
     auto follow = std::make_shared<bool>(false);
     CLI::Option* json = command.add_flag("--json", *as_json, "Print a JSON array");
     command

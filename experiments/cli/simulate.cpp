@@ -311,6 +311,8 @@ void add_simulate(CLI::App& program, int& exit_code) {
         ->check(CLI::Range(1, 3'600'000));
     command.add_flag("--as-shipped", options->run.as_shipped,
                      "Profile, detector, elector and machines are the seed's, too");
+    command.add_flag("--protected", options->run.is_protected,
+                     "Robots and brokers seal their packets; no nonce may be used twice");
     command
         .add_option("--profile", options->run.profile,
                     "Times of a profile (default: beacons every 10 ms, dead after 100)")

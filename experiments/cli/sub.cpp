@@ -55,9 +55,10 @@ public:
           client_id_(options.broker.id_or("romano-sub")),
           interrupts_(io_, SIGINT, SIGTERM),
           timeout_(io_),
-          client_(io_, resolve_broker(io_, options.broker.host, options.broker.port),
-                  options.broker.timing(), static_cast<std::uint64_t>(::getpid()),
-                  [this](const client::Event& event) { on_event(event); }) {
+          client_(
+              io_, resolve_broker(io_, options.broker.host, options.broker.port),
+              options.broker.timing(), static_cast<std::uint64_t>(::getpid()),
+              [this](const client::Event& event) { on_event(event); }, options.broker.packets()) {
         for (const std::string& topic : options_.topics) {
             topics_.push_back(client::topic_name(topic));
         }
@@ -214,6 +215,7 @@ void add_sub(CLI::App& program, int& exit_code) {
     auto options = std::make_shared<SubOptions>();
     CLI::App& command = *program.add_subcommand("sub", "Subscribe and print what arrives");
     options->broker.add_to(command);
+    options->broker.add_key_to(command);
     command.add_option("-t,--topic", options->topics, "A topic filter; may be given several times")
         ->allow_extra_args(false);
     command

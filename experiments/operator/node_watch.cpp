@@ -7,10 +7,12 @@
 namespace romano::experiments {
 
 NodeWatch::NodeWatch(boost::asio::io_context& io, const BrokerAddress& broker,
-                     const std::string& client_id, const client::Timing& timing)
+                     const std::string& client_id, const client::Timing& timing,
+                     std::shared_ptr<keys::ClientPackets> packets)
     : client_id_(client_id),
-      client_(io, broker, timing, std::hash<std::string>{}(client_id),
-              [this](const client::Event& event) { on_event(event); }) {
+      client_(
+          io, broker, timing, std::hash<std::string>{}(client_id),
+          [this](const client::Event& event) { on_event(event); }, std::move(packets)) {
     client_.connect({.client_id = client_id_, .clean_session = true});
 }
 

@@ -5,6 +5,7 @@
 #include <boost/asio/io_context.hpp>
 #include <functional>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -19,7 +20,8 @@ namespace romano::experiments {
 class NodeWatch {
 public:
     NodeWatch(boost::asio::io_context& io, const BrokerAddress& broker,
-              const std::string& client_id, const client::Timing& timing);
+              const std::string& client_id, const client::Timing& timing,
+              std::shared_ptr<keys::ClientPackets> packets = nullptr);
 
     /// Told of each message besides, before it is heeded here.
     using OnMessage = std::function<void(std::string_view topic, Bytes data)>;

@@ -35,10 +35,12 @@ template <typename Limits>
 BasicSocketClient<Limits>::BasicSocketClient(boost::asio::io_context& io,
                                              const BrokerAddress& broker,
                                              const client::Timing& timing, std::uint64_t seed,
-                                             OnEvent on_event)
+                                             OnEvent on_event,
+                                             std::shared_ptr<keys::ClientPackets> packets)
     : socket_(io, broker.protocol()),
       core_(timing, seed),
       on_event_(std::move(on_event)),
+      packets_(std::move(packets)),
       timer_(io, [this] { tick(); }) {
     socket_.connect(broker);
     socket_.non_blocking(true);
@@ -101,7 +103,10 @@ void BasicSocketClient<Limits>::receive() {
                 continue;
             }
             if (error) break;
-            core_.on_datagram(net::now(), {buffer.data(), size}, shared_output<Limits>());
+            Bytes message{buffer.data(), size};
+            if (packets_) message = packets_->open({buffer.data(), size});
+            if (packets_ && message.empty()) continue;  // forged, old, or not for us
+            core_.on_datagram(net::now(), message, shared_output<Limits>());
             drain();
         }
         receive();
@@ -111,8 +116,10 @@ void BasicSocketClient<Limits>::receive() {
 template <typename Limits>
 void BasicSocketClient<Limits>::drain() {
     const auto& output = shared_output<Limits>();
-    for (const Bytes datagram : output.datagrams()) {
-        sent_.count(datagram);
+    for (const Bytes message : output.datagrams()) {
+        sent_.count(message);
+        const Bytes datagram = packets_ ? packets_->seal(message) : message;
+        if (datagram.empty()) continue;  // no number is left
         // What the socket does not take is lost, as on any network; the core repeats it.
         boost::system::error_code lost;
         socket_.send(boost::asio::buffer(datagram.data(), datagram.size()), 0, lost);

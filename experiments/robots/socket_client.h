@@ -10,11 +10,13 @@
 #include <boost/asio/ip/udp.hpp>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <string>
 #include <string_view>
 
 #include "broker/net/core_timer.h"
 #include "romano/client/client.h"
+#include "romano/keys/client_packets.h"
 
 namespace romano::experiments {
 
@@ -57,8 +59,10 @@ public:
     using OnEvent = std::function<void(const client::Event&)>;
     using Begun = Result<client::OperationId, client::Refusal>;
 
+    /// With `packets`, all that it says and hears is protected.
     BasicSocketClient(boost::asio::io_context& io, const BrokerAddress& broker,
-                      const client::Timing& timing, std::uint64_t seed, OnEvent on_event);
+                      const client::Timing& timing, std::uint64_t seed, OnEvent on_event,
+                      std::shared_ptr<keys::ClientPackets> packets = nullptr);
 
     /// `options.client_id` and the will are kept by reference, as the core does.
     void connect(const client::ConnectOptions& options);
@@ -82,6 +86,7 @@ private:
     boost::asio::ip::udp::socket socket_;
     client::Client<Limits> core_;
     OnEvent on_event_;
+    std::shared_ptr<keys::ClientPackets> packets_;  // null: plain
     net::CoreTimer timer_;
     SentCounts sent_;
     bool was_refused_ = false;

@@ -6,6 +6,7 @@
 #include <chrono>
 #include <functional>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 
@@ -24,7 +25,8 @@ public:
     /// `on_change` is called after each word on a broker; may be empty.
     BrokerWatch(boost::asio::io_context& io, const BrokerAddress& broker,
                 const std::string& client_id, const client::Timing& timing,
-                std::function<void()> on_change);
+                std::function<void()> on_change,
+                std::shared_ptr<keys::ClientPackets> packets = nullptr);
 
     [[nodiscard]] const std::map<std::string, Seen>& brokers() const { return brokers_; }
     /// The brokers said to be alive.

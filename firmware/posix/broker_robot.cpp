@@ -59,6 +59,11 @@ firmware::SimulatedRobotOptions robot_options(const Settings& settings) {
         throw daemon::Refusal("--id '" + settings.id +
                               "': must be 8 lower-case hexadecimal digits, for example abcd1234");
     }
+    if (settings.broker.listen.front().packets == Endpoint::Packets::sealed) {
+        throw daemon::Refusal(
+            "--listen: the robot in this process speaks plain; give it a plain address first, for "
+            "example 127.0.0.1:1884");
+    }
     if (settings.broker.listen.front().port == 0) {
         throw daemon::Refusal("--listen: the robot must know its broker's port; it cannot be 0");
     }

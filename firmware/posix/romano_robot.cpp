@@ -8,6 +8,7 @@
 #include <chrono>
 #include <csignal>
 #include <cstdio>
+#include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <random>
@@ -18,6 +19,7 @@
 #include "broker/net/service_manager.h"
 #include "firmware/posix/simulated_robot.h"
 #include "firmware/robot/address.h"
+#include "romano/keys/client_keys.h"
 
 namespace {
 
@@ -34,6 +36,8 @@ constexpr const char* examples = R"(Examples:
       tells where it is twice a second, and is missed when its heartbeats are
   romano-robot --count 300 --id 00000001 --broker 127.0.0.1:1883 --broker 127.0.0.2:1883 --quiet
       300 robots, dealt to two brokers in turn; Ctrl-C prints what became of them
+  romano-robot --key abcd1234.key --broker 127.0.0.1:1883
+      robot abcd1234 at a protected:// address of that broker (romano keys new)
 
 Each line of output is a robot's id and what happened; with --json it is a JSON object.
 Exit code: 0 at the end (Ctrl-C, --seconds), 2 when a setting is not possible.)";
@@ -43,6 +47,7 @@ constexpr std::chrono::seconds patience{5};
 
 struct Settings {
     std::string id;
+    std::string key;
     std::vector<std::string> brokers;
     bool discovers = false;
     std::string local;
@@ -62,6 +67,10 @@ struct Settings {
 
 void add_options(CLI::App& app, Settings& to) {
     app.add_option("--id", to.id, "ROMANO id, 8 lower-case hexadecimal digits (default: made up)");
+    app.add_option("--key", to.key,
+                   "Own key, for a broker with protected:// addresses; or the folder with the "
+                   "robots' keys, ID.key (romano keys new)")
+        ->type_name("FILE|DIR");
     app.add_option("--broker", to.brokers, "The broker (repeatable: robots are dealt in turn)")
         ->type_name("ADDR:PORT");
     app.add_flag("--discover", to.discovers, "Find the nearest broker instead");
@@ -113,7 +122,13 @@ Endpoint parse_address(const std::string& option, const std::string& text) {
     return *endpoint;
 }
 
-std::uint32_t first_id(const std::string& text) {
+bool is_one_key(const Settings& settings) {
+    return !settings.key.empty() && !std::filesystem::is_directory(settings.key);
+}
+
+std::uint32_t first_id(const Settings& settings) {
+    std::string text = settings.id;
+    if (text.empty() && is_one_key(settings)) text = keys::read_own_key(settings.key).name;
     if (text.empty()) return std::random_device{}();
     if (!message::RomanoId::parse(text)) {
         refuse("--id '" + text +
@@ -128,6 +143,11 @@ message::RomanoId id_of(std::uint32_t number) {
     return *message::RomanoId::parse(digits);
 }
 
+std::filesystem::path key_of(const Settings& settings, const message::RomanoId& id) {
+    if (settings.key.empty() || is_one_key(settings)) return settings.key;
+    return std::filesystem::path{settings.key} / (std::string{id.text()} + ".key");
+}
+
 Duration seconds(double value) {
     return std::chrono::duration_cast<Duration>(std::chrono::duration<double>{value});
 }
@@ -135,6 +155,10 @@ Duration seconds(double value) {
 SimulatedRobotOptions check(const Settings& settings) {
     if (settings.discovers == !settings.brokers.empty()) {
         refuse("--broker or --discover: give one of them; --help shows examples");
+    }
+    if (settings.count > 1 && is_one_key(settings)) {
+        refuse("--key '" + settings.key +
+               "': is one robot's key; for --count give the folder with all robots' keys");
     }
     SimulatedRobotOptions options;
     if (!settings.local.empty() && !romano_udp_address(settings.local.c_str(), 0, &options.local)) {
@@ -241,7 +265,7 @@ void run(const Settings& settings) {
     std::vector<Endpoint> brokers;
     for (const std::string& text : settings.brokers)
         brokers.push_back(parse_address("broker", text));
-    const std::uint32_t first = first_id(settings.id);
+    const std::uint32_t first = first_id(settings);
     boost::asio::io_context io{1};
     boost::asio::signal_set signals(io, SIGTERM, SIGINT);
     net::ServiceManager manager(io);
@@ -253,6 +277,7 @@ void run(const Settings& settings) {
     for (unsigned i = 0; i < settings.count; ++i) {
         options.robot.node.id = id_of(first + i);
         options.robot.seed = first + i;
+        options.key_file = key_of(settings, options.robot.node.id);
         if (!brokers.empty()) options.robot.broker = brokers[i % brokers.size()];
         robots.push_back(std::make_unique<SimulatedRobot>(
             io, options,

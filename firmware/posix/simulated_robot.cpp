@@ -11,8 +11,16 @@
 namespace romano::firmware {
 namespace {
 
-const romano_board& open_board(romano_udp_board& udp, std::optional<RadioBoard>& radio,
-                               const SimulatedRobotOptions& options) {
+struct Boards {
+    romano_udp_board& udp;
+    std::optional<RadioBoard>& radio;
+    std::optional<keys::ClientPackets>& packets;
+    std::optional<ProtectedBoard>& sealed;
+};
+
+/// Each in front of the one before.
+const romano_board& open_boards(const Boards& to, const SimulatedRobotOptions& options) {
+    romano_udp_board& udp = to.udp;
     romano_address local = options.local;
     if (local.family == 0) {
         local.family = options.robot.broker.family == Endpoint::Family::ipv6 ? 6 : 4;
@@ -23,8 +31,11 @@ const romano_board& open_board(romano_udp_board& udp, std::optional<RadioBoard>&
                                  std::strerror(error));
     }
     if (options.group.family != 0) udp.group = options.group;
-    if (options.radio == nullptr) return udp.board;
-    return radio.emplace(udp.board, *options.radio).board();
+    const romano_board* board = &udp.board;
+    if (options.radio != nullptr) board = &to.radio.emplace(*board, *options.radio).board();
+    if (options.key_file.empty()) return *board;
+    to.packets.emplace(options.key_file, std::string{options.robot.node.id.text()});
+    return to.sealed.emplace(*board, *to.packets).board();
 }
 
 /// What came from the network, for a terminal and one line: other than printable ASCII as \x1b.
@@ -79,7 +90,7 @@ SimulatedRobot::SimulatedRobot(boost::asio::io_context& io, const SimulatedRobot
       say_(std::move(say)),
       socket_(io),
       timer_(io, [this] { run(); }),
-      robot_(options.robot, open_board(udp_, radio_, options), *this),
+      robot_(options.robot, open_boards({udp_, radio_, packets_, sealed_}, options), *this),
       body_(options.start),
       loops_(
           options.robot.node.id, options.robot.seed, body_,

@@ -4,6 +4,7 @@
 
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/posix/stream_descriptor.hpp>
+#include <filesystem>
 #include <functional>
 #include <optional>
 #include <string>
@@ -11,6 +12,7 @@
 
 #include "broker/net/core_timer.h"
 #include "firmware/posix/body.h"
+#include "firmware/posix/protected_board.h"
 #include "firmware/posix/radio_board.h"
 #include "firmware/posix/simulated_loops.h"
 #include "firmware/posix/udp_board.h"
@@ -27,6 +29,7 @@ struct SimulatedRobotOptions {
     std::vector<std::string> subscriptions;
     std::string follow;  // copies the path of the locations on this topic; empty: none
     Pose start;
+    std::filesystem::path key_file;  // empty: speaks plain
     Radio* radio = nullptr;  // null: every datagram gets through, and nobody tells how strongly
     /// What nobody here carries out is told to it before it is printed; true: it is not printed.
     std::function<bool(std::string_view topic, const message::Message& message)> hears = {};
@@ -78,6 +81,8 @@ private:
     Say say_;
     romano_udp_board udp_{};
     std::optional<RadioBoard> radio_;
+    std::optional<keys::ClientPackets> packets_;  // of the robot with a key
+    std::optional<ProtectedBoard> sealed_;
     boost::asio::posix::stream_descriptor socket_;
     net::CoreTimer timer_;
     Robot<> robot_;
