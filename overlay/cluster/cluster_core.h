@@ -196,6 +196,7 @@ private:
     void on(Effects& effects, BrokerId from, const HandoffAck& message);
     void on(Effects& effects, BrokerId from, const SessionClaim& message);
     void on(Effects& effects, BrokerId from, const SettingsTold& message);
+    static void on(Effects&, BrokerId, const PacketsTold&) {}
 
     void say(Effects& effects, const Beacon& beacon);
     void on_beacon(Effects& effects, const Beacon& beacon);

@@ -273,11 +273,25 @@ struct SettingsTold {
     bool asks = false;  // for the receiver's
 };
 
+/// How far the packets of a protected client were taken: for who stands in for the sender. The
+/// cluster core heeds it not; overlay/packets_told.h does.
+struct PacketsOfClient {
+    std::uint64_t sender = 0;
+    std::uint32_t run = 0;
+    std::uint32_t floor = 0;
+
+    friend bool operator==(const PacketsOfClient&, const PacketsOfClient&) = default;
+};
+struct PacketsTold {
+    std::vector<PacketsOfClient> clients{};
+};
+
 using ClusterMessage =
     std::variant<Heartbeat, LogBatch, LogAck, ForwardBatch, ElectionMessage, ViewProposal,
                  ViewHoldings, TailRequest, LogTail, ViewAnnouncement, SnapshotRequest,
                  SnapshotPart, AddressOffer, AddressBound, SessionHandoff, SessionRequest,
-                 HandoffAck, SessionClaim, Pulse, SettingsTold, Particulars, ParticularsRequest>;
+                 HandoffAck, SessionClaim, Pulse, SettingsTold, Particulars, ParticularsRequest,
+                 PacketsTold>;
 
 /// How a message travels.
 enum class Delivery : std::uint8_t {

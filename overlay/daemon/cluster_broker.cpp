@@ -16,6 +16,7 @@
 #include "overlay/daemon/low_descriptors.h"
 #include "overlay/daemon/member_options.h"
 #include "overlay/dds/packing.h"
+#include "overlay/packets_told.h"
 
 namespace romano::daemon {
 namespace {
@@ -49,6 +50,7 @@ ClusterBroker::ClusterBroker(boost::asio::io_context& io, const Settings& settin
     : io_(io),
       settings_(settings),
       on_serving_(std::move(on_serving)),
+      protection_(open_protection(settings.keys)),
       options_(member_options(settings)),
       moved_(io, [this](const Endpoint& a) { return !member_ || member_->may_announce(a); }),
       udp_(io, *this),
@@ -209,6 +211,10 @@ void ClusterBroker::start_member() {
 
 void ClusterBroker::on_datagram(const Endpoint& via, const Endpoint& from, Bytes octets) {
     if (!member_) return;  // clients ask again
+    if (protection_) {
+        octets = protection_->admit(via, from, octets, actions_.clients);
+        if (octets.empty()) return;
+    }
     member_->on_datagram(net::now(), via, from, octets, actions_);
     bad_senders_.look(member_->broker().counters().malformed_total, from, octets);
     if (actions_.clients.list().size() >= most_actions_held ||
@@ -228,13 +234,18 @@ void ClusterBroker::on_peer_message(const overlay::Envelope& envelope) {
         if (links_) links_->on_heartbeat(envelope.from.broker);
         if (!member_) transport_->send({envelope.from.broker, cluster::ParticularsRequest{}});
     }
-    if (member_) member_->on_peer_message(net::now(), envelope, actions_);
+    if (const auto* told = std::get_if<cluster::PacketsTold>(&envelope.message)) {
+        if (protection_) overlay::on_packets_told(*told, protection_->clients());
+    } else if (member_) {
+        member_->on_peer_message(net::now(), envelope, actions_);
+    }
 }
 
 void ClusterBroker::on_particulars(const cluster::Beacon& beacon) {
     if (links_) {
         links_->on_address({beacon.log.broker, beacon.link.process}, beacon.link.endpoint);
     }
+    warn_of_missing_keys(beacon);
     if (member_) {
         for (const Endpoint& address : beacon.home_addresses) on_home_of_peer(address);
         return;
@@ -276,13 +287,33 @@ void ClusterBroker::on_home_of_peer(const Endpoint& address) {
     if (homes_of_peers_.size() >= most_homes_of_peers || !homes_of_peers_.insert(address).second) {
         return;
     }
-    member_->on_ability(address, net::MovedAddresses::can_serve(address));
+    member_->on_ability(address, can_serve(address));
 }
 
 // What changes without telling us: interfaces, and the battery.
+bool ClusterBroker::has_keys_for(const Endpoint& address) const {
+    return protection_ || address.packets == Endpoint::Packets::plain;
+}
+
+bool ClusterBroker::can_serve(const Endpoint& address) const {
+    return has_keys_for(address) && net::MovedAddresses::can_serve(address);
+}
+
+/// Once.
+void ClusterBroker::warn_of_missing_keys(const cluster::Beacon& beacon) {
+    const auto& homes = beacon.home_addresses;
+    const auto sealed = std::ranges::find(homes, Endpoint::Packets::sealed, &Endpoint::packets);
+    if (protection_ || sealed == homes.end() || !not_served_.insert(*sealed).second) return;
+    spdlog::warn(
+        "broker {} serves {}, and this one has no --keys: it cannot stand in for it, and whoever "
+        "reaches a plain address here can speak in the names of its clients",
+        beacon.name, net::to_text(*sealed));
+}
+
 void ClusterBroker::look_around() {
+    if (protection_) protection_->look();
     for (const Endpoint& address : homes_of_peers_) {
-        member_->on_ability(address, net::MovedAddresses::can_serve(address));
+        member_->on_ability(address, can_serve(address));
     }
     const auto reading = condition_ ? condition_->look() : std::nullopt;
     if (reading) {
@@ -296,9 +327,11 @@ void ClusterBroker::carry_out() {
     // An address that was taken or not is news for the member, which may want more done.
     for (;;) {
         carry_out_locally();
+        if (protection_) tell_packets();
         dds::pack(actions_.peers);
         for (const auto& outgoing : actions_.peers) transport_->send(outgoing);
         member_->before_sending(net::now(), actions_);
+        if (protection_) protection_->seal(actions_.clients);
         udp_.carry_out(actions_.clients);
         for (const auto& action : actions_.uplink) uplink_->carry_out(action);
         actions_.clear();
@@ -312,10 +345,19 @@ void ClusterBroker::carry_out() {
     timer_.arm(member_->next_wakeup());
 }
 
+void ClusterBroker::tell_packets() {
+    const cluster::ViewNumber& view = member_->view().number;
+    if (view != told_in_) protection_->clients().tell_all();
+    told_in_ = view;
+    overlay::tell_packets(protection_->clients(), actions_.peers);
+}
+
 void ClusterBroker::carry_out_locally() {
     for (const auto& action : actions_.local) {
         if (const auto* take = std::get_if<overlay::TakeAddress>(&action)) {
-            const auto error = serve_moved(udp_, moved_, take->address);
+            const auto error = has_keys_for(take->address)
+                                   ? serve_moved(udp_, moved_, take->address)
+                                   : make_error_code(boost::system::errc::permission_denied);
             if (error) {
                 warn_of_not_serving(take->address, error);
             } else {
@@ -380,9 +422,11 @@ void ClusterBroker::add_metrics(metrics::Page& page) const {
     const overlay::MemberFacts facts = member_->facts();
     add_cluster(page, facts);
     if (facts.uplink) add_uplink(page, *facts.uplink);
+    if (protection_) protection_->add_metrics(page);
 }
 
 void ClusterBroker::leave() {
+    if (protection_) protection_->leave();
     member_->leave(net::now(), actions_);
     carry_out();
     io_.stop();

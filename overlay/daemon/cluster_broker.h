@@ -15,6 +15,7 @@
 
 #include "broker/daemon/bad_senders.h"
 #include "broker/daemon/heap_limit.h"
+#include "broker/daemon/protection.h"
 #include "broker/daemon/running_broker.h"
 #include "broker/daemon/standstill.h"
 #include "broker/net/core_timer.h"
@@ -66,6 +67,10 @@ private:
     void look_around();
 
     void carry_out();
+    void tell_packets();
+    [[nodiscard]] bool has_keys_for(const Endpoint& address) const;
+    [[nodiscard]] bool can_serve(const Endpoint& address) const;
+    void warn_of_missing_keys(const cluster::Beacon& beacon);
     void carry_out_locally();
     void warn_of_not_serving(const Endpoint& address, const boost::system::error_code& error);
     void on_home_address_returned();
@@ -74,6 +79,8 @@ private:
     boost::asio::io_context& io_;
     Settings settings_;
     OnServing on_serving_;
+    std::unique_ptr<Protection> protection_;  // null without --keys
+    cluster::ViewNumber told_in_;             // all peers of that view were told of all clients
     overlay::MemberOptions options_;
     net::MovedAddresses moved_;
     net::UdpService udp_;  // its sockets are closed before their addresses go

@@ -256,6 +256,15 @@ struct MessageWriter {
             one.set_digest(setting.digest);
         }
     }
+    void operator()(const cluster::PacketsTold& m) const {
+        auto& to = *out.mutable_packets_told();
+        for (const auto& client : m.clients) {
+            auto& one = *to.add_clients();
+            one.set_sender(client.sender);
+            one.set_run(client.run);
+            one.set_floor(client.floor);
+        }
+    }
 };
 
 MaybeMessage read_heartbeat(const Heartbeat& in) {
@@ -396,6 +405,14 @@ MaybeMessage read_settings_told(const SettingsTold& in) {
     return out;
 }
 
+MaybeMessage read_packets_told(const PacketsTold& in) {
+    cluster::PacketsTold out;
+    for (const auto& client : in.clients()) {
+        out.clients.push_back({client.sender(), client.run(), client.floor()});
+    }
+    return out;
+}
+
 }  // namespace
 
 void to_proto(const cluster::ClusterMessage& in, ClusterMessage& out) {
@@ -469,6 +486,8 @@ MaybeMessage from_proto(const ClusterMessage& in) {
             break;
         case ClusterMessage::kSettingsTold:
             return read_settings_told(in.settings_told());
+        case ClusterMessage::kPacketsTold:
+            return read_packets_told(in.packets_told());
         case ClusterMessage::MESSAGE_NOT_SET:
             break;
     }

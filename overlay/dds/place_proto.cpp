@@ -17,6 +17,7 @@ void to_proto(const romano::Endpoint& in, Endpoint& out) {
     }
     out.set_port(in.port);
     out.set_scope(in.scope);
+    out.set_sealed(in.packets == romano::Endpoint::Packets::sealed);
 }
 
 std::optional<romano::Endpoint> from_proto(const Endpoint& in) {
@@ -39,6 +40,7 @@ std::optional<romano::Endpoint> from_proto(const Endpoint& in) {
     std::ranges::copy(address, out.address.begin());
     out.port = *port;
     out.scope = in.scope();
+    if (in.sealed()) out.packets = romano::Endpoint::Packets::sealed;
     return out;
 }
 

@@ -104,6 +104,11 @@ std::string differences_of(const BrokerStatus& status) {
 }  // namespace
 
 std::string to_text(const Endpoint& endpoint) {
+    if (endpoint.packets == Endpoint::Packets::sealed) {
+        Endpoint plain = endpoint;
+        plain.packets = Endpoint::Packets::plain;
+        return "protected://" + to_text(plain);
+    }
     const std::string port = ':' + number(endpoint.port);
     if (endpoint.family == Endpoint::Family::none) return "none";
     if (endpoint.family == Endpoint::Family::ipv6) return '[' + ipv6_text(endpoint) + ']' + port;

@@ -4,11 +4,21 @@
 #include <utility>
 #include <variant>
 
+#include "overlay/packets_told.h"
 #include "overlay/sim/seed.h"
 
 namespace romano::sim {
 
 using namespace std::chrono_literals;
+
+namespace {
+
+Endpoint plain(Endpoint address) {
+    address.packets = Endpoint::Packets::plain;
+    return address;
+}
+
+}  // namespace
 
 ClusterBroker::ClusterBroker(const ClusterBrokerOptions& options, EventQueue& events,
                              ClientNetwork& clients, BrokerNetwork& peers, Trace& trace,
@@ -20,7 +30,49 @@ ClusterBroker::ClusterBroker(const ClusterBrokerOptions& options, EventQueue& ev
       peers_(peers),
       pulses_(options.cluster.beacon_every, options.cluster.detection_timeout) {}
 
+Endpoint ClusterBroker::as_service(Endpoint address) const {
+    if (protection_) address.packets = Endpoint::Packets::sealed;
+    return address;
+}
+
+void ClusterBroker::create_protection() {
+    if (options_.sealed == nullptr) return;
+    const auto identity = static_cast<std::uint8_t>(options_.node);
+    protection_ = std::make_unique<broker::ProtectedClients>(protection::SenderId{0xB0, identity},
+                                                             disk_.bound);
+    protection_->set_clients(options_.clients, [this](const protection::SenderId& sender) {
+        const auto found = disk_.heard.find(sender);
+        return found == disk_.heard.end() ? std::nullopt : std::optional{found->second};
+    });
+    told_in_ = {};
+}
+
+/// Before anything is done that depends on it.
+void ClusterBroker::keep_on_disk() {
+    if (const auto heard = protection_->to_store()) {
+        disk_.heard.insert_or_assign(heard->sender, heard->heard);
+        protection_->on_stored();
+    }
+    if (const auto bound = protection_->reserve().to_store()) {
+        disk_.bound = *bound;
+        protection_->reserve().on_stored(*bound);
+    }
+}
+
+void ClusterBroker::seal(broker::Actions& actions) {
+    keep_on_disk();
+    protection_->seal(actions);
+    for (const broker::Action& action : actions.list()) {
+        const auto* out = std::get_if<broker::Send>(&action);
+        if (out == nullptr) continue;
+        const std::string& node_id = out->to.wireless_node_id;
+        options_.sealed->on_sealed(node_id.substr(node_id.find(':') + 1),
+                                   SealedPackets::Way::to_robot, actions.octets(*out));
+    }
+}
+
 void ClusterBroker::create_core() {
+    create_protection();
     // All wall clocks say nearly the same although the monotonic ones began at different times.
     const Duration wall = 20'000h + events_.now().time_since_epoch() + options_.wall_clock_error;
     const broker::LogId log{broker::broker_id_of(name()), static_cast<std::uint64_t>(wall.count())};
@@ -28,7 +80,10 @@ void ClusterBroker::create_core() {
                                   .cluster = options_.cluster,
                                   .name = name(),
                                   .incarnation = log.incarnation,
-                                  .home_addresses = options_.home_addresses};
+                                  .home_addresses = {}};
+    for (const Endpoint& address : options_.home_addresses) {
+        member.home_addresses.push_back(as_service(address));
+    }
     member.broker.unix_time_at_zero = wall - local_now().time_since_epoch();
     BrokerNetwork::OnLink on_link;
     if (options_.cluster.detector == "link") {
@@ -47,6 +102,7 @@ void ClusterBroker::create_core() {
 }
 
 void ClusterBroker::destroy_core() {
+    protection_.reset();
     pulses_.end();
     transport_.reset();
     member_.reset();
@@ -79,6 +135,9 @@ void ClusterBroker::leave() {
     leaving_ = true;
     member_->leave(local_now(), actions_);
     carry_out();
+    if (protection_) {
+        for (const auto& [sender, heard] : protection_->heard()) disk_.heard[sender] = heard;
+    }
     pulses_.end();
     later(100ms, [this] { crash(); });
 }
@@ -93,11 +152,22 @@ void ClusterBroker::let_member(Step&& step) {
 
 void ClusterBroker::take(const Datagram& datagram) {
     let_member([&] {
-        member_->on_datagram(local_now(), datagram.via, datagram.from, datagram.octets, actions_);
+        const Endpoint via = as_service(datagram.via);
+        Bytes octets = datagram.octets;
+        if (protection_) {
+            octets = protection_->admit(via, datagram.from, octets, actions_.clients);
+            keep_on_disk();
+            if (octets.empty()) return;
+        }
+        member_->on_datagram(local_now(), via, datagram.from, octets, actions_);
     });
 }
 
 void ClusterBroker::take(const cluster::Envelope& envelope) {
+    if (const auto* told = std::get_if<cluster::PacketsTold>(&envelope.message)) {
+        if (protection_) overlay::on_packets_told(*told, *protection_);
+        return;
+    }
     let_member([&] { member_->on_peer_message(local_now(), envelope, actions_); });
 }
 
@@ -111,7 +181,7 @@ void ClusterBroker::tick() {
 }
 
 void ClusterBroker::answer_address(const Endpoint& address, bool served) {
-    member_->on_address(local_now(), address, served, actions_);
+    member_->on_address(local_now(), as_service(address), served, actions_);
     carry_out();
 }
 
@@ -124,11 +194,18 @@ void ClusterBroker::take_address(const Endpoint& address) {
 
 void ClusterBroker::carry_out() {
     overlay::MemberActions actions = std::exchange(actions_, {});
+    if (protection_) {
+        const cluster::ViewNumber& view = member_->view().number;
+        if (view != told_in_) protection_->tell_all();
+        told_in_ = view;
+        overlay::tell_packets(*protection_, actions.peers);
+        seal(actions.clients);
+    }
     for (const auto& action : actions.local) {
         if (const auto* wanted = std::get_if<overlay::TakeAddress>(&action)) {
-            take_address(wanted->address);
+            take_address(plain(wanted->address));
         } else if (const auto* given = std::get_if<overlay::GiveUpAddress>(&action)) {
-            unbind(given->address);
+            unbind(plain(given->address));
         } else if (const auto* notice = std::get_if<overlay::Notice>(&action)) {
             trace_.note(events_.now(), name(), notice->text);
         }
@@ -142,7 +219,7 @@ void ClusterBroker::carry_out() {
     }
     for (const broker::Action& action : actions.clients.list()) {
         if (const auto* out = std::get_if<broker::Send>(&action)) {
-            send(out->via, out->to.endpoint, actions.clients.octets(*out));
+            send(plain(out->via), out->to.endpoint, actions.clients.octets(*out));
         }
     }
     member_->check_invariants();

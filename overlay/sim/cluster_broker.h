@@ -6,13 +6,16 @@
 
 #include <chrono>
 #include <functional>
+#include <map>
 #include <memory>
 #include <vector>
 
+#include "broker/protection/protected_clients.h"
 #include "overlay/member/member.h"
 #include "overlay/pulses.h"
 #include "overlay/sim/broker_network.h"
 #include "overlay/sim/broker_process.h"
+#include "overlay/sim/sealed_packets.h"
 
 namespace romano::sim {
 
@@ -25,6 +28,8 @@ struct ClusterBrokerOptions {
     Duration wall_clock_error{0};
     Machine machine;
     Duration binding_takes_max{std::chrono::milliseconds{2}};
+    SealedPackets* sealed = nullptr;  // of a world whose robots are protected
+    std::vector<broker::ProtectedClient> clients{};
 };
 
 class ClusterBroker final : public BrokerProcess {
@@ -62,12 +67,25 @@ private:
     void let_member(Step&& step);
     void carry_out();
     void take_address(const Endpoint& address);
+    void create_protection();
+    void keep_on_disk();
+    void seal(broker::Actions& actions);
+    /// The world knows no kinds of addresses.
+    [[nodiscard]] Endpoint as_service(Endpoint address) const;
     void answer_address(const Endpoint& address, bool served);
 
     ClusterBrokerOptions options_;
     std::uint64_t seed_;
     ClientNetwork& clients_;
     BrokerNetwork& peers_;
+    /// What it finds again after a crash.
+    struct Disk {
+        std::uint32_t bound = 0;
+        std::map<protection::SenderId, protection::Heard> heard;
+    };
+    Disk disk_;
+    std::unique_ptr<broker::ProtectedClients> protection_;  // null in a plain world
+    cluster::ViewNumber told_in_;  // all peers of that view were told of all clients
     std::unique_ptr<overlay::Member> member_;
     std::unique_ptr<overlay::Transport> transport_;
     overlay::MemberActions actions_;

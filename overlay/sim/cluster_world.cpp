@@ -43,9 +43,13 @@ ClusterWorld::ClusterWorld(const ClusterWorldOptions& options)
       sights_(options.brokers),
       invariants_(options.cluster.log_events_kept) {
     for (std::size_t i = 0; i < options.brokers; ++i) {
-        brokers_.push_back(std::make_unique<ClusterBroker>(broker_options(options, i), events(),
-                                                           clients(), peers_, trace(),
-                                                           seed_of(options.seed, "broker", i)));
+        ClusterBrokerOptions broker_of = broker_options(options, i);
+        if (options.is_protected) {
+            broker_of.sealed = &sealed_;
+            broker_of.clients = SealedPackets::clients(options.robots);
+        }
+        brokers_.push_back(std::make_unique<ClusterBroker>(
+            broker_of, events(), clients(), peers_, trace(), seed_of(options.seed, "broker", i)));
         ClusterBroker& broker = *brokers_.back();
         broker.set_observer([this, &broker] { observe(broker); });
     }

@@ -12,6 +12,7 @@
 #include "overlay/sim/cluster_broker.h"
 #include "overlay/sim/invariants.h"
 #include "overlay/sim/promises.h"
+#include "overlay/sim/sealed_packets.h"
 #include "overlay/sim/world.h"
 
 namespace romano::sim {
@@ -26,6 +27,8 @@ struct ClusterWorldOptions {
     Duration t_wait{std::chrono::seconds{1}};
     Duration wall_clock_error_max{std::chrono::milliseconds{20}};
     Machine machine;                    // all of them
+    bool is_protected = false;          // robots and brokers seal their packets
+    std::size_t robots = 0;             // of a protected world: so many at most
     bool are_invariants_judged = true;  // after every step: that is slow with many brokers
 };
 
@@ -39,6 +42,7 @@ public:
     [[nodiscard]] std::size_t broker_count() const { return brokers_.size(); }
     [[nodiscard]] ClusterBroker& broker(std::size_t index) { return *brokers_.at(index); }
     [[nodiscard]] BrokerNetwork& peers() { return peers_; }
+    [[nodiscard]] SealedPackets& sealed() { return sealed_; }
     [[nodiscard]] const ClusterWorldOptions& options() const { return options_; }
     /// What lasts so long where silence of 100 ms means death, here: faults, and what may be waited
     /// for after them.
@@ -77,6 +81,7 @@ private:
 
     ClusterWorldOptions options_;
     BrokerNetwork peers_;
+    SealedPackets sealed_;
     std::vector<std::unique_ptr<ClusterBroker>> brokers_;
     std::map<election::Term, election::NodeId> leader_of_term_;
     Violations violations_;

@@ -134,6 +134,13 @@ std::string line(const Heartbeat& m) {
     }
     return all + text(m.held_others) + (m.leaving ? " leaving" : "");
 }
+std::string line(const PacketsTold& m) {
+    std::string all = "PacketsTold";
+    for (const auto& client : m.clients) {
+        all += ' ' + number(client.sender) + ':' + number(client.floor);
+    }
+    return all;
+}
 std::string line(const ParticularsRequest&) {
     return "ParticularsRequest";
 }

@@ -23,6 +23,8 @@ enum class Promise : std::uint8_t {
     bounded = 8,
     /// Not in the design's list: what must come back in bounded time when faults end.
     liveness = 9,
+    /// Nor is this: no nonce twice under one key (romano/protection).
+    sealed_once = 10,
 };
 
 struct Violation {

@@ -33,6 +33,7 @@ Robot::Robot(const RobotOptions& options, EventQueue& events, ClientNetwork& net
       ledger_(ledger),
       random_(seed_of(seed, "application")),
       client_(options.timing, seed_of(seed, "client")),
+      protection_(options.sealed != nullptr ? std::make_unique<Protection>(options.name) : nullptr),
       will_(will_of(options)) {}
 
 Robot::~Robot() {
@@ -161,7 +162,24 @@ std::optional<std::uint32_t> Robot::publish(const std::string& topic, Qos qos, b
     return number;
 }
 
+std::vector<std::uint8_t> Robot::seal(Bytes message) {
+    auto& [keys, end, skipped] = *protection_;
+    if (skipped.is_due(message)) end.skip_block();
+    if (const auto bound = end.reserve().to_store()) end.reserve().on_stored(*bound);
+    std::vector<std::uint8_t> packet(message.size() + protection::most_overhead);
+    packet.resize(end.seal(message, packet));
+    options_.sealed->on_sealed(options_.name, SealedPackets::Way::to_broker, packet);
+    return packet;
+}
+
 void Robot::on_datagram(Bytes datagram) {
+    std::vector<std::uint8_t> packet;
+    if (protection_) {
+        packet.assign(datagram.begin(), datagram.end());
+        datagram = protection_->end.open(packet);
+        if (datagram.empty()) return;
+        protection_->skipped.on_heard();
+    }
     client_.on_datagram(events_.now(), datagram, out_);
     drain();
 }
@@ -185,7 +203,11 @@ void Robot::rearm() {
 
 void Robot::drain() {
     for (const Bytes datagram : out_.datagrams()) {
-        network_.send(options_.node, options_.address, options_.broker, datagram);
+        if (protection_) {
+            network_.send(options_.node, options_.address, options_.broker, seal(datagram));
+        } else {
+            network_.send(options_.node, options_.address, options_.broker, datagram);
+        }
     }
     // Events are handled after the fact: what they make the application ask for needs out_ again.
     const std::vector<client::Event> events(out_.events().begin(), out_.events().end());

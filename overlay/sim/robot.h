@@ -10,6 +10,7 @@
 #include <chrono>
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <variant>
@@ -18,10 +19,13 @@
 #include "overlay/sim/client_network.h"
 #include "overlay/sim/event_queue.h"
 #include "overlay/sim/ledger.h"
+#include "overlay/sim/sealed_packets.h"
 #include "overlay/sim/trace.h"
 #include "romano/base/endpoint.h"
 #include "romano/base/random.h"
 #include "romano/client/client.h"
+#include "romano/protection/robot_end.h"
+#include "romano/protection/skipped_blocks.h"
 
 namespace romano::sim {
 
@@ -44,6 +48,7 @@ struct RobotOptions {
     bool clean_session = true;  // of its first CONNECT
     std::chrono::seconds keep_alive{60};
     std::optional<std::string> will_topic;  // will at QoS 2
+    SealedPackets* sealed = nullptr;        // of a world whose robots are protected
     client::Timing timing{
         .t_retry = std::chrono::milliseconds{500}, .t_wait = std::chrono::seconds{1}, .n_retry = 5};
 };
@@ -93,6 +98,7 @@ private:
 
     void connect(bool clean);
     void on_datagram(Bytes datagram);
+    [[nodiscard]] std::vector<std::uint8_t> seal(Bytes message);
     void on_timer();
     void rearm();
     void drain();
@@ -113,6 +119,15 @@ private:
     Random random_;
     client::Client<> client_;
     client::OutputFor<> out_;
+    /// Of a protected robot. Its flash is new: each life has a name and a key of its own.
+    struct Protection {
+        explicit Protection(const std::string& name)
+            : keys(protection::direction_keys(SealedPackets::key_of(name))), end(keys, name, 0) {}
+        const protection::DirectionKeys keys;
+        protection::RobotEnd end;
+        protection::SkippedBlocks skipped;
+    };
+    std::unique_ptr<Protection> protection_;
     std::string will_;  // what the client sends when asked for it
     ClientNetwork::Binding binding_{};
     std::map<client::OperationId, Asked> asked_;

@@ -22,6 +22,7 @@ using mqttsn::Qos;
 namespace {
 
 constexpr Duration publish_on_after_faults = 1s;
+constexpr std::size_t most_random_robots = 7;
 constexpr Duration deliveries_within = 20s;
 
 template <typename Choices>
@@ -67,6 +68,8 @@ ClusterWorldOptions world_options(std::uint64_t seed, const RunOptions& run) {
     options.cluster.events_per_turn = one_of(turns, some_events);
     options.cluster.sessions_per_turn = one_of(turns, some_events);
     if (run.as_shipped) choose_as_shipped(seed, options);
+    options.is_protected = run.is_protected;
+    options.robots = std::max(run.robots, most_random_robots);
     if (!run.elector.empty()) options.cluster.elector = run.elector;
     if (!run.detector.empty()) options.cluster.detector = run.detector;
     if (!run.profile.empty()) options.profile = run.profile;
@@ -127,6 +130,7 @@ void add_robots(ClusterWorld& world, std::uint64_t seed, const RunOptions& run) 
             if (other.broker != robot.broker) robot.address = other.address;
         }
         adapt_to_scale(robot, world);
+        if (run.is_protected) robot.sealed = &world.sealed();
         world.add_robot(std::move(robot));
     }
 }
@@ -208,6 +212,11 @@ private:
         for (const Violation& violation : world_.violations()) {
             result_.violations.push_back(violation);
         }
+        if (const std::uint64_t repeated = world_.sealed().repeated(); repeated > 0) {
+            result_.violations.push_back(
+                {Promise::sealed_once, std::to_string(repeated) + " nonces were used twice"});
+        }
+        result_.sealed = world_.sealed().count();
         result_.breaches = world_.breaches();
         result_.seed = world_.seed();
         result_.trace_hash = world_.trace().hash();
@@ -281,6 +290,7 @@ bool run_seeds(const SeedRange& seeds, const RunOptions& options,
 std::string replay_command(std::uint64_t seed, const RunOptions& options) {
     std::string command = "romano simulate --seeds " + std::to_string(seed);
     if (options.as_shipped) command += " --as-shipped";
+    if (options.is_protected) command += " --protected";
     if (!options.profile.empty()) command += " --profile " + options.profile;
     if (options.brokers > 0) command += " --brokers " + std::to_string(options.brokers);
     if (options.robots > 0) command += " --robots " + std::to_string(options.robots);

@@ -25,6 +25,7 @@ namespace romano::sim {
 /// a seed that was bad then is the same run today.
 struct RunOptions {
     bool as_shipped = false;
+    bool is_protected = false;  // robots and brokers seal their packets
     std::string profile{};
     std::size_t brokers = 0;
     std::size_t robots = 0;
@@ -47,7 +48,8 @@ struct RunResult {
     std::string elector;
     std::uint64_t acknowledged = 0;
     std::uint64_t received = 0;
-    FaultCounts faults{};  // how often each kind happened
+    std::uint64_t sealed = 0;  // packets of protected worlds
+    FaultCounts faults{};      // how often each kind happened
     Duration virtual_time{0};
     Violations violations;
     Breaches breaches;  // of invariants; no failure by themselves

@@ -13,6 +13,7 @@ void add(Digest& digest, const Endpoint& endpoint) {
     digest.add(static_cast<std::uint64_t>(endpoint.family));
     for (const std::uint8_t octet : endpoint.address) digest.add(octet);
     digest.add(std::uint64_t{endpoint.port} << 32U | endpoint.scope);
+    digest.add(static_cast<std::uint8_t>(endpoint.packets));
 }
 
 void add(Digest& digest, const std::vector<Endpoint>& endpoints) {

@@ -11,6 +11,19 @@ namespace {
 constexpr std::size_t fetching_most = 1'000;
 constexpr std::size_t let_go_most = 1'000;
 
+/// What a client said and, behind a forwarder (MQTT-SN 1.2 section 5.5), which of its nodes.
+struct Said {
+    Bytes message;
+    broker::ClientAddress from;
+};
+Said unwrap(const Endpoint& from, Bytes datagram) {
+    const auto frame = mqttsn::decode_frame(datagram);
+    if (!frame || frame->type != mqttsn::MsgType::encapsulated) return {datagram, {from, {}}};
+    const auto wrapping = mqttsn::decode_encapsulated(*frame);
+    if (!wrapping) return {datagram, {from, {}}};
+    return {wrapping->message, {from, std::string{as_text(wrapping->wireless_node_id)}}};
+}
+
 /// The client id that a CONNECT or a sleeping client's PINGREQ names.
 std::optional<broker::ClientId> named_client(Bytes datagram) {
     const auto frame = mqttsn::decode_frame(datagram);
@@ -47,12 +60,13 @@ bool is_of_session(Bytes datagram) {
 
 bool Roaming::on_datagram(Effects& effects, const Way& way, Bytes datagram, const Homes& homes,
                           const Membership& membership, const View& view) {
-    if (!is_of_session(datagram) || effects.broker.serves(way.via, way.from, datagram)) {
+    const Said said = unwrap(way.from, datagram);
+    if (!is_of_session(said.message) || effects.broker.serves(way.via, way.from, datagram)) {
         return false;
     }
-    auto client = named_client(datagram);
+    auto client = named_client(said.message);
     if (!client) {
-        client = client_at(way, effects.broker, homes);
+        client = client_at({way.via, said.from}, effects.broker, homes);
     } else if (!homes.of(*client) && !has_let_go(*client)) {
         return false;
     }
@@ -67,18 +81,18 @@ bool Roaming::on_datagram(Effects& effects, const Way& way, Bytes datagram, cons
     return true;
 }
 
-std::optional<broker::ClientId> Roaming::client_at(const Way& way, const broker::BrokerCore& own,
+std::optional<broker::ClientId> Roaming::client_at(const broker::Origin& place,
+                                                   const broker::BrokerCore& own,
                                                    const Homes& homes) const {
-    const broker::ClientAddress from{way.from, {}};
-    if (const auto home = homes.at({way.via, from})) return home->client_id;
-    if (own.has_client_at(way.from)) return std::nullopt;
-    const auto left = let_go(way.from);
-    const auto home = homes.only_one_at(from);
+    if (const auto home = homes.at(place)) return home->client_id;
+    if (own.has_client_at(place.from)) return std::nullopt;
+    const auto left = let_go(place.from);
+    const auto home = homes.only_one_at(place.from);
     if (left && home && home->client_id != *left) return std::nullopt;
     return home ? std::optional{home->client_id} : left;
 }
 
-std::optional<broker::ClientId> Roaming::let_go(const Endpoint& from) const {
+std::optional<broker::ClientId> Roaming::let_go(const broker::ClientAddress& from) const {
     const auto found = std::ranges::find(let_go_, from, &LetGo::from);
     return found == let_go_.end() ? std::nullopt : std::optional{found->client};
 }
@@ -96,8 +110,8 @@ bool Roaming::has_let_go(const broker::ClientId& client) const {
 
 void Roaming::on_let_go(const Effects& effects, const broker::SessionHeader& session) {
     if (let_go_.size() == let_go_most) let_go_.pop_front();
-    let_go_.push_back({session.client_id, session.address.endpoint,
-                       effects.now + effects.times.session_waited_for()});
+    let_go_.push_back(
+        {session.client_id, session.address, effects.now + effects.times.session_waited_for()});
 }
 
 void Roaming::resume(Instant now) {

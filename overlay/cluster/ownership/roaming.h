@@ -55,15 +55,15 @@ private:
 
     struct LetGo {
         broker::ClientId client;
-        Endpoint from;
+        broker::ClientAddress from;
         Instant until;
     };
 
     /// Who speaks there; none when nobody knows, or two clients share the address.
-    [[nodiscard]] std::optional<broker::ClientId> client_at(const Way& way,
+    [[nodiscard]] std::optional<broker::ClientId> client_at(const broker::Origin& place,
                                                             const broker::BrokerCore& own,
                                                             const Homes& homes) const;
-    [[nodiscard]] std::optional<broker::ClientId> let_go(const Endpoint& from) const;
+    [[nodiscard]] std::optional<broker::ClientId> let_go(const broker::ClientAddress& from) const;
     [[nodiscard]] bool has_let_go(const broker::ClientId& client) const;
     static void adopt_copy(Effects& effects, const Logs& logs, const broker::ClientId& client,
                            const Homes& homes);

@@ -22,7 +22,7 @@ std::optional<cluster::ClusterMessage> decode(const proto::ClusterMessage& messa
 
 // Whoever adds a field adds it to the .proto file, to its conversions and to random_message.cpp,
 // and then here.
-static_assert(field_count<Endpoint>() == 4);
+static_assert(field_count<Endpoint>() == 5);
 static_assert(field_count<broker::Message>() == 7);
 static_assert(field_count<broker::SessionHeader>() == 11);
 static_assert(field_count<broker::Will>() == 4);
@@ -61,6 +61,8 @@ static_assert(field_count<cluster::SessionHandoff>() == 5);
 static_assert(field_count<cluster::HandoffAck>() == 2);
 static_assert(field_count<cluster::Setting>() == 3);
 static_assert(field_count<cluster::SettingsTold>() == 2);
+static_assert(field_count<cluster::PacketsOfClient>() == 3);
+static_assert(field_count<cluster::PacketsTold>() == 1);
 
 // Two messages are equal when their octets are: encoding is deterministic. That no field is
 // forgotten both ways is checked field by field below.

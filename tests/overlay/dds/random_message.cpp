@@ -64,7 +64,12 @@ Endpoint endpoint(Random& r) {
     }
     out.port = static_cast<std::uint16_t>(r.below(0x10000));
     out.scope = r.below(4);
+    out.packets = up_to(r, Endpoint::Packets::sealed);
     return out;
+}
+
+cluster::PacketsOfClient packets_of_client(Random& r) {
+    return {wide(r), r.next(), r.next()};
 }
 
 broker::MessagePtr message(Random& r) {
@@ -288,10 +293,12 @@ cluster::ClusterMessage random_message(std::size_t kind, Random& r) {
             return cluster::Particulars{beacon(r)};
         case 21:
             return cluster::ParticularsRequest{};
+        case 22:
+            return cluster::PacketsTold{some(r, packets_of_client)};
         default:
             return cluster::SettingsTold{some(r, setting), flag(r)};
     }
 }
-static_assert(message_kinds == 22, "random_message() makes every kind");
+static_assert(message_kinds == 23, "random_message() makes every kind");
 
 }  // namespace romano::dds

@@ -104,5 +104,23 @@ TEST(RoamingAway, P2_IsNoStrangerToTheHomeThatJustLetItGo) {
     EXPECT_TRUE(cluster.core.must_fetch(acting, ours, from, octets(mqttsn::Pingreq{})));
 }
 
+TEST_F(RoamingTest, ANodeBehindAForwarderIsItsOwnClient) {
+    robot.header.client_id = "node";
+    robot.header.address.wireless_node_id = "7";
+    homes.on_event(peer.broker, broker::SessionPut{robot});
+    const auto asks_for = [&](std::string_view node, const auto& message) {
+        std::vector<std::uint8_t> inner(40);
+        inner.resize(mqttsn::encode(message, inner));
+        std::vector<std::uint8_t> wrapped(60);
+        wrapped.resize(mqttsn::encode(mqttsn::Encapsulated{0, as_octets(node), inner}, wrapped));
+        Effects acting = effects();
+        return roaming.on_datagram(acting, {ours, from}, wrapped, homes, membership, view);
+    };
+    EXPECT_TRUE(asks_for("7", mqttsn::Pingreq{""}));
+    EXPECT_FALSE(asks_for("8", mqttsn::Pingreq{""}));
+    EXPECT_TRUE(asks_for("8", mqttsn::Connect{false, false, mqttsn::protocol_id, 60, "node"}));
+    EXPECT_FALSE(asks_for("8", mqttsn::Searchgw{1}));
+}
+
 }  // namespace
 }  // namespace romano::cluster::roaming_test
