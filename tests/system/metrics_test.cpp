@@ -12,8 +12,8 @@
 #include <iterator>
 #include <thread>
 
-#include "broker/net/socket_address.h"
 #include "tests/system/broker_process.h"
+#include "tests/system/metrics_page.h"
 #include "tests/system/test_addresses.h"
 #include "tests/system/test_client.h"
 
@@ -25,28 +25,11 @@ using mqttsn::Qos;
 using testing::HasSubstr;
 using testing::Not;
 
-/// The whole answer to GET /metrics; empty when nobody serves there.
-std::string page_at(const Endpoint& address) {
-    const auto to = net::to_socket_address(address);
-    const int socket = ::socket(to.any.sa_family, SOCK_STREAM | SOCK_CLOEXEC, 0);
-    std::string answer;
-    const std::string request = "GET /metrics HTTP/1.1\r\nHost: broker\r\n\r\n";
-    if (connect(socket, &to.any, to.size) == 0 &&
-        send(socket, request.data(), request.size(), MSG_NOSIGNAL) > 0) {
-        std::array<char, 4096> part{};
-        for (ssize_t size = 0; (size = recv(socket, part.data(), part.size(), 0)) > 0;) {
-            answer.append(part.data(), static_cast<std::size_t>(size));
-        }
-    }
-    close(socket);
-    return answer;
-}
-
 /// The page is made anew ten times a second: waits until it says so.
 bool comes_to_say(const Endpoint& address, const std::string& line) {
     const auto deadline = std::chrono::steady_clock::now() + 30s;
     while (std::chrono::steady_clock::now() < deadline) {
-        if (page_at(address).find(line) != std::string::npos) return true;
+        if (metrics_page_at(address).find(line) != std::string::npos) return true;
         std::this_thread::sleep_for(20ms);
     }
     return false;
@@ -84,8 +67,8 @@ TEST_F(Metrics, TellOfTheMemoryInUseAndItsLimitIsKept) {
     EXPECT_GT(taken, 50);
     EXPECT_LT(taken, 140) << "8 MiB";
     EXPECT_TRUE(comes_to_say(at(1), "romano_drops_total{reason=\"no_room\"} 1"));
-    EXPECT_THAT(page_at(at(1)), HasSubstr("romano_heap_limit_octets 8388608"));
-    EXPECT_THAT(page_at(at(1)), HasSubstr("romano_heap_octets 8"));
+    EXPECT_THAT(metrics_page_at(at(1)), HasSubstr("romano_heap_limit_octets 8388608"));
+    EXPECT_THAT(metrics_page_at(at(1)), HasSubstr("romano_heap_octets 8"));
     // What is taken away makes room.
     ASSERT_TRUE(sleeper.connect(true));
     EXPECT_TRUE(retains(0, "x"));
@@ -102,7 +85,7 @@ TEST_F(Metrics, CountWhatALoneBrokerDoes) {
     ASSERT_TRUE(client.publish(*topic, "x", Qos::at_least_once, true));
     ASSERT_TRUE(client.run_until([&] { return !client.received.empty(); }));
     EXPECT_TRUE(comes_to_say(at(1), "romano_messages_received_total{type=\"CONNECT\"} 1\n"));
-    const std::string page = page_at(at(1));
+    const std::string page = metrics_page_at(at(1));
     EXPECT_THAT(page, HasSubstr("romano_broker_info{name=\"r1\",version=\""));
     EXPECT_THAT(page, HasSubstr("romano_sessions{state=\"active\"} 1\n"));
     EXPECT_THAT(page, HasSubstr("romano_publishes_received_total 1\n"));

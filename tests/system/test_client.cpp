@@ -31,6 +31,17 @@ auto is(Rule rule) {
 
 TestClient::TestClient(const Endpoint& local, const Endpoint& broker, std::string client_id)
     : client_id_(std::move(client_id)), buffer_(mqttsn::max_datagram) {
+    open_socket(local, broker);
+}
+
+TestClient::TestClient(const Endpoint& local, const Endpoint& broker, const KeyFile& key)
+    : packets_(std::make_unique<keys::ClientPackets>(key.path)),
+      client_id_(packets_->client_id()),
+      buffer_(mqttsn::max_datagram) {
+    open_socket(local, broker);
+}
+
+void TestClient::open_socket(const Endpoint& local, const Endpoint& broker) {
     const auto from = net::to_socket_address(local);
     const auto to = net::to_socket_address(broker);
     socket_ = socket(from.any.sa_family, SOCK_DGRAM | SOCK_CLOEXEC, 0);
@@ -158,10 +169,21 @@ bool TestClient::run_until(const std::function<bool()>& done, std::chrono::milli
 }
 
 void TestClient::send(const mqttsn::Message& message) {
+    last_sent_ = sealed(message);
+    send_octets(last_sent_);
+}
+
+std::vector<std::uint8_t> TestClient::sealed(const mqttsn::Message& message) {
     std::vector<std::uint8_t> out(mqttsn::encoded_size(message));
     out.resize(mqttsn::encode(message, out));
+    if (!packets_) return out;
+    const Bytes packet = packets_->seal(out);
+    return {packet.begin(), packet.end()};
+}
+
+void TestClient::send_octets(Bytes octets) {
     // A dead broker's port answers with an ICMP error, which is no reason to stop.
-    (void)!::send(socket_, out.data(), out.size(), 0);
+    (void)!::send(socket_, octets.data(), octets.size(), 0);
 }
 
 bool TestClient::receive(std::chrono::milliseconds limit) {
@@ -169,7 +191,10 @@ bool TestClient::receive(std::chrono::milliseconds limit) {
     if (poll(&ready, 1, static_cast<int>(limit.count())) != 1) return false;
     const ssize_t size = recv(socket_, buffer_.data(), buffer_.size(), 0);
     if (size < 0) return false;
-    const auto message = mqttsn::decode(Bytes{buffer_}.first(static_cast<std::size_t>(size)));
+    const MutableBytes datagram = MutableBytes{buffer_}.first(static_cast<std::size_t>(size));
+    const Bytes octets = packets_ ? packets_->open(datagram) : Bytes{datagram};
+    EXPECT_FALSE(octets.empty()) << "the broker sent what this client's key does not open";
+    const auto message = mqttsn::decode(octets);
     EXPECT_TRUE(message) << "the broker sent a malformed datagram";
     if (!message) return false;
     handle(*message);

@@ -5,13 +5,16 @@
 
 #include <chrono>
 #include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "romano/base/endpoint.h"
+#include "romano/keys/client_packets.h"
 #include "romano/mqttsn/messages.h"
 
 namespace romano::system {
@@ -24,9 +27,15 @@ struct ReceivedPublish {
     bool dup = false;
 };
 
+struct KeyFile {
+    std::filesystem::path path;
+};
+
 class TestClient {
 public:
     TestClient(const Endpoint& local, const Endpoint& broker, std::string client_id);
+    /// A client whose packets are protected.
+    TestClient(const Endpoint& local, const Endpoint& broker, const KeyFile& key);
     ~TestClient();
     TestClient(const TestClient&) = delete;
     TestClient& operator=(const TestClient&) = delete;
@@ -47,6 +56,14 @@ public:
     /// Shorter than the specification's Tretry, so that tests are short.
     std::chrono::milliseconds repeats_after{1000};
 
+    void set_client_id(std::string id) { client_id_ = std::move(id); }
+    /// As a datagram that this client would send.
+    [[nodiscard]] std::vector<std::uint8_t> sealed(const mqttsn::Message& message);
+    /// Any octets, to the broker.
+    void send_octets(Bytes octets);
+    /// What was sent last, as it went out.
+    [[nodiscard]] const std::vector<std::uint8_t>& last_sent() const { return last_sent_; }
+
     /// Deliveries so far. QoS 2 ones count once.
     std::vector<ReceivedPublish> received;
     /// Messages by which a client would notice a new broker: CONNACK, SUBACK, DISCONNECT.
@@ -64,7 +81,11 @@ private:
     [[nodiscard]] std::string topic_name(const mqttsn::Publish& publish) const;
     mqttsn::MsgId next_msg_id();
 
+    void open_socket(const Endpoint& local, const Endpoint& broker);
+
     int socket_ = -1;
+    std::unique_ptr<keys::ClientPackets> packets_;  // null: plain
+    std::vector<std::uint8_t> last_sent_;
     std::string client_id_;
     std::uint16_t last_msg_id_ = 0;
     std::map<mqttsn::TopicId, std::string> topics_;

@@ -1,0 +1,19 @@
+// What a broker tells Prometheus, as tests ask it.
+#pragma once
+
+#include <chrono>
+#include <string>
+
+#include "romano/base/endpoint.h"
+
+namespace romano::system {
+
+/// The whole answer to GET /metrics; empty when nobody serves there.
+[[nodiscard]] std::string metrics_page_at(const Endpoint& address);
+
+/// Waits until the metric, with that reason unless it is empty, is between the two.
+[[nodiscard]] bool metrics_come_to_say(const Endpoint& address, const std::string& metric,
+                                       const std::string& reason, double at_least,
+                                       double at_most = 1e9);
+
+}  // namespace romano::system
