@@ -92,7 +92,9 @@ int run(const Options& options) {
     });
     bar.erase();
     const auto sections = sections_of(options, folder);
-    write_report(sections, options.output);
+    write_report({"The ROMANO paper again",
+                  "The ROMANO paper's experiments on modelled IEEE 802.15.4 cells"},
+                 sections, options.output);
     std::printf("%s%s\n", to_text(sections).c_str(), (options.output / "report.html").c_str());
     return 0;
 }

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "experiments/paper/paper_plan.h"
-#include "experiments/paper/section.h"
+#include "experiments/report/section.h"
 
 namespace romano::experiments {
 

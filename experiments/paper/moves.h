@@ -8,8 +8,8 @@
 #include <filesystem>
 #include <vector>
 
-#include "experiments/paper/section.h"
-#include "experiments/paper/separate_runs.h"
+#include "experiments/report/section.h"
+#include "experiments/process/separate_runs.h"
 
 namespace romano::experiments {
 

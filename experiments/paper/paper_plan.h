@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "experiments/paper/separate_runs.h"
+#include "experiments/process/separate_runs.h"
 #include "experiments/paper/statements.h"
 
 namespace romano::experiments {

@@ -1,7 +1,7 @@
 // The paper's table and figure again, and each number that the paper states beside ours.
 #pragma once
 
-#include "experiments/paper/section.h"
+#include "experiments/report/section.h"
 #include "experiments/paper/statements.h"
 
 namespace romano::experiments {

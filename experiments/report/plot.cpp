@@ -167,8 +167,9 @@ void write_panel(const PlotPanel& panel, std::size_t number, std::ostream& out) 
             series.label.empty() ? " notitle" : " title " + quoted(series.label);
         if (series.line) {
             part(block_name(number, i, "line") + " using 1:2 with lines lw 1.6 " + style.str() +
-                 " notitle");
+                 (series.marked ? " notitle" : title));
         }
+        if (!series.marked) continue;
         style << "pt " << mark << " ps " << (series.small ? 0.25 : 0.75);
         part(block_name(number, i, "runs") +
              (bars ? " using 1:2:3:4 with yerrorbars lw 1.6 " : " using 1:2 with points ") +

@@ -21,6 +21,7 @@ struct PlotSeries {
     std::vector<PlotPoint> points;  // one a run, in any order
     bool line = true;               // through the median of the points at each x
     bool small = false;             // a cloud of many points
+    bool marked = true;             // else the line alone
 };
 
 struct PlotPanel {

@@ -13,7 +13,7 @@
 #include "experiments/paper/moves.h"
 #include "experiments/paper/paper_plan.h"
 #include "experiments/paper/paper_run.h"
-#include "experiments/paper/separate_runs.h"
+#include "experiments/process/separate_runs.h"
 #include "experiments/paper/statements.h"
 #include "tests/temporary_folder.h"
 

@@ -1,4 +1,4 @@
-#include "experiments/paper/separate_runs.h"
+#include "experiments/process/separate_runs.h"
 
 #include <sys/prctl.h>
 #include <sys/wait.h>
@@ -39,7 +39,7 @@ pid_t begin(const SeparateRun& run, const std::filesystem::path& folder) {
     try {
         if (exit_code == 0) leave_outcome(run, folder);
     } catch (const std::exception& error) {
-        std::fprintf(stderr, "romano paper: %s: %s\n", run.name.c_str(), error.what());
+        std::fprintf(stderr, "romano: %s: %s\n", run.name.c_str(), error.what());
         exit_code = 1;
     }
     ::_exit(exit_code);

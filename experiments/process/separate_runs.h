@@ -1,5 +1,6 @@
-// Runs in processes of their own, several at once: ns-3 has one simulator in each. A run leaves a
-// file with its outcome when it is complete, so that what was interrupted goes on from there.
+// Runs of an experiment in processes of their own, several at once: there is a core for each, and
+// ns-3 has one simulator a process. A run leaves a file with its outcome when it is complete, so
+// that what was interrupted goes on from there.
 #pragma once
 
 #include <filesystem>

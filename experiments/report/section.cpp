@@ -1,4 +1,4 @@
-#include "experiments/paper/section.h"
+#include "experiments/report/section.h"
 
 #include <fstream>
 #include <stdexcept>
@@ -29,25 +29,29 @@ std::string to_text(const std::vector<Section>& sections) {
     std::string text;
     for (const Section& section : sections) {
         text += "== " + section.title + "\n" + section.words + "\n\n";
-        for (const SectionTable& each : section.tables) text += to_text(each.table) + '\n';
+        for (const SectionTable& each : section.tables) {
+            if (!each.is_only_csv) text += to_text(each.table) + '\n';
+        }
     }
     return text;
 }
 
-void write_report(const std::vector<Section>& sections, const std::filesystem::path& folder) {
-    std::string html =
-        "<!doctype html><html lang=\"en\"><meta charset=\"utf-8\"><title>The ROMANO paper again"
-        "</title><body style=\"font: 16px/1.5 sans-serif; max-width: 80rem; margin: 2rem auto\">"
-        "<h1>The ROMANO paper's experiments on modelled IEEE 802.15.4 cells</h1>";
+void write_report(const ReportHead& head, const std::vector<Section>& sections,
+                  const std::filesystem::path& folder) {
+    std::string html = "<!doctype html><html lang=\"en\"><meta charset=\"utf-8\"><title>" +
+                       html_text(head.title) +
+                       "</title><body style=\"font: 16px/1.5 sans-serif; max-width: 80rem; margin: "
+                       "2rem auto\"><h1>" +
+                       html_text(head.heading) + "</h1>";
     for (const Section& section : sections) {
         html += "<h2>" + html_text(section.title) + "</h2><p>" + html_text(section.words) + "</p>";
         if (const auto svg = draw(section.figure, folder)) {
             write(folder / (section.figure.name + ".svg"), *svg + '\n');
             html += *svg;
         }
-        for (const auto& [name, table] : section.tables) {
+        for (const auto& [name, table, is_only_csv] : section.tables) {
             write(folder / (name + ".csv"), to_csv(table));
-            html += to_html(table);
+            if (!is_only_csv) html += to_html(table);
         }
     }
     write(folder / "report.html", html + "</body></html>\n");
