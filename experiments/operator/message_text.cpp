@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <nlohmann/json.hpp>
+#include <vector>
 
+#include "experiments/operator/loop_message_text.h"
 #include "experiments/operator/movements.h"
 #include "romano/message/romano_id.h"
 #include "romano/server/server.h"
@@ -89,6 +91,16 @@ Json movement_json(const message::MovementControl& movement) {
     return out;
 }
 
+/// Empty when it belongs to no control loop: those have a type of the application's own.
+std::optional<Json> loop_json(const message::ApplicationData& m) {
+    if (m.type != control::data_type || m.data.size() + 2 > control::largest_message) return {};
+    std::vector<std::uint8_t> octets{m.type, static_cast<std::uint8_t>(m.data.size() + 2)};
+    octets.insert(octets.end(), m.data.begin(), m.data.end());
+    const auto message = control::decode(octets);
+    if (!message) return {};
+    return to_json(*message);
+}
+
 struct Words {
     Json operator()(const message::NormalData& m) const {
         Json out{{"type", "normal-data"}};
@@ -132,6 +144,7 @@ struct Words {
     Json operator()(const message::UdpSendReq&) const { return {{"type", "udp-send-req"}}; }
     Json operator()(const message::UdpSendGo&) const { return {{"type", "udp-send-go"}}; }
     Json operator()(const message::ApplicationData& m) const {
+        if (auto of_a_loop = loop_json(m)) return *of_a_loop;
         return {{"type", type_number(m.type)}, {"octets", hexadecimal(m.data)}};
     }
 };

@@ -1,5 +1,6 @@
 #include "experiments/operator/message_text.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <array>
@@ -7,6 +8,7 @@
 #include <vector>
 
 #include "experiments/operator/robot_message.h"
+#include "romano/control/messages.h"
 
 namespace romano::experiments::message_text_test {
 namespace {
@@ -39,6 +41,44 @@ TEST(MessageText, SaysWhatARobotTells) {
               "heartbeat sender=abcd1234");
     EXPECT_EQ(line_of({0x00, 2}), "normal-data text=\"\"");
     EXPECT_EQ(line_of({0x00, 3, 0x07}), "normal-data octets=07");
+}
+
+template <typename M>
+std::string loop_line_of(const M& message) {
+    Octets octets(control::largest_message);
+    octets.resize(control::encode(message, octets));
+    const auto romano = romano_message("00000002", octets);
+    return romano ? to_line(*romano) : "none";
+}
+
+TEST(MessageText, SaysWhatPassesInAControlLoop) {
+    const auto plant = *message::RomanoId::parse("00000002");
+    const control::Session session{7};
+    const Octets value = {0, 0, 0, 100};
+    EXPECT_EQ(loop_line_of(control::Ask{control::Channel{1}, plant}),
+              "loop-ask channel=1 asker=00000002");
+    EXPECT_EQ(loop_line_of(control::Sample{session, 3, 60'000, 52, value}),
+              "loop-sample session=7 sequence=3 tick_us=60000 last_age_ms=5.2 value=00000064");
+    EXPECT_EQ(loop_line_of(control::Sample{session, 0, 0, control::Sample::no_age, {}}),
+              "loop-sample session=7 sequence=0 tick_us=0 value=\"\"");
+    EXPECT_EQ(loop_line_of(control::Command{session, 3, 60'000, value}),
+              "loop-command session=7 sequence=3 tick_us=60000 value=00000064");
+    EXPECT_EQ(loop_line_of(control::Answer{session, control::Reason::no_such_law}),
+              "loop-answer session=7 reason=\"the controller has no such law, or cannot "
+              "use these parameters\"");
+    EXPECT_EQ(loop_line_of(control::Invite{session, plant, {}, control::Law{2}, 20, 95, value}),
+              "loop-invite session=7 plant=00000002 channel=0 law=2 period_ms=20 deadline_ms=95 "
+              "parameters=00000064");
+    control::Report report{};
+    report.state = control::State::controlled;
+    report.counters.samples = 12;
+    EXPECT_THAT(loop_line_of(report), testing::HasSubstr("state=controlled"));
+    EXPECT_THAT(loop_line_of(report), testing::HasSubstr("samples=12"));
+}
+
+TEST(MessageText, OfALoopThatIsMalformedSaysItsOctets) {
+    const Octets octets = {0xC0, 4, 9, 1};
+    EXPECT_EQ(to_line(*romano_message("00000002", octets)), "0x00c0 octets=0901");
 }
 
 TEST(MessageText, IsAnObjectForPrograms) {
