@@ -12,6 +12,7 @@
 #include "experiments/cli/cost.h"
 #include "experiments/cli/keys.h"
 #include "experiments/cli/load.h"
+#include "experiments/cli/loops.h"
 #include "experiments/cli/paper.h"
 #include "experiments/cli/pub.h"
 #include "experiments/cli/results.h"
@@ -51,6 +52,7 @@ int main(int argc, char** argv) {
     add_compare(program, exit_code);
     add_simulate(program, exit_code);
     add_cost(program, exit_code);
+    add_loops(program, exit_code);
     add_paper(program, exit_code);
     try {
         program.parse(argc, argv);

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "experiments/report/section.h"
 #include "experiments/process/separate_runs.h"
+#include "experiments/report/section.h"
 
 namespace romano::experiments {
 

@@ -5,8 +5,8 @@
 #include <filesystem>
 #include <vector>
 
-#include "experiments/report/section.h"
 #include "experiments/process/separate_runs.h"
+#include "experiments/report/section.h"
 
 namespace romano::experiments {
 

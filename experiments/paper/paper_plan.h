@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "experiments/process/separate_runs.h"
 #include "experiments/paper/statements.h"
+#include "experiments/process/separate_runs.h"
 
 namespace romano::experiments {
 

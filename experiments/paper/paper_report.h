@@ -1,8 +1,8 @@
 // The paper's table and figure again, and each number that the paper states beside ours.
 #pragma once
 
-#include "experiments/report/section.h"
 #include "experiments/paper/statements.h"
+#include "experiments/report/section.h"
 
 namespace romano::experiments {
 

@@ -13,8 +13,8 @@
 #include "experiments/paper/moves.h"
 #include "experiments/paper/paper_plan.h"
 #include "experiments/paper/paper_run.h"
-#include "experiments/process/separate_runs.h"
 #include "experiments/paper/statements.h"
+#include "experiments/process/separate_runs.h"
 #include "tests/temporary_folder.h"
 
 namespace romano::experiments::paper_test {
