@@ -59,7 +59,8 @@ void ClientCore::on_acceptance(MsgType type, const Body& message, const Call& ca
     }
     const bool learns = type == MsgType::regack || type == MsgType::suback;
     if (learns && has_id && operation.topic_type() == TopicIdType::normal &&
-        !topics_.put(message.topic_id, operations_.front_name())) {
+        !topics_.put(message.topic_id, operations_.front_name(),
+                     TopicTable::Use{type == MsgType::regack})) {
         return fail_front(ReturnCode::congestion, call.out);
     }
     switch (operation.request) {

@@ -13,7 +13,7 @@ Result<OperationId, Refusal> ClientCore::register_name(Instant now, std::string_
 
 /// Room for the answer is made sure of first: an id that cannot be kept is of no use.
 void ClientCore::begin_register(const Call& call) {
-    if (!topics_.has_room_for(operations_.front_name())) {
+    if (!topics_.make_room_for(operations_.front_name())) {
         return fail_front(ReturnCode::congestion, call.out);
     }
     send_first(MsgType::register_, next_msg_id(), call);
@@ -27,7 +27,7 @@ void ClientCore::on_register(mqttsn::Body& message, Output& out) {
         message.code = ReturnCode::invalid_topic_id;
     } else if (message.rest.empty()) {
         message.code = ReturnCode::not_supported;
-    } else if (!topics_.put(message.topic_id, as_text(message.rest))) {
+    } else if (!topics_.put(message.topic_id, as_text(message.rest), TopicTable::Use::to_receive)) {
         message.code = ReturnCode::congestion;
     }
     out.send(MsgType::regack, message);

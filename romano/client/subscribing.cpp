@@ -21,7 +21,7 @@ void ClientCore::begin_subscribe(const Call& call) {
     const std::string_view name = operations_.front_name();
     const bool gets_id = operations_.front().topic_type() == mqttsn::TopicIdType::normal &&
                          !mqttsn::has_wildcard(name);
-    if (gets_id && !topics_.has_room_for(name) && topics_.id_of(name) == mqttsn::no_topic_id) {
+    if (gets_id && !topics_.make_room_for(name)) {
         return fail_front(mqttsn::ReturnCode::congestion, call.out);
     }
     send_first(MsgType::subscribe, next_msg_id(), call);

@@ -26,15 +26,30 @@ bool TopicTable::has_room_for(std::string_view name) const {
     return size_ < entries_.size() && name.size() <= names_.size() - names_size_;
 }
 
-bool TopicTable::put(mqttsn::TopicId id, std::string_view name) {
+bool TopicTable::make_room_for(std::string_view name) {
+    const Entry* entry = entries_.data();
+    while (!has_room_for(name)) {
+        if (entry == entries_.data() + size_) {
+            // A broker that gives one name several ids must not fill the table with it.
+            forget(id_of(name));
+            return has_room_for(name);
+        }
+        if (entry->use == Use::to_publish) {
+            forget(entry->id);  // the next one moves up
+        } else {
+            ++entry;
+        }
+    }
+    return true;
+}
+
+bool TopicTable::put(mqttsn::TopicId id, std::string_view name, Use use) {
     if (name_of(id) == name) return true;
     forget(id);
-    // A broker that gives one name several ids must not fill the table with it.
-    if (!has_room_for(name)) forget(id_of(name));
-    if (!has_room_for(name)) return false;
+    if (!make_room_for(name)) return false;
     std::copy(name.begin(), name.end(), names_.data() + names_size_);
     names_size_ += name.size();
-    entries_[size_++] = {id, static_cast<std::uint16_t>(name.size())};
+    entries_[size_++] = {id, static_cast<std::uint16_t>(name.size()), use};
     return true;
 }
 

@@ -135,6 +135,21 @@ TEST_F(Registering, ByTheBrokerOfNoTopicIsRefused) {
     chart.sends(Regack{TopicId{9}, MsgId{2}, not_supported});
 }
 
+// Each operator who asks a robot has an answer's topic of his own.
+TEST_F(Registering, NeverEndsForWantOfRoomAndWhatIsReceivedStays) {
+    chart.gets(Register{TopicId{9999}, MsgId{9999}, "commands"});
+    chart.sends(Regack{TopicId{9999}, MsgId{9999}, accepted});
+    for (std::uint16_t i = 1; i <= 3 * HostLimits::topics; ++i) {
+        const std::string name = "answer-" + std::to_string(i);
+        registers(name);
+        chart.sends(register_of(name, MsgId{i}));
+        chart.gets(Regack{TopicId{i}, MsgId{i}, accepted});
+        chart.tells("registered " + std::to_string(i) + " id " + std::to_string(i));
+    }
+    chart.gets(publish_of(qos0, TopicId{9999}, no_msg_id, "x"));
+    chart.tells("received commands x qos 0");
+}
+
 TEST_F(Registering, ByTheBrokerIsAnsweredByCongestionWhenTheTableIsFull) {
     for (std::uint16_t i = 1; i <= HostLimits::topics; ++i) {
         const std::string name = "t" + std::to_string(i);
