@@ -17,6 +17,7 @@ ClusterCore::ClusterCore(const ClusterOptions& options, const Identity& identity
       addresses_(identity.home_addresses),
       publish_order_(identity.log.broker),
       watermark_(options.acks),
+      lease_(identity.log, options.beacon_every, options.detection_timeout),
       view_change_(identity.log),
       take_over_(identity.log.broker, options.sessions_per_turn),
       hand_back_(identity.log.broker, options.sessions_per_turn),
@@ -93,7 +94,7 @@ Instant ClusterCore::next_wakeup() const {
         !take_over_.half_adopted().empty() ||
         std::ranges::any_of(logs_, [](const auto& log) { return log.second.next() != nullptr; });
     if (is_behind) return Instant::min();
-    return std::min(next_beat(), snapshots_.next_wakeup());
+    return std::min({next_beat(), snapshots_.next_wakeup(), view_change_.next_wakeup()});
 }
 
 void ClusterCore::seek_addresses(Effects& effects) {
@@ -179,7 +180,7 @@ void ClusterCore::break_silence(Effects& effects) {
 
 void ClusterCore::on(Effects& effects, BrokerId from, const Heartbeat& heartbeat) {
     if (heartbeat.log.broker != from) return;
-    const Beacon* beacon = peers_beacons_.read(heartbeat, view());
+    const Beacon* beacon = peers_beacons_.read(heartbeat, view(), beacons_sent_);
     if (peers_beacons_.must_ask(effects.now, effects.times.particulars_asked_again_after(), from)) {
         effects.peers.push_back({from, ParticularsRequest{}});
     }
@@ -199,6 +200,11 @@ void ClusterCore::on(Effects& effects, BrokerId from, const ParticularsRequest&)
 void ClusterCore::on_beacon(Effects& effects, const Beacon& beacon) {
     const Membership::Heard heard = membership_.on_beacon(effects.now, beacon);
     if (heard == Membership::Heard::nothing) return;
+    lease_.on_heard(effects.now, beacon.log, beacon.tick);
+    for (const Echo& echo : beacon.echoes) {
+        if (echo.of == own_.id())
+            lease_.on_echo(beacon.log, echo.tick, beacon.view.number, beacon.vouched);
+    }
     if (peers_beacons_.knows_view_of(beacon.log.broker)) {
         listening_.on_beacon(effects.now, own_.id(), beacon);
     }
@@ -369,7 +375,7 @@ void ClusterCore::resume(Instant now) {
     }
     listening_.end();
     membership_.resume(now);
-    view_change_.resume(logs_);
+    view_change_.resume();
     roaming_.resume(now);
     next_tick_ = now;
 }
@@ -379,6 +385,7 @@ Surroundings ClusterCore::surroundings(const Effects& effects) {
     told_ends_ = ended_.list();
     cannot_take_ = addresses_.cannot_take();
     return {.membership = membership_,
+            .lease = lease_,
             .logs = logs_,
             .serving = claimed_,
             .home = addresses_.home(),
@@ -415,16 +422,19 @@ Beacon ClusterCore::beacon(const broker::BrokerCore& broker) const {
                   .settings = settings_.digest(),
                   .predefined = predefined_};
     membership_.describe(beacon);
+    beacon.echoes = lease_.echoes();
     for (const auto& [id, log] : logs_) beacon.applied.push_back({id, held_of(id, log)});
     return beacon;
 }
 
 void ClusterCore::send_beacon(Effects& effects) {
-    ++beacons_sent_;
+    lease_.on_beat(effects.now, ++beacons_sent_);
     last_leadership_ = leadership();
     last_view_ = view().number;
     own_.accompany_beacon();
-    say(effects, beacon(effects.broker));
+    Beacon next = beacon(effects.broker);
+    next.vouched = lease_.vouched(effects.now);
+    say(effects, next);
 }
 
 void ClusterCore::say(Effects& effects, const Beacon& beacon) {
@@ -450,6 +460,7 @@ void ClusterCore::restart(Effects& effects, LogId log) {
     membership_.restart();
     watermark_.restart();
     acknowledgements_.restart();
+    lease_.restart(log);
     view_change_.restart(log);
     acquaintance_.restart();
     take_over_.restart();

@@ -45,6 +45,7 @@
 #include "overlay/cluster/replication/publish_order.h"
 #include "overlay/cluster/replication/snapshot_sender.h"
 #include "overlay/cluster/replication/watermark.h"
+#include "overlay/cluster/speaking/lease.h"
 #include "overlay/cluster/speaking/listening.h"
 
 namespace romano::cluster {
@@ -95,8 +96,10 @@ public:
     Seq safe(Instant now);
 
     // --- what the owner must know
-    /// Clients may be spoken to: there is a view.
     [[nodiscard]] bool is_in_view() const { return view_change_.has_view(); }
+    /// Clients may be spoken to: the members of the view vouch for it that this broker is in its
+    /// place there.
+    [[nodiscard]] bool may_speak(Instant now) const { return lease_.is_held(now); }
     /// Who has no session here may be a robot that roams: its home's log is not read yet.
     [[nodiscard]] bool strangers_may_roam() const { return acquaintance_.may_roam(); }
     /// Datagrams from there to `via` shall wait: there is no view yet, or we have not met all who
@@ -266,6 +269,7 @@ private:
     PublishOrder publish_order_;
     PeerSessions peer_sessions_;
     Watermark watermark_;
+    Lease lease_;
     ViewChange view_change_;
     TakeOver take_over_;
     LastWords last_words_;

@@ -54,6 +54,14 @@ struct LinkAddress {
     friend bool operator==(const LinkAddress&, const LinkAddress&) = default;
 };
 
+/// The newest tick that the sender heard of a member of its view (speaking/lease.h).
+struct Echo {
+    LogId of{};
+    std::uint64_t tick = 0;
+
+    friend bool operator==(const Echo&, const Echo&) = default;
+};
+
 /// How far the log of a member is held; the member by its place in the view.
 struct HeldByMember {
     std::uint32_t member = 0;
@@ -73,6 +81,8 @@ struct Beacon {
     ViewNumber promised{};  // the highest that the sender promised; not below its view's
     election::Claim claim{};
     std::vector<BrokerId> hears{};       // whose beacons reach the sender: a link counts both ways
+    std::vector<Echo> echoes{};          // as read from a heartbeat: of the reader alone
+    std::vector<BrokerId> vouched{};     // members that echoed a tick of the sender just now
     std::vector<LogPosition> applied{};  // how far the sender holds each peer's log
     std::vector<LogPosition> ended{};    // removed logs, and where its view says that they end
     std::vector<Endpoint>
@@ -96,7 +106,7 @@ struct Beacon {
 };
 
 /// The part of a beacon that is said every beacon interval. With each member of the view it grows
-/// by one bit.
+/// by an octet and a bit.
 struct Heartbeat {
     LogId log{};
     std::uint64_t tick = 0;
@@ -107,13 +117,16 @@ struct Heartbeat {
     election::Claim claim{};
     std::uint32_t members = 0;                  // so many are in it; 0: the sender is in no view
     std::vector<std::uint8_t> hears_members{};  // a bit each, in the order of that view's members
+    /// Of each member 0, or 1 + its tick modulo 127; and 128 when it echoed a tick of the sender
+    /// just now.
+    std::vector<std::uint8_t> echoes{};
     std::vector<BrokerId> hears_others{};
     std::vector<HeldByMember> held{};        // how far the sender holds some of the members' logs
     std::vector<LogPosition> held_others{};  // and of other logs
     std::uint32_t logs_held = 0;             // of so many logs in all
     std::uint32_t sessions = 0;
     std::uint32_t connected = 0;
-    std::uint64_t transport_octets_sent = 0;
+    std::uint64_t transport_octets_sent = 0;  // 0: not said this time
     std::uint64_t transport_octets_received = 0;
     bool leaving = false;
 };

@@ -115,6 +115,7 @@ struct MessageWriter {
         to_proto(m.claim, *to.mutable_claim());
         to.set_members(m.members);
         to.set_hears_members(m.hears_members.data(), m.hears_members.size());
+        to.set_echoes(m.echoes.data(), m.echoes.size());
         for (const auto id : m.hears_others) to.add_hears_others(static_cast<std::uint64_t>(id));
         for (const auto& [member, through] : m.held) {
             auto& held = *to.add_held();
@@ -141,6 +142,10 @@ struct MessageWriter {
         if (m.promised != m.view.number) to_proto(m.promised, *to.mutable_promised());
         to_proto(m.claim, *to.mutable_claim());
         for (const auto id : m.hears) to.add_hears(static_cast<std::uint64_t>(id));
+        for (const cluster::Echo& echo : m.echoes) {
+            to_proto(broker::LogPosition{echo.of, echo.tick}, *to.add_echoes());
+        }
+        for (const auto id : m.vouched) to.add_vouched(static_cast<std::uint64_t>(id));
         all_to_proto(m.applied, *to.mutable_applied());
         all_to_proto(m.ended, *to.mutable_ended());
         all_to_proto(m.home_addresses, *to.mutable_home_addresses());
@@ -280,6 +285,7 @@ MaybeMessage read_heartbeat(const Heartbeat& in) {
     out.claim = claim_from(in.claim());
     out.members = in.members();
     out.hears_members.assign(in.hears_members().begin(), in.hears_members().end());
+    out.echoes.assign(in.echoes().begin(), in.echoes().end());
     for (const auto id : in.hears_others()) out.hears_others.push_back(broker::BrokerId{id});
     for (const auto& held : in.held()) out.held.push_back({held.member(), held.through()});
     if (!all_from_proto(in.held_others(), out.held_others)) return std::nullopt;
@@ -315,6 +321,12 @@ MaybeMessage read_particulars(const Beacon& in) {
     out.settings = in.settings();
     out.predefined = in.predefined();
     for (const auto id : in.hears()) out.hears.push_back(broker::BrokerId{id});
+    for (const auto id : in.vouched()) out.vouched.push_back(broker::BrokerId{id});
+    for (const auto& echo : in.echoes()) {
+        const auto told = from_proto(echo);
+        if (!told) return std::nullopt;
+        out.echoes.push_back({told->log, told->seq});
+    }
     if (!all_from_proto(in.applied(), out.applied)) return std::nullopt;
     if (!all_from_proto(in.ended(), out.ended)) return std::nullopt;
     if (!all_from_proto(in.home_addresses(), out.home_addresses)) return std::nullopt;

@@ -108,12 +108,17 @@ private:
     void absorb(Instant now, MemberActions& out);
     void send(Instant now, const broker::Send& send, broker::Seq safe, MemberActions& out);
     void send_again(Instant now);
+    /// Others may speak for it by now: nothing is said, and what clients say waits.
+    [[nodiscard]] bool has_lost_lease(Instant now) const {
+        return cluster_.is_in_view() && !cluster_.may_speak(now);
+    }
     [[nodiscard]] bool says_nothing(Instant now) const {
-        return stall_.is_on() || cluster_.may_be_deaf(now);
+        return stall_.is_on() || cluster_.may_be_deaf(now) || has_lost_lease(now);
     }
     [[nodiscard]] bool must_wait(Instant now, const Endpoint& via, const Endpoint& from,
                                  Bytes datagram) {
-        return cut_off_.must_wait(now, {via, from}) || cluster_.must_wait(via, from) ||
+        return has_lost_lease(now) || cut_off_.must_wait(now, {via, from}) ||
+               cluster_.must_wait(via, from) ||
                (cluster_.strangers_may_roam() && !broker_.serves(via, from, datagram));
     }
     void serve_waiting(Instant now, MemberActions& out);
@@ -142,6 +147,7 @@ private:
     bool has_left_ = false;
     std::uint64_t replacements_ = 0;
 
+    bool broker_waits_ = false;  // its timers, as of the last tick: the lease was lost
     Stall stall_;
     bool owes_output_ = false;  // what was to leave before a stall
     std::uint64_t late_output_dropped_ = 0;
@@ -228,11 +234,14 @@ void Member::State::on_tick(Instant now, MemberActions& out) {
         if (stall_.is_on()) return;
     }
     broker_.set_congested(cluster_.is_short_of_peers());
-    broker_.on_tick(now, work_, [&](const broker::SessionHeader& client) {
-        const Endpoint& from = client.address.endpoint;
-        return waiting_.holds(from) || cluster_.is_unheard(client.via) ||
-               cluster_.may_be_deaf(now) || cut_off_.may_be_elsewhere({client.via, from});
-    });
+    broker_waits_ = has_lost_lease(now);
+    if (!broker_waits_) {
+        broker_.on_tick(now, work_, [&](const broker::SessionHeader& client) {
+            const Endpoint& from = client.address.endpoint;
+            return waiting_.holds(from) || cluster_.is_unheard(client.via) ||
+                   cluster_.may_be_deaf(now) || cut_off_.may_be_elsewhere({client.via, from});
+        });
+    }
     if (options_.romano && cluster_.is_in_view()) {
         server_.on_tick(now, broker_, led_members(), work_);
     }
@@ -247,8 +256,9 @@ void Member::State::on_tick(Instant now, MemberActions& out) {
 Instant Member::State::next_wakeup() const {
     if (has_left_) return never;
     if (stall_.is_on()) return stall_.next_wakeup();
-    // The server's turns come with the beacons'.
-    return std::min(broker_.next_wakeup(), cluster_.next_wakeup());
+    // The server's turns come with the beacons'. So does the moment in which a lost lease is back.
+    const Instant cluster = cluster_.next_wakeup();
+    return broker_waits_ ? cluster : std::min(broker_.next_wakeup(), cluster);
 }
 
 void Member::State::leave(Instant now, MemberActions& out) {
@@ -261,7 +271,7 @@ void Member::State::leave(Instant now, MemberActions& out) {
 // --- after a stall
 
 void Member::State::before_sending(Instant now, MemberActions& out) {
-    if (!has_left_ && stood_still(now)) drop_late_output(out);
+    if (!has_left_ && (stood_still(now) || has_lost_lease(now))) drop_late_output(out);
 }
 
 void Member::State::drop_late_output(MemberActions& out) {
@@ -292,7 +302,6 @@ void Member::State::end_stall(Instant now, MemberActions& out) {
     cluster_.resume(now);
     // Nobody replaces one that is in no view. What waits here was answered elsewhere, perhaps.
     if (!cluster_.is_in_view()) waiting_.clear();
-    if (std::exchange(owes_output_, false)) send_again(now);
 }
 
 /// Others have our sessions and addresses: begin anew, empty, under a new log, and get them back.
@@ -323,6 +332,11 @@ void Member::State::carry_out(Instant now, MemberActions& out) {
     absorb(now, out);
     serve_waiting(now, out);
     if (says_nothing(now)) return;
+    broker_waits_ = false;
+    if (std::exchange(owes_output_, false)) {
+        send_again(now);
+        absorb(now, out);
+    }
     go_on_uplink(now, out);
     const auto fate_of = [this](const Endpoint& via) {
         if (cluster_.is_silent(via)) return HeldOutput::Fate::is_dropped;
@@ -361,7 +375,7 @@ void Member::State::absorb(Instant now, MemberActions& out) {
         if (const auto* datagram = std::get_if<broker::Send>(&action)) {
             send(now, *datagram, safe, out);
         } else if (const auto* multicast = std::get_if<broker::Multicast>(&action)) {
-            if (stall_.is_on()) continue;
+            if (says_nothing(now)) continue;
             const Bytes octets = work_.octets(*multicast);
             std::ranges::copy(octets, out.clients.reserve(octets.size()).begin());
             out.clients.push(broker::Multicast{.radius = multicast->radius,
@@ -424,7 +438,7 @@ void Member::State::serve_waiting(Instant now, MemberActions& out) {
 // --- the uplink
 
 void Member::State::tend_uplink(Instant now, MemberActions& out) {
-    if (!uplink_ || stall_.is_on()) return;
+    if (!uplink_ || says_nothing(now)) return;
     if (const auto late = std::exchange(late_message_, std::nullopt)) {
         on_uplink_message(now, late->first, late->second, out);
     }
@@ -463,7 +477,7 @@ void Member::State::on_uplink_message(Instant now, const uplink::FromRemote& mes
     if (!uplink_ || has_left_) return;
     notice_stall(now, out);
     if (!uplink_->core().holds_link()) return;
-    if (stall_.is_on()) {  // who was away for so long may lead no more
+    if (stall_.is_on() || has_lost_lease(now)) {  // who was away for so long may lead no more
         if (token != 0) late_message_.emplace(message, token);
         return;
     }

@@ -33,6 +33,9 @@ bool has_member(const View& view, BrokerId broker) {
     return found != view.members.end() && found->broker == broker;
 }
 
+constexpr std::uint64_t ticks_told_apart = 127;  // by an echo's octet
+constexpr std::uint8_t vouches = 0x80;           // in the same octet
+
 /// `held` is in the order of logs.
 void set_held(std::vector<LogPosition>& held, const LogPosition& position) {
     const auto found = std::ranges::lower_bound(held, position.log, {}, &LogPosition::log);
@@ -73,9 +76,11 @@ Heartbeat HeartbeatWriter::write(const Beacon& beacon) {
                   .logs_held = static_cast<std::uint32_t>(beacon.applied.size()),
                   .sessions = beacon.sessions,
                   .connected = beacon.connected,
-                  .transport_octets_sent = beacon.transport_octets_sent,
-                  .transport_octets_received = beacon.transport_octets_received,
                   .leaving = beacon.leaving};
+    if (beacon.tick % octets_told_every == 0) {
+        out.transport_octets_sent = beacon.transport_octets_sent;
+        out.transport_octets_received = beacon.transport_octets_received;
+    }
     const std::uint32_t before = std::exchange(particulars_, out.particulars);
     has_news_ = before != 0 && before != out.particulars;
 
@@ -83,6 +88,16 @@ Heartbeat HeartbeatWriter::write(const Beacon& beacon) {
     for (std::size_t place = 0; place < beacon.view.members.size(); ++place) {
         if (!beacon.hears_from(beacon.view.members[place].broker)) continue;
         out.hears_members[place / 8] |= static_cast<std::uint8_t>(1U << (place % 8));
+    }
+    out.echoes.resize(beacon.view.members.size());
+    for (const Echo& echo : beacon.echoes) {
+        if (const auto place = place_of(echo.of, beacon.view)) {
+            out.echoes[*place] = static_cast<std::uint8_t>(1 + echo.tick % ticks_told_apart);
+        }
+    }
+    for (std::size_t place = 0; place < beacon.view.members.size(); ++place) {
+        const BrokerId member = beacon.view.members[place].broker;
+        if (std::ranges::count(beacon.vouched, member) > 0) out.echoes[place] |= vouches;
     }
     std::ranges::copy_if(beacon.hears, std::back_inserter(out.hears_others),
                          [&](BrokerId id) { return !has_member(beacon.view, id); });
@@ -120,7 +135,7 @@ Heartbeat HeartbeatWriter::write(const Beacon& beacon) {
 bool HeartbeatReader::Peer::lacks_something() const {
     const std::uint64_t all_are_said_in =
         heartbeat.logs_held / HeartbeatWriter::repeated + 2 * HeartbeatWriter::said_in;
-    return !beacon || particulars != heartbeat.particulars || lacks_view ||
+    return !beacon || particulars != heartbeat.particulars || lacks_view || lacks_echo ||
            (counts_differ_since != 0 && heartbeat.tick > counts_differ_since + all_are_said_in);
 }
 
@@ -139,11 +154,43 @@ HeartbeatReader::Peer* HeartbeatReader::find_or_add(const LogId& log) {
     return &peer;
 }
 
-const Beacon* HeartbeatReader::read(const Heartbeat& heartbeat, const View& own_view) {
+const Beacon* HeartbeatReader::read(const Heartbeat& heartbeat, const View& own_view,
+                                    std::uint64_t own_tick) {
     Peer* peer = find_or_add(heartbeat.log);
     if (peer == nullptr || heartbeat.tick <= peer->heartbeat.tick) return nullptr;
     peer->heartbeat = heartbeat;
-    return join(*peer, own_view);
+    const Beacon* joined = join(*peer, own_view);
+    if (joined != nullptr) join_echo(*peer, own_tick);
+    return joined;
+}
+
+/// The oldest tick that it may be: of two echoes the later one is of no older tick. What is far
+/// behind our own one went round while nothing was heard: the particulars name the whole tick.
+void HeartbeatReader::join_echo(Peer& peer, std::uint64_t own_tick) const {
+    Beacon& beacon = *peer.beacon;
+    beacon.echoes.clear();
+    beacon.vouched.clear();
+    peer.lacks_echo = false;
+    if (peer.lacks_view) return;
+    const auto& members = beacon.view.members;
+    const auto& octets = peer.heartbeat.echoes;
+    for (std::size_t i = 0; i < std::min(members.size(), octets.size()); ++i) {
+        if ((octets[i] & vouches) != 0) beacon.vouched.push_back(members[i].broker);
+    }
+    const auto self = std::ranges::lower_bound(members, self_, {}, &LogId::broker);
+    if (self == members.end() || self->broker != self_) return;
+    const auto place = static_cast<std::size_t>(self - members.begin());
+    const std::uint8_t said = place < octets.size() ? octets[place] & ~vouches : 0;
+    if (said == 0) return;
+    if (!peer.echo || peer.echo->of != *self) {
+        peer.lacks_echo = true;
+        return;
+    }
+    const std::uint64_t told = said - 1U;
+    std::uint64_t& tick = peer.echo->tick;
+    tick += (told + ticks_told_apart - tick % ticks_told_apart) % ticks_told_apart;
+    peer.lacks_echo = tick + ticks_told_apart / 2 < own_tick;
+    beacon.echoes.push_back(*peer.echo);
 }
 
 const Beacon* HeartbeatReader::read(const Particulars& told, const View& own_view) {
@@ -157,6 +204,14 @@ const Beacon* HeartbeatReader::read(const Particulars& told, const View& own_vie
         for (LogPosition& position : joined.applied) {
             position.seq = std::max(position.seq, peer.beacon->applied_through(position.log));
         }
+    }
+    std::erase_if(joined.echoes, [this](const Echo& echo) { return echo.of.broker != self_; });
+    if (!joined.echoes.empty()) {
+        const Echo& told_echo = joined.echoes.front();
+        const bool is_older =
+            peer.echo && peer.echo->of == told_echo.of && peer.echo->tick > told_echo.tick;
+        if (!is_older) peer.echo = told_echo;
+        peer.lacks_echo = false;
     }
     peer.beacon = std::move(joined);
     peer.particulars = digest_of_particulars(*peer.beacon);
@@ -182,8 +237,10 @@ const Beacon* HeartbeatReader::join(Peer& peer, const View& own_view) const {
     beacon.claim = said.claim;
     beacon.sessions = said.sessions;
     beacon.connected = said.connected;
-    beacon.transport_octets_sent = said.transport_octets_sent;
-    beacon.transport_octets_received = said.transport_octets_received;
+    if (said.transport_octets_sent != 0) {
+        beacon.transport_octets_sent = said.transport_octets_sent;
+        beacon.transport_octets_received = said.transport_octets_received;
+    }
     beacon.leaving = said.leaving;
     join_view(peer, own_view);
     for (const LogPosition& position : said.held_others) set_held(beacon.applied, position);

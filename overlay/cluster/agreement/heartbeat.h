@@ -31,6 +31,8 @@ public:
 
     static constexpr std::uint64_t said_in = 3;  // heartbeats: what has changed
     static constexpr std::size_t repeated = 4;   // logs that have not, in turn
+    static constexpr std::uint64_t octets_told_every =
+        64;  // heartbeats: what the transport carried
 
 private:
     struct Said {
@@ -52,7 +54,9 @@ public:
     /// The peer's newest beacon, as far as it is known; null while its particulars are not here,
     /// and when it was heard before. Valid until the next call. A sender in `own_view` needs not
     /// say who is in it.
-    [[nodiscard]] const Beacon* read(const Heartbeat& heartbeat, const View& own_view);
+    /// `own_tick`: the newest that the sender may have heard.
+    [[nodiscard]] const Beacon* read(const Heartbeat& heartbeat, const View& own_view,
+                                     std::uint64_t own_tick);
     /// The same. Null when they are old, or no heartbeat of that log was heard yet.
     [[nodiscard]] const Beacon* read(const Particulars& particulars, const View& own_view);
     /// Something is lacking that only the particulars tell, and it was not asked for just now.
@@ -72,12 +76,15 @@ private:
         bool lacks_view = false;
         std::uint64_t counts_differ_since = 0;  // tick; 0: they do not
         std::optional<Instant> asked_at;
+        std::optional<Echo> echo;  // of us
+        bool lacks_echo = false;
 
         [[nodiscard]] bool lacks_something() const;
     };
 
     [[nodiscard]] const Beacon* join(Peer& peer, const View& own_view) const;
     void join_view(Peer& peer, const View& own_view) const;
+    void join_echo(Peer& peer, std::uint64_t own_tick) const;
     [[nodiscard]] Peer* find_or_add(const LogId& log);
 
     BrokerId self_;

@@ -70,24 +70,46 @@ void ViewChange::restart(LogId self) {
     appointed_.clear();
 }
 
-void ViewChange::resume(PeerLogs& logs) {
+void ViewChange::resume() {
     led_since_ = never;
-    call_off(logs);
+    proposal_.reset();
     refusing_.clear();
+}
+
+/// Everybody whom the view leaves out has no lease any more, for all that we know of it; until then
+/// it gets none from us.
+bool ViewChange::may_promise(Instant now, const View& next, Surroundings around) {
+    const auto has_ended = [&](const LogId& log) { return around.membership.has_ended(log); };
+    const Instant over = around.lease.is_over_at(next, has_ended);
+    if (now >= over) return true;
+    waits_until_ = std::min(waits_until_, over);
+    wanted_ = next;
+    around.lease.want(&next);
+    return false;
 }
 
 // --- the leader's side
 
 void ViewChange::on_tick(Instant now, Surroundings around, Outbox& out) {
+    waits_until_ = never;
+    wanted_.reset();
     answer_early_proposal(now, around, out);
+    lead(now, around, out);
+    around.lease.want(wanted_ ? &*wanted_ : nullptr);
+}
+
+/// What a proposal that is called off has frozen stays so until a higher number is promised: its
+/// members have promised it, as we have.
+void ViewChange::lead(Instant now, Surroundings around, Outbox& out) {
     if (!around.membership.leads()) {
         led_since_ = never;
-        call_off(around.logs);
+        proposal_.reset();
         refusing_.clear();
         return;
     }
     if (around.membership.may_be_deaf(now) || waits_for_company(now, around)) {
-        return call_off(around.logs);
+        proposal_.reset();
+        return;
     }
     if (proposal_) {
         give_up_on_silent(now, around.membership);
@@ -103,14 +125,6 @@ void ViewChange::on_tick(Instant now, Surroundings around, Outbox& out) {
     if (needs_change(now, desired, around)) {
         propose(now, std::move(desired), around, out);
     }
-}
-
-/// Nobody announces it any more: those whose logs it froze may be back, and what they promise to
-/// clients waits for us.
-void ViewChange::call_off(PeerLogs& logs) {
-    if (!proposal_) return;
-    proposal_.reset();
-    thaw_members(view_, logs);
 }
 
 /// Those of the present view that stay in it: what an earlier proposal froze of them lives on, for
@@ -215,7 +229,9 @@ bool ViewChange::needs_change(Instant now, const std::vector<LogId>& desired,
 void ViewChange::propose(Instant now, std::vector<LogId> members, Surroundings around,
                          Outbox& out) {
     const ViewNumber number = next_number(around.membership);
+    if (!may_promise(now, {number, members}, around)) return;
     promised_ = number;
+    around.lease.on_promise({number, members});
 
     proposal_.emplace(Proposal{.message = {.view = {number, std::move(members)}, .removed = {}},
                                .answers = {},
@@ -314,7 +330,7 @@ void ViewChange::conclude(Instant now, Surroundings around, Outbox& out) {
     for (const LogId& member : announcement.view.members) {
         if (member != self_) out.push_back({member.broker, announcement});
     }
-    install(now, std::move(announcement), around.logs);
+    install(now, std::move(announcement), around);
 }
 
 // --- a member's side
@@ -323,7 +339,7 @@ void ViewChange::on_proposal(Instant now, const ViewProposal& proposal, Surround
                              Outbox& out) {
     const View& view = proposal.view;
     if (!is_newer(view)) return;
-    if (must_wait(now, proposal, around.membership)) {
+    if (must_wait(now, proposal, around)) {
         const bool is_known = early_ && early_->message.view.number == view.number;
         early_ = EarlyProposal{proposal, is_known ? early_->first : now, now};
         return;
@@ -331,6 +347,7 @@ void ViewChange::on_proposal(Instant now, const ViewProposal& proposal, Surround
     early_.reset();
     proposal_.reset();
     promised_ = view.number;
+    around.lease.on_promise(view);
     thaw_members(view, around.logs);
     freeze_the_dead(view, around);
     for (const LogId& id : proposal.removed) {
@@ -341,22 +358,25 @@ void ViewChange::on_proposal(Instant now, const ViewProposal& proposal, Surround
 }
 
 /// Until we follow that leader; and, for some time, while somebody whom it leaves out is well to be
-/// heard here: then not that one is dead, but the way between the two.
-bool ViewChange::must_wait(Instant now, const ViewProposal& proposal,
-                           const Membership& membership) const {
+/// heard here: then not that one is dead, but the way between the two. And until the leases of
+/// those that it leaves out are over.
+bool ViewChange::must_wait(Instant now, const ViewProposal& proposal, Surroundings around) {
+    const Membership& membership = around.membership;
     const ViewNumber& number = proposal.view.number;
     if (membership.leadership().leader != node_of(number.leader)) return true;
     const bool is_known = early_ && early_->message.view.number == number;
-    if (is_known && now >= early_->first + membership.times().disagreement_lasts()) return false;
-    return std::ranges::any_of(
+    const bool is_heard = std::ranges::any_of(
         proposal.removed, [&](const LogId& log) { return membership.is_heard_clearly(log, now); });
+    const bool is_waited_for =
+        !is_known || now < early_->first + membership.times().disagreement_lasts();
+    return (is_heard && is_waited_for) || !may_promise(now, proposal.view, around);
 }
 
 void ViewChange::answer_early_proposal(Instant now, Surroundings around, Outbox& out) {
     if (!early_) return;
     if (now > early_->last + around.membership.times().proposal_kept_for()) {
         early_.reset();
-    } else if (!must_wait(now, early_->message, around.membership)) {
+    } else if (!must_wait(now, early_->message, around)) {
         const ViewProposal proposal = early_->message;
         on_proposal(now, proposal, around, out);
     }
@@ -370,7 +390,7 @@ void ViewChange::on_announcement(Instant now, const ViewAnnouncement& announceme
         around.membership.leadership().leader != node_of(view.number.leader)) {
         return;
     }
-    install(now, announcement, around.logs);
+    install(now, announcement, around);
 }
 
 bool ViewChange::is_newer(const View& view) const {
@@ -394,8 +414,10 @@ ViewHoldings ViewChange::holdings(const View& view, Surroundings around) const {
     return answer;
 }
 
-void ViewChange::install(Instant now, ViewAnnouncement announcement, PeerLogs& logs) {
+void ViewChange::install(Instant now, ViewAnnouncement announcement, Surroundings around) {
+    PeerLogs& logs = around.logs;
     view_ = announcement.view;
+    around.lease.on_view(view_);
     was_replaced_ = false;
     promised_ = view_.number;
     installed_at_ = now;

@@ -19,12 +19,14 @@
 #include "overlay/cluster/agreement/membership.h"
 #include "overlay/cluster/ownership/heirs.h"
 #include "overlay/cluster/replication/peer_log.h"
+#include "overlay/cluster/speaking/lease.h"
 
 namespace romano::cluster {
 
 /// What view change looks at; the cluster core owns it all.
 struct Surroundings {
     const Membership& membership;
+    Lease& lease;
     PeerLogs& logs;
     const std::vector<Endpoint>& serving;      // by this broker
     const std::vector<Endpoint>& home;         // of this broker
@@ -58,7 +60,9 @@ public:
     void restart(LogId self);
     /// After a stall. Whoever waited for company has heard none meanwhile; and nobody refused an
     /// answer that could not have been heard.
-    void resume(PeerLogs& logs);
+    void resume();
+    /// It waits until then for the lease of one that the next view leaves out.
+    [[nodiscard]] Instant next_wakeup() const { return waits_until_; }
 
 private:
     struct Proposal {
@@ -76,18 +80,18 @@ private:
                                     Surroundings around) const;
     [[nodiscard]] bool is_newer(const View& view) const;
     void answer_early_proposal(Instant now, Surroundings around, Outbox& out);
-    [[nodiscard]] bool must_wait(Instant now, const ViewProposal& proposal,
-                                 const Membership& membership) const;
+    [[nodiscard]] bool must_wait(Instant now, const ViewProposal& proposal, Surroundings around);
     void propose(Instant now, std::vector<LogId> members, Surroundings around, Outbox& out);
     [[nodiscard]] ViewNumber next_number(const Membership& membership) const;
     [[nodiscard]] bool is_outnumbered(const Membership& membership) const;
     void ask(Instant now, Outbox& out);
-    void call_off(PeerLogs& logs);
+    void lead(Instant now, Surroundings around, Outbox& out);
+    [[nodiscard]] bool may_promise(Instant now, const View& next, Surroundings around);
     void thaw_members(const View& next, PeerLogs& logs) const;
     void give_up_on_silent(Instant now, const Membership& membership);
     void conclude(Instant now, Surroundings around, Outbox& out);
     [[nodiscard]] ViewHoldings holdings(const View& view, Surroundings around) const;
-    void install(Instant now, ViewAnnouncement announcement, PeerLogs& logs);
+    void install(Instant now, ViewAnnouncement announcement, Surroundings around);
 
     LogId self_;
     View view_;
@@ -105,6 +109,8 @@ private:
         Instant last;
     };
     std::optional<EarlyProposal> early_;
+    Instant waits_until_ = never;  // for a lease
+    std::optional<View> wanted_;   // meanwhile
     ViewNumber promised_;  // the highest proposal that was answered; never below view_.number
 
     Instant led_since_ = never;

@@ -199,6 +199,8 @@ cluster::Beacon beacon(Random& r) {
     out.promised = view_number(r);
     out.claim = claim(r);
     out.hears = some(r, broker_id);
+    for (const auto& [of, tick] : some(r, position)) out.echoes.push_back({of, tick});
+    out.vouched = some(r, broker_id);
     out.applied = some(r, position);
     out.ended = some(r, position);
     out.home_addresses = some(r, endpoint);
@@ -230,6 +232,7 @@ cluster::Heartbeat heartbeat(Random& r) {
     out.claim = claim(r);
     out.members = r.next();
     out.hears_members = octets(r);
+    out.echoes = octets(r);
     out.hears_others = some(r, broker_id);
     out.held = some(r, held);
     out.held_others = some(r, position);

@@ -38,7 +38,7 @@ struct HeartbeatTest : testing::Test {
         const Heartbeat heartbeat = writer.write(beacon);
         octets_of_places = heartbeat.hears_members.size();
         named = heartbeat.hears_others.size() + heartbeat.held_others.size();
-        return is_lost ? nullptr : reader.read(heartbeat, own_view);
+        return is_lost ? nullptr : reader.read(heartbeat, own_view, own_tick);
     }
     const Beacon* tell() { return reader.read(Particulars{beacon}, own_view); }
     /// What the reader believes is what the writer says.
@@ -61,6 +61,7 @@ struct HeartbeatTest : testing::Test {
     HeartbeatWriter writer;
     HeartbeatReader reader{self.broker};
     View own_view = view_of(1, {self, peer, third});
+    std::uint64_t own_tick = 0;  // the newest that the peer may have heard
     Beacon beacon{.name = "peer", .log = peer, .view = view_of(1, {self, peer, third})};
     std::size_t octets_of_places = 0;
     std::size_t named = 0;
@@ -164,7 +165,7 @@ TEST_F(HeartbeatTest, OfAnEarlierLifeIsNotHeeded) {
     say();
     tell();
     const Heartbeat old{.log = {peer.broker, peer.incarnation - 1}, .tick = 1'000};
-    EXPECT_EQ(reader.read(old, own_view), nullptr);
+    EXPECT_EQ(reader.read(old, own_view, own_tick), nullptr);
     EXPECT_EQ(reader.read(Particulars{{.log = old.log, .tick = 1'000}}, own_view), nullptr);
     expect_equal(say());
 }
@@ -186,7 +187,7 @@ TEST_F(HeartbeatTest, NoOctetsFromAPeerBreakIt) {
     Heartbeat strange{.log = peer, .tick = ++beacon.tick, .view = own_view.number, .members = 3};
     strange.hears_members.assign(1'000, 0xFF);
     strange.held = {{0, 1}, {4'000'000'000, 2}};
-    const Beacon* read = reader.read(strange, own_view);
+    const Beacon* read = reader.read(strange, own_view, own_tick);
     ASSERT_NE(read, nullptr);
     EXPECT_EQ(read->hears.size(), own_view.members.size());
 }

@@ -110,6 +110,8 @@ TEST_F(Stranded, P3_WhoListensPromisesNothing) {
     ASSERT_TRUE(cluster.core.live_peers().empty());
     EXPECT_EQ(cluster.core.safe(cluster.now), 0U);
     cluster.core.resume(cluster.now);
+    EXPECT_EQ(cluster.core.safe(cluster.now), 0U) << "no member vouches for it";
+    hear_nothing_for(500ms);
     EXPECT_EQ(cluster.core.safe(cluster.now), 1U);
 }
 
