@@ -304,7 +304,8 @@ TEST(ViewChange, WhatAPromiseFroseStaysSoUntilAHigherOneHasItsWriterInIt) {
     while (leader.membership.is_alive(peer)) leader.wait(10ms);
     ASSERT_TRUE(leader.logs.at(peer).is_frozen());
     while (leader.membership.is_alive(high)) leader.wait(10ms);
-    EXPECT_TRUE(leader.logs.at(peer).is_frozen()) << "the proposal is called off, the promise stays";
+    EXPECT_TRUE(leader.logs.at(peer).is_frozen())
+        << "the proposal is called off, the promise stays";
     leader.hear_both();
     leader.wait(10ms);
     EXPECT_FALSE(leader.logs.at(peer).is_frozen());
