@@ -17,6 +17,7 @@
 #include "experiments/mqtt/mosquitto_server.h"
 #include "experiments/process/broker_process.h"
 #include "experiments/report/plot.h"
+#include "experiments/robots/sockets.h"
 #include "experiments/watch/broker_watch.h"
 #include "firmware/posix/simulated_robot.h"
 
@@ -54,6 +55,7 @@ private:
     std::string name_;
     std::vector<BrokerAddress> addresses_;
     std::vector<std::unique_ptr<BrokerProcess>> processes_;
+    Sockets sockets_;
     std::unique_ptr<BrokerWatch> watch_;
     std::size_t number_;
 };
@@ -66,7 +68,7 @@ std::string Network::address(std::size_t broker) const {
 
 Network::Network(boost::asio::io_context& io, const ApplicationOptions& options, std::size_t number,
                  const MosquittoServer& server, const std::string& mqtt_address)
-    : name_(number == 0 ? "site-6" : "site-4"), number_(number) {
+    : name_(number == 0 ? "site-6" : "site-4"), sockets_(io), number_(number) {
     for (std::size_t i = 0; i < bridge_brokers; ++i) {
         if (number == 0) {
             addresses_.emplace_back(boost::asio::ip::address_v6::loopback(),
@@ -103,7 +105,7 @@ Network::Network(boost::asio::io_context& io, const ApplicationOptions& options,
                                      server.password_file()},
             options.output / (name + ".txt")));
     }
-    watch_ = std::make_unique<BrokerWatch>(io, addresses_[0], name_ + "-watch",
+    watch_ = std::make_unique<BrokerWatch>(sockets_, addresses_[0], name_ + "-watch",
                                            client::Timing{.t_retry = 100ms, .n_retry = 200},
                                            std::function<void()>{});
 }

@@ -19,6 +19,7 @@
 #include "experiments/operator/node_watch.h"
 #include "experiments/process/broker_process.h"
 #include "experiments/report/plot.h"
+#include "experiments/robots/sockets.h"
 #include "experiments/watch/broker_watch.h"
 #include "firmware/posix/simulated_robot.h"
 #include "romano/message/codec.h"
@@ -341,7 +342,9 @@ void run_roaming(const ApplicationOptions& options) {
                                      "--detection-timeout-ms", "500"},
             options.output / ("roaming-" + name + ".txt")));
     }
-    BrokerWatch watch(io, row.broker(0), "roaming-watch", {.t_retry = 100ms, .n_retry = 200}, {});
+    Sockets sockets{io};
+    BrokerWatch watch(sockets, row.broker(0), "roaming-watch", {.t_retry = 100ms, .n_retry = 200},
+                      {});
     for (const Instant end = net::now() + 20s; watch.members_in_view_of("b1") < row_brokers;) {
         for (const auto& process : processes) process->expect_running();
         if (net::now() > end) throw std::runtime_error("the brokers did not find each other");

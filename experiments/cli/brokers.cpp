@@ -12,6 +12,7 @@
 #include "experiments/cli/broker_options.h"
 #include "experiments/cli/denial.h"
 #include "experiments/report/summary_table.h"
+#include "experiments/robots/socket_client.h"
 #include "experiments/watch/broker_watch.h"
 
 namespace romano::experiments {
@@ -101,12 +102,12 @@ void print_json(const BrokerWatch& watch) {
 
 void show_brokers(const BrokerOptions& options, bool as_json) {
     boost::asio::io_context io{1};
-    BrokerWatch watch{io,
+    Sockets sockets{io, options.packets()};
+    BrokerWatch watch{sockets,
                       resolve_broker(io, options.host, options.port),
                       options.id_or("romano-brokers"),
                       options.timing(),
-                      {},
-                      options.packets()};
+                      {}};
     while (!watch.is_subscribed()) {
         io.run_one_for(50ms);
         if (watch.has_failed()) {

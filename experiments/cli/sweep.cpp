@@ -30,6 +30,7 @@ Exit code: 0; 1 when a run failed; 2 when nothing was run; 130 when interrupted.
 struct SweepOptions {
     SweepRequest request;
     std::uint32_t cell = 0;
+    unsigned jobs = 1;
     std::string shard;
     std::uint32_t slurm_shards = 0;
     std::vector<std::string> slurm_options;
@@ -64,7 +65,7 @@ int submit_to_slurm(const SweepOptions& options) {
 void add_sweep(CLI::App& program, int& exit_code) {
     auto options = std::make_shared<SweepOptions>();
     CLI::App& command = *program.add_subcommand(
-        "sweep", "Run an experiment: real brokers, real robots, faults; with a report");
+        "sweep", "Run an experiment: brokers, robots, faults, real or simulated; with a report");
     command.set_help_flag("--help", "Show this and examples, and exit");
     command.add_option("FILE", options->request.file, "The sweep file (TOML)")->required();
     CLI::Option* fresh =
@@ -98,11 +99,16 @@ void add_sweep(CLI::App& program, int& exit_code) {
                     "Of sbatch, for the array (repeatable): --slurm-option=--partition=short")
         ->type_name("OPTION")
         ->needs(slurm);
+    CLI::Option* jobs = command
+                            .add_option("--jobs", options->jobs,
+                                        "Simulated cells at once (default: one for each core)")
+                            ->type_name("N")
+                            ->check(CLI::Range(1U, 1024U));
     command.add_flag("--list", options->list, "List the cells and run nothing");
     command.add_option("--broker", options->request.broker_program,
                        "The broker's program (default: romano-broker beside this program)");
     command.footer(sweep_examples);
-    command.callback([options, cell, &exit_code] {
+    command.callback([options, cell, jobs, &exit_code] {
         SweepRequest& request = options->request;
         if (options->list) {
             for (const Cell& each : read_sweep(request.file).cells) {
@@ -113,6 +119,7 @@ void add_sweep(CLI::App& program, int& exit_code) {
         }
         if (!options->shard.empty()) request.shard = shard_in(options->shard);
         if (cell->count() > 0) request.only_cell = options->cell;
+        if (jobs->count() > 0) request.jobs = options->jobs;
         if (request.broker_program.empty()) {
             request.broker_program =
                 std::filesystem::read_symlink("/proc/self/exe").parent_path() / "romano-broker";

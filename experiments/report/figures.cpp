@@ -341,14 +341,17 @@ std::optional<Figure> rate_figure(Configurations all) {
             "The question of the ROMANO paper's table of delivery ratios: how many messages "
             "a second go through.",
         .measured =
-            "Runs without a fault; otherwise as in the figures above. What the paper's "
-            "radios lost beyond 200 messages a second, UDP on one host need not lose."};
+            "Runs without a fault; otherwise as in the figures above. There is no radio in them: "
+            "the paper's lost messages beyond 200 a second."};
 }
 
 std::optional<Figure> overhead_figure(Configurations all) {
     const auto calm = undisturbed(all);
     if (calm.empty()) return std::nullopt;
     constexpr std::array given = {Axis::brokers, Axis::fault};
+    const bool has_processes = std::ranges::any_of(calm, [](const Configuration& each) {
+        return !each.values(&RunRow::broker_cpu_percent_mean).empty();
+    });
     const auto panel = [&](const char* title, const char* unit, Value value, double scale) {
         return PlotPanel{.title = title,
                          .x_label = "brokers",
@@ -356,20 +359,21 @@ std::optional<Figure> overhead_figure(Configurations all) {
                          .series = series_over(brokers_of, calm, value, given, scale),
                          .y_from = 0};
     };
-    return Figure{
-        .title = "Overhead against the number of brokers",
-        .plot = {.name = "overhead",
-                 .panels = {panel("Between brokers, all together", "kB/s",
-                                  &RunRow::interbroker_octets_per_s, 1e-3),
-                            panel("CPU of a broker, mean", "% of one core",
-                                  &RunRow::broker_cpu_percent_mean, 1),
-                            panel("Memory of a broker, mean peak", "MiB",
-                                  &RunRow::broker_rss_peak_mib_mean, 1)}},
-        .shows = "What replication costs while nothing goes wrong.",
-        .measured =
-            "Octets that the brokers hand to DDS for their peers, by their own count on "
-            "<code>$SYS/brokers</code>: without the headers of RTPS and UDP. CPU time and "
-            "peak resident memory (VmHWM) from <code>/proc</code>, within the load."};
+    return Figure{.title = "Overhead against the number of brokers",
+                  .plot = {.name = "overhead",
+                           .panels = {panel("Between brokers, all together", "kB/s",
+                                            &RunRow::interbroker_octets_per_s, 1e-3),
+                                      panel("CPU of a broker, mean", "% of one core",
+                                            &RunRow::broker_cpu_percent_mean, 1),
+                                      panel("Memory of a broker, mean peak", "MiB",
+                                            &RunRow::broker_rss_peak_mib_mean, 1)}},
+                  .shows = "What replication costs while nothing goes wrong.",
+                  .measured =
+                      "Octets that the brokers hand to DDS for their peers, by their own count on "
+                      "<code>$SYS/brokers</code>: without the headers of RTPS and UDP." +
+                      std::string{has_processes ? " CPU time and peak resident memory (VmHWM) from "
+                                                  "<code>/proc</code>, within the load."
+                                                : ""}};
 }
 
 /// Of the first run that was long enough to tell.

@@ -122,6 +122,27 @@ std::string certainty_section(std::span<const Configuration> configurations) {
            "other.</p>\n";
 }
 
+std::string link_text(const SimulatedLink& link) {
+    const std::string least = csv_number(link.delay_min_ms);
+    const std::string most = csv_number(link.delay_max_ms);
+    return (least == most ? most : least + " to " + most) + " ms and lose " +
+           csv_number(link.loss_percent) + " %";
+}
+
+/// What the cells ran in.
+std::string world_text(const SweepSettings& settings) {
+    switch (settings.world) {
+        case World::processes:
+            return "real brokers and real MQTT-SN robots over UDP on one host";
+        case World::simulated:
+            break;
+    }
+    return "simulated, the shipped cores of brokers and robots in virtual time, in which what a "
+           "core computes takes no time; links between robots and brokers take " +
+           link_text(settings.client_link) + ", those between brokers " +
+           link_text(settings.broker_link);
+}
+
 std::string setting(const char* name, const std::string& value) {
     return std::string{"<dt>"} + name + "</dt><dd>" + html_text(value) + "</dd>\n";
 }
@@ -134,10 +155,9 @@ std::string report_of(const Sweep& sweep, const Manifest& manifest, std::span<co
     std::ostringstream html;
     html << page_begin(sweep.settings.name) << "<p class=\"sub\">Sweep <b>"
          << html_text(sweep.settings.name) << "</b>, " << rows.size() << " of "
-         << sweep.cells.size()
-         << " cells: real brokers and real MQTT-SN robots over UDP on one host, traffic pattern <b>"
-         << name_of(sweep.settings.pattern) << "</b>. " << html_text(manifest.started_utc)
-         << "</p>\n"
+         << sweep.cells.size() << " cells: " << world_text(sweep.settings)
+         << "; traffic pattern <b>" << name_of(sweep.settings.pattern) << "</b>. "
+         << html_text(manifest.started_utc) << "</p>\n"
          << tiles_of(rows, sweep.settings.probe_per_s);
 
     int number = 0;

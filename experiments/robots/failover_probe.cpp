@@ -1,10 +1,8 @@
 #include "experiments/robots/failover_probe.h"
 
 #include <algorithm>
-#include <boost/asio/steady_timer.hpp>
 #include <variant>
 
-#include "broker/net/clock.h"
 #include "experiments/robots/stamp.h"
 #include "romano/base/random.h"
 
@@ -16,13 +14,14 @@ struct FailoverProbe::Pair {
         Instant at;
     };
 
-    Pair(boost::asio::io_context& io, std::size_t broker, const BrokerAddress& address,
-         const client::Timing& timing, Random& random, std::optional<std::string>& trouble)
+    Pair(Surroundings& surroundings, std::size_t broker, const BrokerAddress& address,
+         const client::Timing& timing, Random& random, std::optional<std::string>& trouble,
+         std::function<void()> on_ring)
         : number(static_cast<std::uint32_t>(broker)),
           topic("probe/" + std::to_string(broker)),
           publisher_id("probe-from-" + std::to_string(broker)),
           subscriber_id("probe-to-" + std::to_string(broker)),
-          publisher(io, address, timing, random.next(),
+          publisher(surroundings, address, timing, random.next(),
                     [this, &trouble](const client::Event& event) {
                         if (std::holds_alternative<client::Connected>(event)) {
                             (void)publisher.register_name(topic);
@@ -32,8 +31,8 @@ struct FailoverProbe::Pair {
                             note_trouble(event, trouble);
                         }
                     }),
-          subscriber(io, address, timing, random.next(),
-                     [this, &trouble](const client::Event& event) {
+          subscriber(surroundings, address, timing, random.next(),
+                     [this, &surroundings, &trouble](const client::Event& event) {
                          if (std::holds_alternative<client::Connected>(event)) {
                              (void)subscriber.subscribe(client::topic_name(topic),
                                                         mqttsn::Qos::at_most_once);
@@ -41,12 +40,12 @@ struct FailoverProbe::Pair {
                              hears = true;
                          } else if (const auto* received = std::get_if<client::Received>(&event)) {
                              const auto stamp = read_stamp(received->data);
-                             if (stamp) arrivals.push_back({stamp->sent_at, net::now()});
+                             if (stamp) arrivals.push_back({stamp->sent_at, surroundings.now()});
                          } else {
                              note_trouble(event, trouble);
                          }
                      }),
-          timer(io) {}
+          alarm(surroundings.make_alarm(std::move(on_ring))) {}
 
     static void note_trouble(const client::Event& event, std::optional<std::string>& trouble) {
         if (std::holds_alternative<client::Refused>(event) ||
@@ -60,9 +59,9 @@ struct FailoverProbe::Pair {
     std::string topic;
     std::string publisher_id;
     std::string subscriber_id;
-    SocketClient publisher;
-    SocketClient subscriber;
-    boost::asio::steady_timer timer;
+    RobotClient publisher;
+    RobotClient subscriber;
+    std::unique_ptr<Alarm> alarm;
     bool can_publish = false;
     bool hears = false;
     std::uint32_t next_sequence = 0;
@@ -70,17 +69,20 @@ struct FailoverProbe::Pair {
     std::vector<Arrival> arrivals;
 };
 
-FailoverProbe::FailoverProbe(boost::asio::io_context& io, const std::vector<BrokerAddress>& brokers,
+FailoverProbe::FailoverProbe(Surroundings& surroundings, const std::vector<BrokerAddress>& brokers,
                              double rate_per_s, Duration retry, std::uint64_t seed)
-    : period_(std::chrono::duration_cast<Duration>(std::chrono::duration<double>{1 / rate_per_s})) {
+    : surroundings_(surroundings),
+      period_(std::chrono::duration_cast<Duration>(std::chrono::duration<double>{1 / rate_per_s})) {
     client::Timing timing;
     timing.t_retry = retry;
     timing.n_retry =
         std::max(mqttsn::default_n_retry, static_cast<int>(std::chrono::seconds{30} / retry));
     Random random{seed};
     for (std::size_t broker = 0; broker < brokers.size(); ++broker) {
-        pairs_.push_back(
-            std::make_unique<Pair>(io, broker, brokers[broker], timing, random, trouble_));
+        pairs_.push_back(std::make_unique<Pair>(surroundings, broker, brokers[broker], timing,
+                                                random, trouble_, [this, broker] {
+                                                    if (publishing_) publish_due(*pairs_[broker]);
+                                                }));
     }
 }
 
@@ -101,34 +103,31 @@ bool FailoverProbe::has_joined() const {
 void FailoverProbe::start() {
     publishing_ = true;
     for (const auto& pair : pairs_) {
-        pair->next_publish = net::now();
+        pair->next_publish = surroundings_.now();
         schedule(*pair);
     }
 }
 
 void FailoverProbe::stop() {
     publishing_ = false;
-    for (const auto& pair : pairs_) pair->timer.cancel();
+    for (const auto& pair : pairs_) pair->alarm->set(never);
 }
 
 void FailoverProbe::leave() {
     stop();
     for (const auto& pair : pairs_) {
-        for (SocketClient* client : {&pair->publisher, &pair->subscriber}) {
+        for (RobotClient* client : {&pair->publisher, &pair->subscriber}) {
             if (client->core().is_connected()) client->disconnect();
         }
     }
 }
 
 void FailoverProbe::schedule(Pair& pair) {
-    pair.timer.expires_at(net::to_steady_clock(pair.next_publish));
-    pair.timer.async_wait([this, &pair](const boost::system::error_code& stopped) {
-        if (!stopped && publishing_) publish_due(pair);
-    });
+    pair.alarm->set(pair.next_publish);
 }
 
 void FailoverProbe::publish_due(Pair& pair) {
-    const Instant now = net::now();
+    const Instant now = surroundings_.now();
     std::vector<std::uint8_t> payload(Stamp::octets);
     write_stamp({pair.number, pair.next_sequence++, now}, payload);
     (void)pair.publisher.publish(client::topic_name(pair.topic), payload,

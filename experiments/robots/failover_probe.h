@@ -3,20 +3,19 @@
 // to the other. Its messages stand in no books but these.
 #pragma once
 
-#include <boost/asio/io_context.hpp>
 #include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "experiments/robots/socket_client.h"
+#include "experiments/robots/robot_client.h"
 
 namespace romano::experiments {
 
 class FailoverProbe {
 public:
-    FailoverProbe(boost::asio::io_context& io, const std::vector<BrokerAddress>& brokers,
+    FailoverProbe(Surroundings& surroundings, const std::vector<BrokerAddress>& brokers,
                   double rate_per_s, Duration retry, std::uint64_t seed);
     ~FailoverProbe();
 
@@ -39,6 +38,7 @@ private:
     void schedule(Pair& pair);
     void publish_due(Pair& pair);
 
+    Surroundings& surroundings_;
     Duration period_;
     std::vector<std::unique_ptr<Pair>> pairs_;
     bool publishing_ = false;

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <utility>
 
-#include "broker/net/clock.h"
 #include "experiments/robots/stamp.h"
 #include "romano/base/random.h"
 
@@ -19,17 +18,18 @@ double in_seconds(Duration duration) {
 }  // namespace
 
 struct Swarm::Robot {
-    Robot(boost::asio::io_context& io, RobotNumber own_number, const BrokerAddress& broker,
-          const client::Timing& timing, std::uint64_t seed, SocketClient::OnEvent on_event)
+    Robot(Surroundings& surroundings, RobotNumber own_number, const BrokerAddress& broker,
+          const client::Timing& timing, std::uint64_t seed, RobotClient::OnEvent on_event,
+          std::function<void()> on_ring)
         : number(own_number),
           client_id("robot-" + std::to_string(own_number)),
-          client(io, broker, timing, seed, std::move(on_event)),
-          timer(io) {}
+          client(surroundings, broker, timing, seed, std::move(on_event)),
+          alarm(surroundings.make_alarm(std::move(on_ring))) {}
 
     RobotNumber number;
     std::string client_id;
-    SocketClient client;
-    boost::asio::steady_timer timer;
+    RobotClient client;
+    std::unique_ptr<Alarm> alarm;
 
     std::vector<const TrafficTopic*> to_subscribe;
     std::vector<const TrafficTopic*> to_register;
@@ -42,9 +42,12 @@ struct Swarm::Robot {
     std::vector<std::uint8_t> payload;
 };
 
-Swarm::Swarm(boost::asio::io_context& io, std::vector<BrokerAddress> brokers, Traffic traffic,
+Swarm::Swarm(Surroundings& surroundings, std::vector<BrokerAddress> brokers, Traffic traffic,
              const SwarmOptions& options)
-    : io_(io), brokers_(std::move(brokers)), traffic_(std::move(traffic)), options_(options) {
+    : surroundings_(surroundings),
+      brokers_(std::move(brokers)),
+      traffic_(std::move(traffic)),
+      options_(options) {
     // A client of a dead broker must outlast the failover: it keeps trying for half a minute.
     client::Timing timing;
     timing.t_retry = options_.retry;
@@ -53,8 +56,11 @@ Swarm::Swarm(boost::asio::io_context& io, std::vector<BrokerAddress> brokers, Tr
     Random random{options_.seed};
     for (RobotNumber number = 0; number < traffic_.clients(); ++number) {
         robots_.push_back(std::make_unique<Robot>(
-            io_, number, brokers_[number % brokers_.size()], timing, random.next(),
-            [this, number](const client::Event& event) { on_event(*robots_[number], event); }));
+            surroundings_, number, brokers_[number % brokers_.size()], timing, random.next(),
+            [this, number](const client::Event& event) { on_event(*robots_[number], event); },
+            [this, number] {
+                if (loading_) publish_due(*robots_[number]);
+            }));
         Robot& robot = *robots_.back();
         robot.payload.assign(options_.payload_octets, 0);
         robot.to_subscribe = traffic_.heard_by(number);
@@ -91,7 +97,7 @@ void Swarm::advance_joining(Robot& robot) {
 
 void Swarm::start_load() {
     loading_ = true;
-    started_ = net::now();
+    started_ = surroundings_.now();
     // Everybody begins at another moment within his first period: no bursts that nobody asked for.
     Random random{options_.seed + 1};
     for (const auto& robot : robots_) {
@@ -106,9 +112,9 @@ void Swarm::start_load() {
 void Swarm::stop_load() {
     // What is due and was not handed over by now counts as late, too.
     for (const auto& robot : robots_) {
-        robot->timer.cancel();
+        robot->alarm->set(never);
         if (!loading_ || !traffic_.publishes(robot->number)) continue;
-        worst_lag_ = std::max(worst_lag_, net::now() - robot->next_publish);
+        worst_lag_ = std::max(worst_lag_, surroundings_.now() - robot->next_publish);
     }
     loading_ = false;
 }
@@ -121,16 +127,13 @@ void Swarm::leave() {
 }
 
 void Swarm::schedule(Robot& robot) {
-    robot.timer.expires_at(net::to_steady_clock(robot.next_publish));
-    robot.timer.async_wait([this, &robot](const boost::system::error_code& stopped) {
-        if (!stopped && loading_) publish_due(robot);
-    });
+    robot.alarm->set(robot.next_publish);
 }
 
 void Swarm::publish_due(Robot& robot) {
     const auto period = std::chrono::duration_cast<Duration>(
         std::chrono::duration<double>{1 / options_.rate_per_s});
-    const Instant now = net::now();
+    const Instant now = surroundings_.now();
     while (robot.next_publish <= now) {
         worst_lag_ = std::max(worst_lag_, now - robot.next_publish);
         publish_one(robot);
@@ -140,7 +143,7 @@ void Swarm::publish_due(Robot& robot) {
 }
 
 void Swarm::publish_one(Robot& robot) {
-    const Instant now = net::now();
+    const Instant now = surroundings_.now();
     const Traffic::Step step = traffic_.step(robot.number, robot.next_sequence);
     write_stamp({robot.number, robot.next_sequence, now}, robot.payload);
     const auto begun =
@@ -161,11 +164,11 @@ void Swarm::on_event(Robot& robot, const client::Event& event) {
         const auto stamp = read_stamp(received->data);
         if (!stamp) return;
         account_.on_arrived(stamp->publisher, stamp->sequence, robot.number,
-                            seconds_at(net::now()));
+                            seconds_at(surroundings_.now()));
     } else if (const auto* published = std::get_if<client::Published>(&event)) {
         const auto operation = robot.open.find(static_cast<std::uint16_t>(published->operation));
         if (operation == robot.open.end()) return;
-        account_.on_acknowledged(robot.number, operation->second, seconds_at(net::now()));
+        account_.on_acknowledged(robot.number, operation->second, seconds_at(surroundings_.now()));
         robot.open.erase(operation);
     } else if (std::holds_alternative<client::Connected>(event) ||
                std::holds_alternative<client::Subscribed>(event) ||

@@ -1,9 +1,7 @@
-// The load of a cell: many MQTT-SN robots in this process, each with a UDP socket and one broker
+// The load of a cell: many MQTT-SN robots in one world, each with a port of its own and one broker
 // address for life, publishing on schedule and keeping the books of what arrives.
 #pragma once
 
-#include <boost/asio/io_context.hpp>
-#include <boost/asio/steady_timer.hpp>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -13,7 +11,7 @@
 #include <vector>
 
 #include "experiments/measure/delivery_account.h"
-#include "experiments/robots/socket_client.h"
+#include "experiments/robots/robot_client.h"
 #include "experiments/robots/traffic.h"
 
 namespace romano::experiments {
@@ -28,7 +26,7 @@ struct SwarmOptions {
 class Swarm {
 public:
     /// Client i lives at brokers[i % brokers.size()].
-    Swarm(boost::asio::io_context& io, std::vector<BrokerAddress> brokers, Traffic traffic,
+    Swarm(Surroundings& surroundings, std::vector<BrokerAddress> brokers, Traffic traffic,
           const SwarmOptions& options);
     ~Swarm();
 
@@ -69,7 +67,7 @@ private:
     void publish_due(Robot& robot);
     void publish_one(Robot& robot);
 
-    boost::asio::io_context& io_;
+    Surroundings& surroundings_;
     std::vector<BrokerAddress> brokers_;
     Traffic traffic_;
     SwarmOptions options_;

@@ -2,16 +2,20 @@
 
 #include <algorithm>
 #include <chrono>
-
-#include "broker/net/clock.h"
+#include <sstream>
+#include <utility>
 
 namespace romano::experiments {
 namespace {
 
 using namespace std::chrono_literals;
 
-/// How long brokers get to end by themselves.
-constexpr auto stop_patience = 2s;
+/// "127.50.2.1:11883".
+std::string text_of(const BrokerAddress& address) {
+    std::ostringstream text;
+    text << address;
+    return text.str();
+}
 
 }  // namespace
 
@@ -29,56 +33,30 @@ std::uint64_t CellBrokers::Broker::octets_sent() const {
 bool CellBrokers::Broker::is_at_home_in_view_of(std::size_t members) const {
     const BrokerStatus* own = own_status();
     if (is_down || own == nullptr || own->incarnation == former_incarnation) return false;
-    const std::string home = address.address().to_string() + ":" + std::to_string(address.port());
+    const std::string home = text_of(address);
     return own->view_members.size() == members && watch->alive() == members &&
            std::ranges::count(own->addresses, home) > 0;
 }
 
-CellBrokers::CellBrokers(const SweepSettings& settings, const Cell& cell,
-                         const std::string& network, const std::filesystem::path& program,
+CellBrokers::CellBrokers(const SweepSettings& settings, const Cell& cell, CellWorld& world,
                          const ResultsFolder& results)
-    : settings_(settings), cell_(cell), network_(network), program_(program), results_(results) {
-    if (cell.brokers > 1) {
-        domain_ = claim_domain(settings.domain_base, domains_in_turn, cell.number - 1);
-        if (!domain_) {
-            throw RunFailed("none of the DDS domains " + std::to_string(settings.domain_base) +
-                            " to " + std::to_string(settings.domain_base + domains_in_turn - 1) +
-                            " is free");
-        }
-    }
-    if (cell.fault == Fault::cut) {
-        lan_.emplace(static_cast<int>(cell.brokers) + 1);
-        if (!lan_->why_not().empty()) throw RunFailed("fault `cut`: " + lan_->why_not());
-    }
+    : settings_(settings), cell_(cell), world_(world), results_(results) {
     brokers_.resize(cell.brokers);
     for (std::size_t i = 0; i < size(); ++i) {
         brokers_[i].name = "b" + std::to_string(i + 1);
-        brokers_[i].address = {boost::asio::ip::make_address(address_text(i)), settings_.port};
+        brokers_[i].address = world.address_of(i);
     }
     for (std::size_t i = 0; i < size(); ++i) start(i);  // each may have to name all (voters)
 }
 
-std::string CellBrokers::address_text(std::size_t number) const {
-    // A machine's address for its clients is not the one that it has itself: it can move.
-    if (lan_) return "10.60.0." + std::to_string(100 + host_of(number));
-    // Another network for each cell: nothing of an earlier one can answer.
-    return network_ + "." + std::to_string(cell_.number % 250 + 1) + "." +
-           std::to_string(number + 1);
-}
-
 std::vector<std::string> CellBrokers::arguments_of(std::size_t number) const {
-    std::vector<std::string> arguments = {
-        "--name", brokers_[number].name, "--listen",
-        address_text(number) + ":" + std::to_string(settings_.port)};
+    std::vector<std::string> arguments = {"--name", brokers_[number].name, "--listen",
+                                          text_of(brokers_[number].address)};
     arguments.insert(arguments.end(), settings_.broker_options.begin(),
                      settings_.broker_options.end());
     if (cell_.brokers == 1) return arguments;
-    const std::vector<std::string> cluster = {"--domain",    std::to_string(domain_->domain),
-                                              "--interface", lan_ ? "eth0" : "lo",
-                                              "--elector",   cell_.elector,
-                                              "--detector",  cell_.detector,
-                                              "--acks",      cell_.acks};
-    arguments.insert(arguments.end(), cluster.begin(), cluster.end());
+    arguments.insert(arguments.end(), {"--elector", cell_.elector, "--detector", cell_.detector,
+                                       "--acks", cell_.acks});
     if (cell_.elector == "raft") {
         arguments.emplace_back("--voters");
         for (const Broker& voter : brokers_) arguments.push_back(voter.name);
@@ -92,21 +70,15 @@ std::vector<BrokerAddress> CellBrokers::addresses() const {
     return addresses;
 }
 
-void CellBrokers::watch(boost::asio::io_context& io, const std::function<void()>& on_change) {
+void CellBrokers::watch(const std::function<void()>& on_change) {
     // A broker that does not listen yet is asked again soon, as long as we are willing to wait.
     client::Timing timing;
     timing.t_retry = 100ms;
     timing.n_retry = static_cast<int>(settings_.start_within / 100ms) + 300;
-    const auto there = where_robots_are();
     for (Broker& broker : brokers_) {
-        broker.watch = std::make_unique<BrokerWatch>(io, broker.address, "watch-" + broker.name,
-                                                     timing, on_change);
+        broker.watch = std::make_unique<BrokerWatch>(world_.surroundings(), broker.address,
+                                                     "watch-" + broker.name, timing, on_change);
     }
-}
-
-std::optional<Lan::On> CellBrokers::where_robots_are() const {
-    if (!lan_) return std::nullopt;
-    return std::optional<Lan::On>{std::in_place, *lan_, host_of(size())};
 }
 
 bool CellBrokers::are_whole() const {
@@ -144,59 +116,49 @@ void CellBrokers::start(std::size_t number) {
     ++broker.lives;
     if (const BrokerStatus* own = broker.own_status()) broker.former_incarnation = own->incarnation;
     const std::string life = broker.lives == 1 ? "" : "-life-" + std::to_string(broker.lives);
-    std::optional<Lan::On> there;
-    if (lan_) there.emplace(*lan_, host_of(number));
-    try {
-        broker.process =
-            std::make_unique<BrokerProcess>(broker.name, program_, arguments_of(number),
-                                            results_.trace_file(cell_, broker.name + life));
-    } catch (const std::runtime_error& error) {
-        throw RunFailed(error.what());
-    }
+    world_.start(number, {.name = broker.name,
+                          .arguments = arguments_of(number),
+                          .trace = results_.trace_file(cell_, broker.name + life)});
     broker.is_down = false;
 }
 
 void CellBrokers::kill(std::size_t number) {
     brokers_[number].is_down = true;
-    brokers_[number].process->kill();
+    world_.kill(number);
 }
 
 void CellBrokers::ask_to_stop(std::size_t number) {
     brokers_[number].is_down = true;
-    brokers_[number].process->ask_to_stop();
+    world_.ask_to_stop(number);
 }
 
 void CellBrokers::stop_all() {
     for (Broker& broker : brokers_) broker.watch.reset();
-    for (Broker& broker : brokers_) {
-        if (broker.process) broker.process->ask_to_stop();
-    }
-    for (Broker& broker : brokers_) {
-        if (broker.process) broker.process->stop(stop_patience);
-    }
+    world_.stop_all();
 }
 
 void CellBrokers::check() {
-    for (Broker& broker : brokers_) {
-        if (broker.is_down || !broker.process->has_ended()) continue;
-        throw RunFailed("broker " + broker.name + " ended unexpectedly, " +
-                        broker.process->how_it_ended());
+    for (std::size_t i = 0; i < size(); ++i) {
+        if (brokers_[i].is_down || !world_.has_ended(i)) continue;
+        throw RunFailed("broker " + brokers_[i].name + " ended unexpectedly, " +
+                        world_.how_it_ended(i));
     }
 }
 
 void CellBrokers::begin_usage() {
-    for (Broker& broker : brokers_) {
-        broker.usage_before = usage_of(broker.process->pid()).value_or(ProcessUsage{});
-        broker.usage_from = net::now();
+    for (std::size_t i = 0; i < size(); ++i) {
+        Broker& broker = brokers_[i];
+        broker.usage_before = world_.usage_of(i).value_or(ProcessUsage{});
+        broker.usage_from = world_.now();
         broker.octets_before = broker.octets_sent();
     }
 }
 
 void CellBrokers::end_usage(std::size_t number) {
     Broker& broker = brokers_[number];
-    if (broker.usage) return;  // struck down before
-    broker.usage = usage_of(broker.process->pid());
-    broker.usage_time = net::now() - broker.usage_from;
+    if (std::exchange(broker.is_measured, true)) return;  // struck down before
+    broker.usage = world_.usage_of(number);
+    broker.usage_time = world_.now() - broker.usage_from;
     broker.octets = broker.octets_sent() - broker.octets_before;
 }
 

@@ -2,12 +2,9 @@
 
 #include <algorithm>
 #include <array>
-#include <boost/asio/executor_work_guard.hpp>
 #include <cmath>
-#include <ctime>
 #include <fstream>
 
-#include "broker/net/clock.h"
 #include "experiments/measure/failover.h"
 #include "romano/base/random.h"
 
@@ -28,15 +25,6 @@ double in_ms(Duration duration) {
     return std::chrono::duration<double, std::milli>(duration).count();
 }
 
-std::string utc_now() {
-    const std::time_t now = std::time(nullptr);
-    std::tm utc{};
-    ::gmtime_r(&now, &utc);
-    std::array<char, 32> text{};
-    std::strftime(text.data(), text.size(), "%Y-%m-%dT%H:%M:%SZ", &utc);
-    return text.data();
-}
-
 double as_number(std::uint64_t count) {
     return static_cast<double>(count);
 }
@@ -52,9 +40,10 @@ CellRun::~CellRun() = default;
 RunRow CellRun::run() {
     RunRow row;
     row.cell = cell_;
-    row.started_utc = utc_now();
-    begun_ = net::now();
     try {
+        world_ = surroundings_.make_world(cell_);
+        row.started_utc = world_->date();
+        begun_ = world_->now();
         start_brokers();
         await_one_view();
         join_robots();
@@ -76,19 +65,18 @@ RunRow CellRun::run() {
         surroundings_.results.write_memory(cell_, memory_);
     }
     stop();
-    row.run_s = in_ms(net::now() - begun_) / 1e3;
+    if (world_) row.run_s = in_ms(world_->now() - begun_) / 1e3;
     return row;
 }
 
 void CellRun::start_brokers() {
     doing_ = "starting brokers";
-    brokers_ = std::make_unique<CellBrokers>(settings_, cell_, surroundings_.network,
-                                             surroundings_.broker_program, surroundings_.results);
+    brokers_ = std::make_unique<CellBrokers>(settings_, cell_, *world_, surroundings_.results);
 }
 
 void CellRun::await_one_view() {
     doing_ = "waiting for one view";
-    brokers_->watch(surroundings_.io, [this] { on_watch_change(); });
+    brokers_->watch([this] { on_watch_change(); });
     const auto deadline = begun_ + to_duration(settings_.start_within);
     if (run_until(deadline, [this] { return brokers_->are_whole(); })) return;
     throw RunFailed("the brokers were not in one view within start_within; " +
@@ -97,9 +85,8 @@ void CellRun::await_one_view() {
 
 void CellRun::join_robots() {
     doing_ = "robots join";
-    const auto there = brokers_->where_robots_are();
     swarm_ = std::make_unique<Swarm>(
-        surroundings_.io, brokers_->addresses(),
+        world_->surroundings(), brokers_->addresses(),
         Traffic{settings_.pattern, cell_.robots, settings_.group, cell_.qos},
         SwarmOptions{.rate_per_s = cell_.rate_per_s,
                      .payload_octets = cell_.payload_octets,
@@ -107,12 +94,12 @@ void CellRun::join_robots() {
                      .seed = cell_.seed * 1'000'003 + cell_.repetition});
     swarm_->join();
     if (settings_.probe_per_s > 0 && cell_.fault != Fault::none) {
-        probe_ = std::make_unique<FailoverProbe>(surroundings_.io, brokers_->addresses(),
+        probe_ = std::make_unique<FailoverProbe>(world_->surroundings(), brokers_->addresses(),
                                                  settings_.probe_per_s,
                                                  to_duration(settings_.retry), cell_.seed);
         probe_->join();
     }
-    const Instant deadline = net::now() + to_duration(settings_.start_within);
+    const Instant deadline = world_->now() + to_duration(settings_.start_within);
     const bool done = run_until(deadline, [this] {
         return (swarm_->has_joined() && (!probe_ || probe_->has_joined())) ||
                swarm_->trouble().has_value() || (probe_ && probe_->trouble());
@@ -130,7 +117,7 @@ void CellRun::load() {
     swarm_->start_load();
     if (probe_) probe_->start();
     is_loading_ = true;
-    const Instant started = net::now();
+    const Instant started = world_->now();
     const Instant end = started + to_duration(settings_.duration);
     if (cell_.fault != Fault::none) {
         run_for(to_duration(settings_.fault_after));
@@ -146,7 +133,7 @@ void CellRun::load() {
     swarm_->stop_load();
     if (probe_) probe_->stop();
     is_loading_ = false;
-    load_time_ = net::now() - started;
+    load_time_ = world_->now() - started;
     for (std::size_t i = 0; i < brokers_->size(); ++i) brokers_->end_usage(i);
 }
 
@@ -156,14 +143,14 @@ void CellRun::on_watch_change() {
     for (auto& broker : *brokers_) {
         if (broker.name == dead || broker.new_leader_at) continue;
         const auto leader = broker.watch->leader();
-        if (leader && *leader != dead) broker.new_leader_at = net::now();
+        if (leader && *leader != dead) broker.new_leader_at = world_->now();
     }
 }
 
 void CellRun::drain() {
     doing_ = "last deliveries";
     run_for(250ms);
-    run_until(net::now() + to_duration(settings_.drain),
+    run_until(world_->now() + to_duration(settings_.drain),
               [this] { return swarm_->account().is_settled(); });
 }
 
@@ -180,9 +167,7 @@ void CellRun::stop() {
     doing_ = "stopping";
     if (swarm_) swarm_->leave();
     if (probe_) probe_->leave();
-    // Handlers that are ready refer to robots and watches: they run before those are gone.
-    surroundings_.io.restart();
-    surroundings_.io.poll();
+    if (world_) world_->finish_moment();
     swarm_.reset();
     probe_.reset();
     if (brokers_) brokers_->stop_all();
@@ -292,9 +277,10 @@ void CellRun::measure_brokers(RunRow& row) const {
 void CellRun::sample_memory(Instant now) {
     if (!is_loading_ || now < next_memory_) return;
     next_memory_ = now + 1s;
-    for (const auto& broker : *brokers_) {
+    for (std::size_t i = 0; i < brokers_->size(); ++i) {
+        const auto& broker = (*brokers_)[i];
         if (broker.is_down) continue;
-        const auto usage = usage_of(broker.process->pid());
+        const auto usage = world_->usage_of(i);
         if (usage) memory_.push_back({swarm_->seconds_at(now), broker.name, usage->rss_mib});
     }
 }
@@ -302,31 +288,25 @@ void CellRun::sample_memory(Instant now) {
 double CellRun::share_over() const {
     // Starting and stopping take about two seconds.
     const double expected_s = settings_.duration.count() + 2;
-    return std::min(1.0, in_ms(net::now() - begun_) / 1e3 / expected_s);
+    return std::min(1.0, in_ms(world_->now() - begun_) / 1e3 / expected_s);
 }
 
 bool CellRun::run_until(Instant deadline, const std::function<bool()>& done) {
-    const auto end = net::to_steady_clock(deadline);
-    auto& io = surroundings_.io;
-    const auto stays = boost::asio::make_work_guard(io);
-    io.restart();
-    while (!done()) {
-        const Instant now = net::now();
-        if (now >= deadline) return false;
-        if (now - checked_ > 50ms) {
-            checked_ = now;
-            if (brokers_) brokers_->check();
-            sample_memory(now);
-            if (surroundings_.is_interrupted()) throw Interrupted{};
-            surroundings_.on_progress(share_over(), doing_);
-        }
-        io.run_one_until(std::min(end, net::to_steady_clock(now + 20ms)));
-    }
-    return true;
+    return world_->run_until(deadline, done, [this] { look_around(); });
+}
+
+void CellRun::look_around() {
+    const Instant now = world_->now();
+    if (now - checked_ <= 50ms) return;
+    checked_ = now;
+    if (brokers_) brokers_->check();
+    sample_memory(now);
+    if (surroundings_.is_interrupted()) throw Interrupted{};
+    surroundings_.on_progress(share_over(), doing_);
 }
 
 void CellRun::run_for(Duration duration) {
-    run_until(net::now() + duration, [] { return false; });
+    run_until(world_->now() + duration, [] { return false; });
 }
 
 }  // namespace romano::experiments

@@ -1,11 +1,9 @@
-// One cell, run for real: broker processes on loopback addresses in a DDS domain of their own, a
-// swarm of robots, a fault in the middle, and what came of it.
+// One cell, run in its world: brokers, a swarm of robots, a fault in the middle, and what came of
+// it.
 //
 //   start brokers → all in one view → robots join → load … fault … load → drain → measure → stop
 #pragma once
 
-#include <boost/asio/io_context.hpp>
-#include <filesystem>
 #include <functional>
 #include <memory>
 #include <stdexcept>
@@ -16,6 +14,7 @@
 #include "experiments/robots/failover_probe.h"
 #include "experiments/robots/swarm.h"
 #include "experiments/sweep/cell_brokers.h"
+#include "experiments/sweep/cell_world.h"
 #include "experiments/sweep/fault_injection.h"
 #include "experiments/sweep/results_folder.h"
 #include "experiments/sweep/run_row.h"
@@ -29,10 +28,8 @@ struct Interrupted : std::runtime_error {
 };
 
 struct CellSurroundings {
-    boost::asio::io_context& io;
-    std::filesystem::path broker_program;
+    std::function<std::unique_ptr<CellWorld>(const Cell& cell)> make_world;  // throws RunFailed
     const ResultsFolder& results;
-    std::string network;  // the sweep's own, such as "127.50"
     /// Told what is going on, with the share of the cell that is over.
     std::function<void(double share, std::string_view doing)> on_progress;
     std::function<bool()> is_interrupted;
@@ -60,6 +57,7 @@ private:
     void measure_brokers(RunRow& row) const;
 
     void on_watch_change();
+    void look_around();
     void sample_memory(Instant now);
     [[nodiscard]] double share_over() const;
     /// Runs the robots and watches until `done` or the deadline; true when `done`.
@@ -69,6 +67,7 @@ private:
     const SweepSettings& settings_;
     const Cell& cell_;
     const CellSurroundings& surroundings_;
+    std::unique_ptr<CellWorld> world_;
     std::unique_ptr<CellBrokers> brokers_;
     std::unique_ptr<Swarm> swarm_;
     std::unique_ptr<FailoverProbe> probe_;          // only where something fails, and if wanted

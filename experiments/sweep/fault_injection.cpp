@@ -6,8 +6,6 @@
 #include <numeric>
 #include <utility>
 
-#include "broker/net/clock.h"
-
 namespace romano::experiments {
 namespace {
 
@@ -26,6 +24,7 @@ FaultInjection::FaultInjection(const SweepSettings& settings, const Cell& cell,
     : settings_(settings),
       cell_(cell),
       brokers_(brokers),
+      world_(brokers.world()),
       notes_(std::move(notes)),
       run_until_(std::move(run_until)),
       random_(cell.seed * 1'000'003 + cell.repetition + 2) {}
@@ -59,18 +58,18 @@ void FaultInjection::kill(std::size_t broker) {
 
 void FaultInjection::pause(std::size_t broker, Instant end) {
     strike(broker, "SIGSTOP");
-    brokers_[broker].process->pause();
+    world_.pause(broker);
     rest(end);
-    note(net::now(), "SIGCONT " + brokers_[broker].name);
-    brokers_[broker].process->resume();
+    note(world_.now(), "SIGCONT " + brokers_[broker].name);
+    world_.resume(broker);
 }
 
 void FaultInjection::cut(std::size_t broker, Instant end) {
     strike(broker, "cuts off");
-    brokers_.cut(broker);
+    world_.cut(broker);
     rest(end);
-    note(net::now(), "mends the link of " + brokers_[broker].name);
-    brokers_.mend(broker);
+    note(world_.now(), "mends the link of " + brokers_[broker].name);
+    world_.mend(broker);
 }
 
 void FaultInjection::kill_all_but_one(Instant end) {
@@ -84,22 +83,21 @@ void FaultInjection::kill_all_but_one(Instant end) {
 
 void FaultInjection::replace_one_after_the_other(Instant end) {
     const auto order = in_any_order();
-    for (std::size_t turn = 0; net::now() < end; ++turn) {
+    for (std::size_t turn = 0; world_.now() < end; ++turn) {
         const std::size_t broker = order[turn % order.size()];
         if (cell_.fault == Fault::rolling_kill) {
             kill(broker);
         } else {
             const Instant asked = strike(broker, "SIGTERM");
             brokers_.ask_to_stop(broker);
-            BrokerProcess& process = *brokers_[broker].process;
-            if (!run_until_(asked + ends_within, [&] { return process.has_ended(); })) {
+            if (!run_until_(asked + ends_within, [&] { return world_.has_ended(broker); })) {
                 throw RunFailed(brokers_[broker].name + " did not end within 5 s of SIGTERM");
             }
         }
-        note(net::now(), "starts " + brokers_[broker].name);
+        note(world_.now(), "starts " + brokers_[broker].name);
         brokers_.start(broker);
         await_whole();
-        note(net::now(), "all are in one view, each at its own address");
+        note(world_.now(), "all are in one view, each at its own address");
         rest(end);
     }
 }
@@ -126,7 +124,7 @@ std::vector<std::size_t> FaultInjection::in_any_order() {
 
 Instant FaultInjection::strike(std::size_t broker, const char* what) {
     brokers_.end_usage(broker);
-    const Instant at = net::now();
+    const Instant at = world_.now();
     strikes_.push_back({broker, at});
     note(at, std::string{what} + " " + brokers_[broker].name);
     return at;
@@ -140,13 +138,13 @@ void FaultInjection::note(Instant at, const std::string& what) {
 }
 
 void FaultInjection::rest(Instant end) {
-    run_until_(std::min(end, net::now() + std::chrono::duration_cast<Duration>(settings_.pause)),
+    run_until_(std::min(end, world_.now() + std::chrono::duration_cast<Duration>(settings_.pause)),
                never_done);
 }
 
 void FaultInjection::await_whole() {
     const Instant deadline =
-        net::now() + std::chrono::duration_cast<Duration>(settings_.start_within);
+        world_.now() + std::chrono::duration_cast<Duration>(settings_.start_within);
     if (run_until_(deadline, [this] { return brokers_.are_whole(); })) return;
     throw RunFailed("the brokers were not whole again within start_within; " +
                     brokers_.what_they_see());

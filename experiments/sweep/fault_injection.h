@@ -50,6 +50,7 @@ private:
     const SweepSettings& settings_;
     const Cell& cell_;
     CellBrokers& brokers_;
+    CellWorld& world_;
     std::ofstream notes_;
     RunUntil run_until_;
     Random random_;

@@ -15,6 +15,7 @@ std::string to_json(const Manifest& manifest, const Sweep& sweep) {
     }
     const ordered_json json = {
         {"sweep", sweep.settings.name},
+        {"world", name_of(sweep.settings.world)},
         {"started_utc", manifest.started_utc},
         {"romano",
          {{"version", manifest.build.version},

@@ -100,7 +100,9 @@ const RunRow* ResultsFolder::row_of(const Cell& cell) const {
 
 void ResultsFolder::put(const RunRow& row) {
     std::erase_if(rows_, [&](const RunRow& other) { return other.cell == row.cell; });
-    rows_.push_back(row);
+    const auto behind = std::ranges::find_if(
+        rows_, [&](const RunRow& other) { return other.cell.number > row.cell.number; });
+    rows_.insert(behind, row);
     write_rows();
 }
 

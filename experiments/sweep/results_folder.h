@@ -34,7 +34,8 @@ public:
     /// Null when it was not run yet.
     [[nodiscard]] const RunRow* row_of(const Cell& cell) const;
 
-    /// In the place of an earlier row of that cell, if there is one.
+    /// Rows stand in the order of their cells. In the place of an earlier row of that cell, if
+    /// there is one.
     void put(const RunRow& row);
     /// Takes the cell's row, samples and traces over from another folder of the same experiment.
     void take(const RunRow& row, const std::filesystem::path& from);

@@ -26,6 +26,20 @@ constexpr std::array<std::pair<Pattern, std::string_view>, 3> pattern_names{{
     {Pattern::commands, "commands"},
 }};
 
+constexpr std::array<std::pair<World, std::string_view>, 2> world_names{{
+    {World::processes, "processes"},
+    {World::simulated, "simulated"},
+}};
+
+/// How large a cell may be.
+struct Most {
+    std::uint32_t brokers;
+    std::uint32_t robots;
+};
+constexpr Most most_in(World world) {
+    return world == World::simulated ? Most{100, 2000} : Most{32, 5000};
+}
+
 std::string listed(std::span<const std::string_view> names) {
     std::string text;
     for (const std::string_view name : names) {
@@ -194,19 +208,21 @@ QosMix read_qos(const Table& table, const toml::node& node) {
     return *mix;
 }
 
-std::string read_acks(const Table& table, const toml::node& node) {
+std::string read_acks(const Table& table, const toml::node& node, std::uint32_t most) {
     if (node.value_exact<std::string>() == "all") return "all";
-    if (!node.is_integer())
-        table.refuse(node, "acks", "a number of peers from 0 to 31, or \"all\"");
-    return std::to_string(table.integer_in(node, "acks", 0, 31));
+    if (!node.is_integer()) {
+        table.refuse(node, "acks",
+                     "a number of peers from 0 to " + std::to_string(most) + ", or \"all\"");
+    }
+    return std::to_string(table.integer_in(node, "acks", 0, most));
 }
 
-Axes read_axes(const Table& table) {
+Axes read_axes(const Table& table, const Most& most) {
     table.allow_only({"brokers", "robots", "rate", "payload", "qos", "elector", "detector", "acks",
                       "fault", "seed"});
     Axes axes;
-    axes.brokers = counts(table, "brokers", 1, 1, 32);
-    axes.robots = counts(table, "robots", 10, 1, 5000);
+    axes.brokers = counts(table, "brokers", 1, 1, most.brokers);
+    axes.robots = counts(table, "robots", 10, 1, most.robots);
     axes.rate = table.axis<double>("rate", 1, [&table](const toml::node& node) {
         return table.number_in(node, "rate", 0.01, 100'000,
                                "messages per second from 0.01 to 100000 are allowed");
@@ -217,8 +233,9 @@ Axes read_axes(const Table& table) {
         "qos", QosMix{{1}}, [&table](const toml::node& node) { return read_qos(table, node); });
     axes.elector = words(table, "elector", "component", election::elector_names());
     axes.detector = words(table, "detector", "link", election::detector_names());
-    axes.acks = table.axis<std::string>(
-        "acks", "1", [&table](const toml::node& node) { return read_acks(table, node); });
+    axes.acks = table.axis<std::string>("acks", "1", [&](const toml::node& node) {
+        return read_acks(table, node, most.brokers - 1);
+    });
     axes.fault = table.axis<Fault>("fault", Fault::none, [&table](const toml::node& node) {
         const auto word = node.value_exact<std::string>();
         const auto fault = fault_named(word.value_or(""));
@@ -269,6 +286,65 @@ Pattern read_pattern(const Table& table) {
     table.refuse(*table.find("pattern"), "pattern", "allowed are swarm, common, commands");
 }
 
+World read_world(const Table& table) {
+    const std::string word = table.word("world", "processes");
+    for (const auto& [world, name] : world_names) {
+        if (name == word) return world;
+    }
+    const toml::node& node = *table.find("world");
+    if (word == "radio") {
+        table.refuse(node, "world",
+                     "sweeps have no radio yet, romano paper has; allowed are processes, "
+                     "simulated");
+    }
+    table.refuse(node, "world", "allowed are processes, simulated");
+}
+
+/// A number of milliseconds, or the least and the most.
+void read_delay(const Table& table, const std::string& key, SimulatedLink& link) {
+    const toml::node* node = table.find(key);
+    if (node == nullptr) return;
+    constexpr const char* allowed =
+        "milliseconds from 0 to 10000 are allowed, or the least and the most: [1, 5]";
+    const toml::array* both = node->as_array();
+    if (both == nullptr) {
+        link.delay_min_ms = link.delay_max_ms = table.number_in(*node, key, 0, 10'000, allowed);
+        return;
+    }
+    if (both->size() != 2) table.refuse(*node, key, allowed);
+    link.delay_min_ms = table.number_in((*both)[0], key, 0, 10'000, allowed);
+    link.delay_max_ms = table.number_in((*both)[1], key, link.delay_min_ms, 10'000, allowed);
+}
+
+SimulatedLink read_link(const Table& table, const std::string& who) {
+    SimulatedLink link;
+    read_delay(table, who + "_delay_ms", link);
+    const std::string loss = who + "_loss_percent";
+    if (const toml::node* node = table.find(loss)) {
+        link.loss_percent = table.number_in(*node, loss, 0, 50, "percent from 0 to 50 are allowed");
+    }
+    return link;
+}
+
+/// What has no meaning in the other world would mislead.
+void refuse_what_is_of_another_world(const Table& table, World world) {
+    constexpr std::array<std::string_view, 4> simulated = {
+        "client_delay_ms", "client_loss_percent", "broker_delay_ms", "broker_loss_percent"};
+    constexpr std::array<std::string_view, 3> processes = {"domain_base", "network", "port"};
+    const auto refuse = [&table](std::span<const std::string_view> keys, const char* why) {
+        for (const std::string_view key : keys) {
+            if (const toml::node* node = table.find(key)) {
+                table.refuse(*node, std::string{key}, why);
+            }
+        }
+    };
+    if (world == World::processes) {
+        refuse(simulated, "only links of a simulated world (`world = \"simulated\"`) have it");
+    } else {
+        refuse(processes, "a simulated world has no addresses on this machine");
+    }
+}
+
 /// What the sweep itself tells each broker.
 constexpr std::array<std::string_view, 8> own_options = {"--name",      "--listen",  "--domain",
                                                          "--interface", "--elector", "--detector",
@@ -303,10 +379,34 @@ std::string read_network(const Table& table) {
 }
 
 SweepSettings read_settings(const Table& table, const std::string& file_name) {
-    table.allow_only({"name", "pattern", "repetitions", "duration", "fault_after", "pause", "drain",
-                      "start_within", "retry", "publish_within", "probe", "broker_options", "group",
-                      "domain_base", "network", "port", "output", "axes"});
+    table.allow_only({"name",
+                      "world",
+                      "pattern",
+                      "repetitions",
+                      "duration",
+                      "fault_after",
+                      "pause",
+                      "drain",
+                      "start_within",
+                      "retry",
+                      "publish_within",
+                      "probe",
+                      "broker_options",
+                      "group",
+                      "client_delay_ms",
+                      "client_loss_percent",
+                      "broker_delay_ms",
+                      "broker_loss_percent",
+                      "domain_base",
+                      "network",
+                      "port",
+                      "output",
+                      "axes"});
     SweepSettings settings;
+    settings.world = read_world(table);
+    refuse_what_is_of_another_world(table, settings.world);
+    settings.client_link = read_link(table, "client");
+    settings.broker_link = read_link(table, "broker");
     settings.name = table.word("name", std::filesystem::path{file_name}.stem().string());
     if (settings.name.find('/') != std::string::npos) {
         table.refuse(*table.find("name"), "name", "a name without / is allowed");
@@ -347,6 +447,13 @@ std::string_view name_of(Pattern pattern) {
     return "?";
 }
 
+std::string_view name_of(World world) {
+    for (const auto& [value, name] : world_names) {
+        if (value == world) return name;
+    }
+    return "?";
+}
+
 bool is_same_experiment(const Sweep& a, const Sweep& b) {
     SweepSettings elsewhere = b.settings;
     elsewhere.name = a.settings.name;
@@ -369,6 +476,7 @@ Sweep parse_sweep(std::string_view text, const std::string& file_name) {
     Sweep sweep{
         .settings = read_settings(table, file_name), .cells = {}, .text = std::string{text}};
 
+    const Most most = most_in(sweep.settings.world);
     std::vector<Cell> points;
     const toml::node* axes = table.find("axes");
     if (axes == nullptr) {
@@ -376,10 +484,10 @@ Sweep parse_sweep(std::string_view text, const std::string& file_name) {
                          ": no [axes]; at least `[axes]` with `brokers = [1]` is needed");
     }
     if (const toml::table* one = axes->as_table()) {
-        append_cells(read_axes({*one, file_name, "axes."}), points);
+        append_cells(read_axes({*one, file_name, "axes."}, most), points);
     } else if (axes->is_array_of_tables()) {
         for (const toml::node& each : *axes->as_array()) {
-            append_cells(read_axes({*each.as_table(), file_name, "axes."}), points);
+            append_cells(read_axes({*each.as_table(), file_name, "axes."}, most), points);
         }
     } else {
         table.refuse(*axes, "axes", "a table [axes], or several [[axes]], are allowed");

@@ -29,8 +29,27 @@ enum class Pattern : std::uint8_t {
 };
 [[nodiscard]] std::string_view name_of(Pattern pattern);
 
+/// What the cells run in.
+enum class World : std::uint8_t {
+    processes,  // romano-broker as processes, robots on sockets, on this machine
+    simulated,  // the same cores in virtual time, on links with delay and loss
+};
+[[nodiscard]] std::string_view name_of(World world);
+
+/// One of a simulated world's networks.
+struct SimulatedLink {
+    double delay_min_ms = 0.05;
+    double delay_max_ms = 0.3;
+    double loss_percent = 0;
+
+    friend bool operator==(const SimulatedLink&, const SimulatedLink&) = default;
+};
+
 struct SweepSettings {
     std::string name;
+    World world = World::processes;
+    SimulatedLink client_link;  // between robots and brokers
+    SimulatedLink broker_link;  // between brokers
     Pattern pattern = Pattern::swarm;
     std::uint32_t repetitions = 1;
     std::chrono::duration<double> duration{10};         // of the load

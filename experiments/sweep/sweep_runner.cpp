@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <boost/asio/io_context.hpp>
 #include <csignal>
 #include <cstdio>
 #include <ctime>
@@ -14,11 +13,14 @@
 
 #include "experiments/process/program.h"
 #include "experiments/report/summary_table.h"
+#include "experiments/sweep/cell_processes.h"
 #include "experiments/sweep/cell_run.h"
 #include "experiments/sweep/manifest.h"
 #include "experiments/sweep/place.h"
+#include "experiments/sweep/process_world.h"
 #include "experiments/sweep/progress_bar.h"
 #include "experiments/sweep/results_folder.h"
+#include "experiments/sweep/simulated_world.h"
 #include "experiments/sweep/telling.h"
 #include "experiments/sweep/text_file.h"
 
@@ -121,11 +123,71 @@ std::filesystem::path output_of(const Sweep& sweep, const SweepRequest& request)
            (std::to_string(request.shard->number) + "-of-" + std::to_string(request.shard->of));
 }
 
+void check_program(const std::filesystem::path& program) {
+    if (::access(program.c_str(), X_OK) == 0) return;
+    throw SweepError("no broker to run: `" + program.string() +
+                     "` is no program; build romano-broker, or name it with --broker");
+}
+
 NetworkPlace claim_network_of(const SweepSettings& settings) {
     if (auto place = claim_network(settings.network)) return std::move(*place);
     if (settings.network.empty()) throw SweepError("no loopback network is free; set `network`");
     throw SweepError("`network = \"" + settings.network +
                      "\"`: another sweep is using it; leave it out, and a free one is taken");
+}
+
+/// Real cells one after the other: they share the machine's processor. False when interrupted.
+bool run_processes(const Sweep& sweep, const std::vector<Cell>& cells, const NetworkPlace& place,
+                   const std::filesystem::path& program, ResultsFolder& results, ProgressBar& bar) {
+    for (const Cell& cell : cells) {
+        const CellSurroundings surroundings{
+            .make_world =
+                [&](const Cell& of) {
+                    return std::make_unique<ProcessWorld>(sweep.settings, of, place.network,
+                                                          program);
+                },
+            .results = results,
+            .on_progress =
+                [&bar, &cell](double share, std::string_view doing) {
+                    bar.show(share, describe(cell) + ": " + std::string{doing});
+                },
+            .is_interrupted = [] { return interrupted != 0; }};
+        try {
+            const RunRow row = CellRun{sweep.settings, cell, surroundings}.run();
+            results.put(row);
+            bar.finish_cell(line_of(row));
+        } catch (const Interrupted&) {
+            return false;
+        }
+    }
+    return true;
+}
+
+/// Simulated cells on all cores. False when interrupted.
+bool run_simulated(const Sweep& sweep, const std::vector<Cell>& cells, unsigned at_once,
+                   ResultsFolder& results, ProgressBar& bar) {
+    const CellProcesses processes{
+        .at_once = at_once,
+        .run =
+            [&](const Cell& cell, const CellProcesses::Tell& tell) {
+                const CellSurroundings surroundings{
+                    .make_world =
+                        [&](const Cell& of) {
+                            return std::make_unique<SimulatedWorld>(sweep.settings, of);
+                        },
+                    .results = results,
+                    .on_progress = tell,
+                    .is_interrupted = [] { return interrupted != 0; }};
+                return CellRun{sweep.settings, cell, surroundings}.run();
+            },
+        .on_row =
+            [&](const RunRow& row) {
+                results.put(row);
+                bar.finish_cell(line_of(row));
+            },
+        .on_progress = [&](double share, std::string_view doing) { bar.show(share, doing); },
+        .is_interrupted = [] { return interrupted != 0; }};
+    return processes.run_all(cells);
 }
 
 }  // namespace
@@ -136,22 +198,30 @@ int run_sweep(const SweepRequest& request) {
     const std::vector<Cell> done = done_elsewhere(sweep, request);
     if (request.only_cell && !request.replace) sweep.cells = cells;
     sweep.settings.output = output_of(sweep, request);
-    if (::access(request.broker_program.c_str(), X_OK) != 0) {
-        throw SweepError("no broker to run: `" + request.broker_program.string() +
-                         "` is no program; build romano-broker, or name it with --broker");
+    const bool is_simulated = sweep.settings.world == World::simulated;
+    std::optional<NetworkPlace> place;
+    if (is_simulated) {
+        check_simulated_broker_options(sweep.settings);
+    } else {
+        if (request.jobs) {
+            throw SweepError("--jobs " + std::to_string(*request.jobs) +
+                             ": only cells of `world = \"simulated\"` run at once; real ones "
+                             "would take each other's processor");
+        }
+        check_program(request.broker_program);
+        place = claim_network_of(sweep.settings);
     }
-    const NetworkPlace place = claim_network_of(sweep.settings);
     ResultsFolder results{sweep.settings.output, sweep,
                           request.fresh || (request.only_cell && !request.replace)};
-    const Manifest manifest{.build = build_info(),
-                            .machine = this_machine(),
-                            .started_utc = utc_now_for_people(),
-                            .sweep_file = std::filesystem::absolute(request.file).string(),
-                            .broker_version = version_of(request.broker_program)};
+    const Manifest manifest{
+        .build = build_info(),
+        .machine = this_machine(),
+        .started_utc = utc_now_for_people(),
+        .sweep_file = std::filesystem::absolute(request.file).string(),
+        .broker_version = is_simulated ? "" : version_of(request.broker_program)};
     write_text(results.path() / "manifest.json", to_json(manifest, sweep));
 
     listen_for_interrupts();
-    boost::asio::io_context io{1};
     std::vector<Cell> to_run;
     std::ranges::copy_if(cells, std::back_inserter(to_run),
                          [&](const Cell& cell) { return is_to_run(cell, request, results, done); });
@@ -163,26 +233,10 @@ int run_sweep(const SweepRequest& request) {
     bool stopped = false;
     {
         ProgressBar bar{stdout, cells.size(), done_before};
-        for (const Cell& cell : to_run) {
-            const CellSurroundings surroundings{
-                .io = io,
-                .broker_program = request.broker_program,
-                .results = results,
-                .network = place.network,
-                .on_progress =
-                    [&bar, &cell](double share, std::string_view doing) {
-                        bar.show(share, describe(cell) + ": " + std::string{doing});
-                    },
-                .is_interrupted = [] { return interrupted != 0; }};
-            try {
-                const RunRow row = CellRun{sweep.settings, cell, surroundings}.run();
-                results.put(row);
-                bar.finish_cell(line_of(row));
-            } catch (const Interrupted&) {
-                stopped = true;
-                break;
-            }
-        }
+        stopped = is_simulated
+                      ? !run_simulated(sweep, to_run, request.jobs.value_or(manifest.machine.cores),
+                                       results, bar)
+                      : !run_processes(sweep, to_run, *place, request.broker_program, results, bar);
     }
 
     const int exit_code = tell(sweep, manifest, results.rows(), results.path());

@@ -18,6 +18,7 @@ struct SweepRequest {
     std::optional<Shard> shard;              // its cells only, into a folder of its own
     bool replace = false;                    // but its row takes the place of the earlier one
     std::filesystem::path broker_program;    // romano-broker
+    std::optional<unsigned> jobs;            // simulated cells at once; else one for each core
 };
 
 /// The program's exit code: 0, 1 when runs failed, 130 after Ctrl-C. Throws SweepError before

@@ -5,15 +5,13 @@
 
 namespace romano::experiments {
 
-BrokerWatch::BrokerWatch(boost::asio::io_context& io, const BrokerAddress& broker,
+BrokerWatch::BrokerWatch(Surroundings& surroundings, const BrokerAddress& broker,
                          const std::string& client_id, const client::Timing& timing,
-                         std::function<void()> on_change,
-                         std::shared_ptr<keys::ClientPackets> packets)
+                         std::function<void()> on_change)
     : client_id_(client_id),
       on_change_(std::move(on_change)),
-      client_(
-          io, broker, timing, std::hash<std::string>{}(client_id),
-          [this](const client::Event& event) { on_event(event); }, std::move(packets)) {
+      client_(surroundings, broker, timing, std::hash<std::string>{}(client_id),
+              [this](const client::Event& event) { on_event(event); }) {
     connect();
 }
 

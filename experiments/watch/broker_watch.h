@@ -2,15 +2,13 @@
 // $SYS/brokers/+ there and keeps the latest word on each broker.
 #pragma once
 
-#include <boost/asio/io_context.hpp>
 #include <chrono>
 #include <functional>
 #include <map>
-#include <memory>
 #include <optional>
 #include <string>
 
-#include "experiments/robots/socket_client.h"
+#include "experiments/robots/robot_client.h"
 #include "experiments/watch/broker_status.h"
 
 namespace romano::experiments {
@@ -23,10 +21,9 @@ public:
     };
 
     /// `on_change` is called after each word on a broker; may be empty.
-    BrokerWatch(boost::asio::io_context& io, const BrokerAddress& broker,
+    BrokerWatch(Surroundings& surroundings, const BrokerAddress& broker,
                 const std::string& client_id, const client::Timing& timing,
-                std::function<void()> on_change,
-                std::shared_ptr<keys::ClientPackets> packets = nullptr);
+                std::function<void()> on_change);
 
     [[nodiscard]] const std::map<std::string, Seen>& brokers() const { return brokers_; }
     /// The brokers said to be alive.
@@ -42,7 +39,7 @@ public:
     [[nodiscard]] bool has_failed() const { return failed_; }
     /// The broker answered, with a refusal.
     [[nodiscard]] std::optional<mqttsn::ReturnCode> denial() const { return denial_; }
-    [[nodiscard]] const SocketClient& client() const { return client_; }
+    [[nodiscard]] const RobotClient& client() const { return client_; }
     void leave();
 
 private:
@@ -56,7 +53,7 @@ private:
     bool failed_ = false;
     std::optional<mqttsn::ReturnCode> denial_;
     bool leaving_ = false;
-    SocketClient client_;
+    RobotClient client_;
 };
 
 }  // namespace romano::experiments

@@ -18,6 +18,12 @@ Endpoint plain(Endpoint address) {
     return address;
 }
 
+std::uint64_t octets_of(const TrafficByDelivery& traffic) {
+    std::uint64_t octets = 0;
+    for (const auto& [delivery, counted] : traffic) octets += counted.octets;
+    return octets;
+}
+
 }  // namespace
 
 ClusterBroker::ClusterBroker(const ClusterBrokerOptions& options, EventQueue& events,
@@ -92,6 +98,8 @@ void ClusterBroker::create_core() {
         };
     }
     member_ = std::make_unique<overlay::Member>(member, seed_of(seed_, "member", incarnation()));
+    sent_before_ = octets_of(peers_.sent_by(node()));
+    received_before_ = octets_of(peers_.received_by(node()));
     transport_ = peers_.attach(log, node(), std::move(on_link));
     transport_->start([this](const cluster::Envelope& envelope) { on_envelope(envelope); });
     for (const Endpoint& address : options_.home_addresses) {
@@ -176,7 +184,14 @@ void ClusterBroker::take(const broker::LogId& process, election::Link link) {
     carry_out();
 }
 
+void ClusterBroker::tell_of_traffic() {
+    if (!peers_.options().octets_of) return;
+    member_->on_transport_octets(octets_of(peers_.sent_by(node())) - sent_before_,
+                                 octets_of(peers_.received_by(node())) - received_before_);
+}
+
 void ClusterBroker::tick() {
+    tell_of_traffic();
     let_member([&] { member_->on_tick(local_now(), actions_); });
 }
 

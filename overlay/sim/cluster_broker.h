@@ -65,6 +65,7 @@ private:
     void pulse_later();
     template <typename Step>
     void let_member(Step&& step);
+    void tell_of_traffic();
     void carry_out();
     void take_address(const Endpoint& address);
     void create_protection();
@@ -93,6 +94,8 @@ private:
     cluster::Pulse pulse_;
     bool is_pulsing_ = false;
     bool leaving_ = false;
+    std::uint64_t sent_before_ = 0;  // by earlier lives, in octets
+    std::uint64_t received_before_ = 0;
     std::chrono::nanoseconds core_time_{0};
     std::function<void()> observer_;
 };

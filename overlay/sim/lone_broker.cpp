@@ -16,6 +16,10 @@ void LoneBroker::create_core() {
     core_ = std::make_unique<broker::BrokerCore>(options_.broker,
                                                  seed_of(seed_, "core", incarnation()));
     for (const Endpoint& address : options_.addresses) bind(address);
+    for (const auto& [topic, text] : options_.system_topics) {
+        core_->set_system_topic(local_now(), topic, as_octets(text), actions_);
+    }
+    carry_out();
 }
 
 void LoneBroker::take(const Datagram& datagram) {

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <memory>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "broker/core/broker_core.h"
@@ -14,6 +16,7 @@ struct LoneBrokerOptions {
     Node node{};
     std::vector<Endpoint> addresses;
     broker::BrokerOptions broker;
+    std::vector<std::pair<std::string, std::string>> system_topics{};  // and what they say
 };
 
 class LoneBroker final : public BrokerProcess {

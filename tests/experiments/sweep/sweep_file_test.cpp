@@ -74,6 +74,31 @@ TEST(SweepFile, ReadsEverySetting) {
     EXPECT_EQ(last.repetition, 2u);
 }
 
+TEST(SweepFile, ReadsTheLinksOfASimulatedWorld) {
+    const Sweep sweep = parse_sweep(R"(
+        world = "simulated"
+        client_delay_ms = 5
+        client_loss_percent = 1.5
+        broker_delay_ms = [1, 2.5]
+        [axes]
+        brokers = [1, 100]
+        robots = 2000
+    )",
+                                    "try.toml");
+    EXPECT_EQ(sweep.settings.world, World::simulated);
+    EXPECT_EQ(sweep.settings.client_link,
+              (SimulatedLink{.delay_min_ms = 5, .delay_max_ms = 5, .loss_percent = 1.5}));
+    EXPECT_EQ(sweep.settings.broker_link,
+              (SimulatedLink{.delay_min_ms = 1, .delay_max_ms = 2.5, .loss_percent = 0}));
+    EXPECT_THAT(sweep.cells, SizeIs(2));
+}
+
+// A row of the one is none of the other.
+TEST(SweepFile, MeansAnotherExperimentInAnotherWorld) {
+    EXPECT_FALSE(is_same_experiment(parse_sweep("[axes]", "try.toml"),
+                                    parse_sweep("world = \"simulated\"\n[axes]", "try.toml")));
+}
+
 TEST(Cells, AreAllCombinationsRepetitionsOutermost) {
     const Sweep sweep =
         parse_sweep("repetitions = 2\n[axes]\nbrokers = [2, 3]\nrobots = [5, 6]\n", "try.toml");
@@ -131,10 +156,11 @@ INSTANTIATE_TEST_SUITE_P(
     SweepFile, Refusals,
     ::testing::Values(
         Refusal{"durations = 3\n[axes]",
-                "try.toml, line 1: unknown setting `durations`; known are name, pattern, "
-                "repetitions, duration, fault_after, pause, drain, start_within, retry, "
-                "publish_within, probe, broker_options, group, "
-                "domain_base, network, port, output, axes"},
+                "try.toml, line 1: unknown setting `durations`; known are name, world, "
+                "pattern, repetitions, duration, fault_after, pause, drain, start_within, retry, "
+                "publish_within, probe, broker_options, group, client_delay_ms, "
+                "client_loss_percent, broker_delay_ms, broker_loss_percent, domain_base, network, "
+                "port, output, axes"},
         Refusal{"[axes]\nbroker = 3",
                 "try.toml, line 2: unknown setting `axes.broker`; known are brokers, robots, "
                 "rate, payload, qos, elector, detector, acks, fault, seed"},
@@ -165,6 +191,26 @@ INSTANTIATE_TEST_SUITE_P(
                 "try.toml, line 1: `duration = \"long\"`: seconds from 0 to 86400 are allowed"},
         Refusal{"pattern = \"mesh\"\n[axes]",
                 "try.toml, line 1: `pattern = \"mesh\"`: allowed are swarm, common, commands"},
+        Refusal{"world = \"moon\"\n[axes]",
+                "try.toml, line 1: `world = \"moon\"`: allowed are processes, simulated"},
+        Refusal{"world = \"radio\"\n[axes]",
+                "try.toml, line 1: `world = \"radio\"`: sweeps have no radio yet, romano paper "
+                "has; allowed are processes, simulated"},
+        Refusal{"client_loss_percent = 1\n[axes]",
+                "try.toml, line 1: `client_loss_percent = 1`: only links of a simulated world "
+                "(`world = \"simulated\"`) have it"},
+        Refusal{"world = \"simulated\"\nport = 1884\n[axes]",
+                "try.toml, line 2: `port = 1884`: a simulated world has no addresses on this "
+                "machine"},
+        Refusal{"world = \"simulated\"\nbroker_delay_ms = [3, 1]\n[axes]",
+                "try.toml, line 2: `broker_delay_ms = 1`: milliseconds from 0 to 10000 are "
+                "allowed, or the least and the most: [1, 5]"},
+        Refusal{"world = \"simulated\"\nclient_loss_percent = 51\n[axes]",
+                "try.toml, line 2: `client_loss_percent = 51`: percent from 0 to 50 are allowed"},
+        Refusal{"world = \"simulated\"\n[axes]\nbrokers = 101",
+                "try.toml, line 3: `axes.brokers = 101`: a whole number from 1 to 100 is allowed"},
+        Refusal{"world = \"simulated\"\n[axes]\nrobots = 2001",
+                "try.toml, line 3: `axes.robots = 2001`: a whole number from 1 to 2000 is allowed"},
         Refusal{"network = \"10.0\"\n[axes]",
                 "try.toml, line 1: `network = \"10.0\"`: the first two octets of a loopback "
                 "network, 127.0 to 127.255, are allowed"},

@@ -164,6 +164,59 @@ INSTANTIATE_TEST_SUITE_P(Each, SmallSweepWithA,
                              return name;
                          });
 
+// One seed is one run: who computes it, and beside what, makes no difference.
+TEST_F(SmallSweep, OfASimulatedWorldIsTheSameOnAnyNumberOfCores) {
+    write_sweep(
+        "world = \"simulated\"\n[axes]\nbrokers = [1, 3]\nrobots = [3, 6]\nrate = 10\n"
+        "qos = \"0+1+2\"\nfault = [\"none\", \"kill-leader\"]\n");
+    const Ran ran = sweep("--jobs 3");
+    EXPECT_EQ(ran.exit_code, 0) << ran.output;
+    ASSERT_THAT(rows(), SizeIs(6));
+    const std::string runs = read("runs.csv");
+    const std::string samples = read("samples/cell-0006.csv");
+    const std::string report = read("report.html");
+    EXPECT_THAT(report, HasSubstr("cells: simulated, the shipped cores"));
+    EXPECT_THAT(report, ::testing::Not(HasSubstr("real ")));
+    EXPECT_THAT(read("manifest.json"), HasSubstr("\"world\": \"simulated\""));
+
+    EXPECT_EQ(sweep("--fresh --jobs 1").exit_code, 0);
+    EXPECT_EQ(read("runs.csv"), runs);
+    EXPECT_EQ(read("samples/cell-0006.csv"), samples);
+    EXPECT_EQ(sweep("--cell 6").exit_code, 0);
+    EXPECT_EQ(read("cell-6-again/samples/cell-0006.csv"), samples);
+    EXPECT_EQ(sweep("--shard 2/2").exit_code, 0);
+}
+
+TEST_F(SmallSweep, OfASimulatedWorldRefusesBeforeItStarts) {
+    write_sweep("world = \"simulated\"\nbroker_options = [\"--realtime\"]\n[axes]\n");
+    const Ran ran = sweep();
+    EXPECT_EQ(ran.exit_code, 2);
+    EXPECT_THAT(ran.output, HasSubstr("--realtime means nothing in a simulated world"));
+    write_sweep("[axes]\n");
+    const Ran real = sweep("--jobs 2");
+    EXPECT_EQ(real.exit_code, 2);
+    EXPECT_THAT(real.output, HasSubstr("--jobs 2: only cells of `world = \"simulated\"`"));
+}
+
+// The same cell, twice: on processes and in virtual time.
+TEST_F(SmallSweep, AgreesInBothWorlds) {
+    const std::string cell =
+        "probe = 100\nbroker_options = [\"--detection-timeout-ms\", \"300\"]\n"
+        "[axes]\nbrokers = 3\nrobots = 6\nrate = 10\nqos = \"1+2\"\nfault = \"pause\"\n";
+    write_sweep(cell);
+    EXPECT_EQ(sweep().exit_code, 0);
+    ASSERT_THAT(rows(), SizeIs(1));
+    const RunRow real = rows()[0];
+    write_sweep("world = \"simulated\"\n" + cell);
+    EXPECT_EQ(sweep("--fresh").exit_code, 0);
+    ASSERT_THAT(rows(), SizeIs(1));
+    const RunRow simulated = rows()[0];
+    EXPECT_EQ(simulated.delivery_ratio, real.delivery_ratio);
+    EXPECT_EQ(simulated.acknowledged_but_lost_qos2, real.acknowledged_but_lost_qos2);
+    EXPECT_EQ(simulated.failover_clients, real.failover_clients);
+    EXPECT_NEAR(simulated.failover_probe_ms.value_or(0), real.failover_probe_ms.value_or(0), 300);
+}
+
 TEST_F(SmallSweep, GoesOnBehindTheCellsThatAreDone) {
     write_sweep("[axes]\nbrokers = 1\nrobots = [2, 3]\nrate = 10\n");
     EXPECT_EQ(sweep().exit_code, 0);

@@ -1,0 +1,30 @@
+// The real world as clients see it: UDP sockets, the machine's monotonic clock, timers of Asio.
+// With a key, all that its ports say and hear is protected.
+#pragma once
+
+#include <boost/asio/io_context.hpp>
+#include <memory>
+#include <utility>
+
+#include "experiments/robots/surroundings.h"
+#include "romano/keys/client_packets.h"
+
+namespace romano::experiments {
+
+class Sockets : public Surroundings {
+public:
+    explicit Sockets(boost::asio::io_context& io,
+                     std::shared_ptr<keys::ClientPackets> packets = nullptr)
+        : io_(io), packets_(std::move(packets)) {}
+
+    [[nodiscard]] Instant now() const override;
+    [[nodiscard]] std::unique_ptr<Port> open_port(const BrokerAddress& broker,
+                                                  Port::OnDatagram on_datagram) override;
+    [[nodiscard]] std::unique_ptr<Alarm> make_alarm(std::function<void()> on_ring) override;
+
+private:
+    boost::asio::io_context& io_;
+    std::shared_ptr<keys::ClientPackets> packets_;  // null: plain
+};
+
+}  // namespace romano::experiments

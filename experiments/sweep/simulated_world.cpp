@@ -1,0 +1,332 @@
+#include "experiments/sweep/simulated_world.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+#include <variant>
+
+#include "broker/daemon/broker_options.h"
+#include "broker/daemon/refusal.h"
+#include "overlay/daemon/member_options.h"
+#include "overlay/member/status_topic.h"
+#include "overlay/sim/cluster_broker.h"
+#include "overlay/sim/lone_broker.h"
+#include "overlay/sim/seed.h"
+
+namespace romano::experiments {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr Duration step = 1ms;  // of virtual time, from one look to the next
+
+// From exec to the first word to a client or a peer.
+constexpr Duration starts_within_min = 50ms;
+constexpr Duration starts_within_max = 150ms;
+
+/// All of a cell's robots are at one place, as they are on one machine in the real world.
+constexpr sim::Node robots_node{1'000'000};
+
+Duration from_ms(double ms) {
+    return std::chrono::duration_cast<Duration>(std::chrono::duration<double, std::milli>{ms});
+}
+
+sim::LinkQuality quality_of(const SimulatedLink& link) {
+    sim::LinkQuality quality;
+    quality.delay_min = from_ms(link.delay_min_ms);
+    quality.delay_max = from_ms(link.delay_max_ms);
+    quality.loss_ppm = static_cast<std::uint32_t>(std::lround(link.loss_percent * 1e4));
+    return quality;
+}
+
+/// Throws daemon::Refusal.
+daemon::Settings settings_of(const std::vector<std::string>& arguments) {
+    std::vector<const char*> words{"romano-broker"};
+    for (const std::string& argument : arguments) words.push_back(argument.c_str());
+    const auto read = daemon::read_command_line(static_cast<int>(words.size()), words.data());
+    const auto* texts = std::get_if<daemon::SettingTexts>(&read);
+    if (texts == nullptr) throw daemon::Refusal("no options that a broker runs with");
+    return daemon::check(*texts);
+}
+
+/// Empty when there is none.
+std::string what_needs_a_machine(const daemon::Settings& settings) {
+    if (settings.realtime) return "--realtime";
+    if (settings.store) return "--store";
+    if (settings.metrics) return "--metrics";
+    if (settings.uplink) return "--uplink";
+    if (settings.cluster && settings.cluster->condition_file) return "--condition-file";
+    if (!settings.discovery_groups.empty()) return "--discovery-group";
+    return "";
+}
+
+std::uint64_t seed_of(const Cell& cell) {
+    return cell.seed * 1'000'003 + cell.repetition;
+}
+
+sim::BrokerNetworkOptions peers_options(const SweepSettings& settings, dds::BodyCodec& codec) {
+    sim::BrokerNetworkOptions options;
+    options.quality = quality_of(settings.broker_link);
+    options.octets_of = [&codec](const cluster::ClusterMessage& message) {
+        return codec.encode(message).size();
+    };
+    return options;
+}
+
+/// What a broker alone says about itself.
+std::pair<std::string, std::string> status_of(const std::string& name, const broker::LogId& log,
+                                              const Endpoint& address) {
+    cluster::Beacon beacon;
+    beacon.name = name;
+    beacon.log = log;
+    beacon.serving = {address};
+    const cluster::View view{.number = {.leader = log.broker, .count = 1}, .members = {log}};
+    return {overlay::status_topic(name), overlay::to_json({.beacon = beacon,
+                                                           .alive = true,
+                                                           .leads = true,
+                                                           .view = view,
+                                                           .member_names = {name},
+                                                           .leader_name = name,
+                                                           .teller_name = name})};
+}
+
+}  // namespace
+
+void check_simulated_broker_options(const SweepSettings& settings) {
+    const std::string setting = "`broker_options`: ";
+    try {
+        std::vector<std::string> arguments{"--name", "b1", "--listen", "10.1.0.1:1883"};
+        arguments.insert(arguments.end(), settings.broker_options.begin(),
+                         settings.broker_options.end());
+        daemon::Settings alone = settings_of(arguments);
+        arguments.insert(arguments.end(), {"--domain", "0"});
+        const daemon::Settings member = alone.store ? alone : settings_of(arguments);
+        const std::string what = what_needs_a_machine(member);
+        if (what.empty()) return;
+        throw SweepError(setting + what +
+                         " means nothing in a simulated world, which has no machine; leave it "
+                         "out, or set `world = \"processes\"`");
+    } catch (const daemon::Refusal& refused) {
+        throw SweepError(setting + refused.what());
+    }
+}
+
+/// The robots' side: ports on the simulated network, alarms in virtual time.
+class SimulatedWorld::Robots final : public Surroundings {
+public:
+    explicit Robots(sim::World& world) : world_(world) {}
+
+    [[nodiscard]] Instant now() const override { return world_.now(); }
+    [[nodiscard]] std::unique_ptr<Port> open_port(const BrokerAddress& broker,
+                                                  Port::OnDatagram on_datagram) override;
+    [[nodiscard]] std::unique_ptr<Alarm> make_alarm(std::function<void()> on_ring) override;
+
+private:
+    class SimulatedPort;
+    class SimulatedAlarm;
+
+    sim::World& world_;
+    std::uint32_t ports_ = 0;
+};
+
+class SimulatedWorld::Robots::SimulatedPort final : public Port {
+public:
+    SimulatedPort(sim::ClientNetwork& network, const Endpoint& own, const Endpoint& broker,
+                  OnDatagram on_datagram)
+        : network_(network), own_(own), broker_(broker) {
+        binding_ = network_.bind(own_, robots_node,
+                                 [this, to = std::move(on_datagram)](
+                                     const Endpoint&, const Endpoint& from, Bytes datagram) {
+                                     if (from == broker_) to(datagram);
+                                 });
+    }
+    ~SimulatedPort() override { network_.unbind(binding_); }
+
+    void send(Bytes datagram) override { network_.send(robots_node, own_, broker_, datagram); }
+    [[nodiscard]] bool was_refused() const override { return false; }
+
+private:
+    sim::ClientNetwork& network_;
+    Endpoint own_;
+    Endpoint broker_;
+    sim::ClientNetwork::Binding binding_{};
+};
+
+/// What stands in the queue cannot be taken back: a wish that was put off is waited for once more,
+/// and who is gone is not woken.
+class SimulatedWorld::Robots::SimulatedAlarm final : public Alarm {
+public:
+    SimulatedAlarm(sim::EventQueue& events, std::function<void()> on_ring)
+        : wish_(std::make_shared<Wish>(events, std::move(on_ring))) {}
+
+    void set(Instant when) override {
+        wish_->when = when;
+        if (when < wish_->queued_for) queue(wish_);
+    }
+
+private:
+    struct Wish {
+        Wish(sim::EventQueue& queue, std::function<void()> ring)
+            : events(queue), on_ring(std::move(ring)) {}
+        sim::EventQueue& events;
+        std::function<void()> on_ring;
+        Instant when = never;
+        Instant queued_for = never;
+    };
+
+    static void queue(const std::shared_ptr<Wish>& wish) {
+        const Instant at = std::max(wish->when, wish->events.now());
+        wish->queued_for = at;
+        wish->events.at(at, [at, weak = std::weak_ptr<Wish>(wish)] {
+            const auto alive = weak.lock();
+            if (!alive || alive->queued_for != at) return;
+            alive->queued_for = never;
+            if (alive->when == never) return;
+            if (alive->when > at) return queue(alive);
+            alive->when = never;
+            alive->on_ring();
+        });
+    }
+
+    std::shared_ptr<Wish> wish_;
+};
+
+std::unique_ptr<Port> SimulatedWorld::Robots::open_port(const BrokerAddress& broker,
+                                                        Port::OnDatagram on_datagram) {
+    Endpoint own{.port = 5'000, .family = Endpoint::Family::ipv4};
+    own.address = {10, static_cast<std::uint8_t>(2 + ports_ / 62'500),
+                   static_cast<std::uint8_t>(ports_ / 250 % 250),
+                   static_cast<std::uint8_t>(ports_ % 250 + 1)};
+    ++ports_;
+    Endpoint at{.port = broker.port(), .family = Endpoint::Family::ipv4};
+    std::ranges::copy(broker.address().to_v4().to_bytes(), at.address.begin());
+    return std::make_unique<SimulatedPort>(world_.clients(), own, at, std::move(on_datagram));
+}
+
+std::unique_ptr<Alarm> SimulatedWorld::Robots::make_alarm(std::function<void()> on_ring) {
+    return std::make_unique<SimulatedAlarm>(world_.events(), std::move(on_ring));
+}
+
+SimulatedWorld::SimulatedWorld(const SweepSettings& settings, const Cell& cell)
+    : world_(seed_of(cell)),
+      peers_(world_.events(), world_.trace(), peers_options(settings, codec_),
+             sim::seed_of(seed_of(cell), "broker network")),
+      random_(sim::seed_of(seed_of(cell), "starts")),
+      robots_(std::make_unique<Robots>(world_)),
+      brokers_(cell.brokers) {
+    world_.clients().set_quality(quality_of(settings.client_link));
+}
+
+SimulatedWorld::~SimulatedWorld() = default;
+
+Surroundings& SimulatedWorld::surroundings() {
+    return *robots_;
+}
+
+bool SimulatedWorld::run_until(Instant deadline, const std::function<bool()>& done,
+                               const std::function<void()>& look) {
+    while (!done()) {
+        if (world_.now() >= deadline) return false;
+        look();
+        world_.events().run_until(std::min(deadline, world_.now() + step));
+    }
+    return true;
+}
+
+BrokerAddress SimulatedWorld::address_of(std::size_t broker) const {
+    const Endpoint at = sim::World::service_address(broker);
+    boost::asio::ip::address_v4::bytes_type octets;
+    std::copy_n(at.address.begin(), octets.size(), octets.begin());
+    return {boost::asio::ip::address_v4(octets), at.port};
+}
+
+std::unique_ptr<sim::BrokerProcess> SimulatedWorld::make_broker(std::size_t broker,
+                                                                const BrokerLife& life) {
+    const sim::Node node = sim::World::broker_node(broker);
+    const Endpoint address = sim::World::service_address(broker);
+    const std::uint64_t seed = sim::seed_of(world_.seed(), "broker", broker);
+    std::vector<std::string> arguments = life.arguments;
+    if (brokers_.size() > 1) arguments.insert(arguments.end(), {"--domain", "0"});
+    try {
+        const daemon::Settings settings = settings_of(arguments);
+        if (!settings.cluster) {
+            broker::BrokerOptions options = daemon::broker_options(settings);
+            // Of the machine's clock, which a run must not depend on.
+            options.log.incarnation = 1;
+            options.unix_time_at_zero = {};
+            return std::make_unique<sim::LoneBroker>(
+                sim::LoneBrokerOptions{
+                    .name = life.name,
+                    .node = node,
+                    .addresses = {address},
+                    .broker = options,
+                    .system_topics = {status_of(life.name, options.log, address)}},
+                world_.events(), world_.clients(), world_.trace(), seed);
+        }
+        const overlay::MemberOptions member = daemon::member_options(settings);
+        sim::ClusterBrokerOptions options;
+        options.name = life.name;
+        options.node = node;
+        options.home_addresses = {address};
+        options.cluster = member.cluster;
+        options.broker = member.broker;
+        return std::make_unique<sim::ClusterBroker>(options, world_.events(), world_.clients(),
+                                                    peers_, world_.trace(), seed);
+    } catch (const daemon::Refusal& refused) {
+        throw RunFailed(refused.what());
+    }
+}
+
+void SimulatedWorld::start(std::size_t broker, const BrokerLife& life) {
+    Broker& one = brokers_[broker];
+    if (!one.process) one.process = make_broker(broker, life);
+    one.is_starting = true;
+    world_.events().after(random_.between(starts_within_min, starts_within_max), [&one] {
+        one.process->start();
+        one.is_starting = false;
+    });
+}
+
+void SimulatedWorld::kill(std::size_t broker) {
+    brokers_[broker].process->crash();
+}
+
+void SimulatedWorld::ask_to_stop(std::size_t broker) {
+    static_cast<sim::ClusterBroker&>(*brokers_[broker].process).leave();
+}
+
+void SimulatedWorld::pause(std::size_t broker) {
+    brokers_[broker].process->stop();
+}
+
+void SimulatedWorld::resume(std::size_t broker) {
+    brokers_[broker].process->go_on();
+}
+
+void SimulatedWorld::cut(std::size_t broker) {
+    const sim::Node node = sim::World::broker_node(broker);
+    for (std::size_t other = 0; other < brokers_.size(); ++other) {
+        if (other == broker) continue;
+        peers_.cut(node, sim::World::broker_node(other));
+        peers_.cut(sim::World::broker_node(other), node);
+    }
+    world_.clients().cuts().cut_both(node, robots_node, world_.now());
+}
+
+void SimulatedWorld::mend(std::size_t broker) {
+    const sim::Node node = sim::World::broker_node(broker);
+    for (std::size_t other = 0; other < brokers_.size(); ++other) {
+        if (other == broker) continue;
+        peers_.join(node, sim::World::broker_node(other));
+        peers_.join(sim::World::broker_node(other), node);
+    }
+    world_.clients().cuts().join(node, robots_node);
+    world_.clients().cuts().join(robots_node, node);
+}
+
+bool SimulatedWorld::has_ended(std::size_t broker) {
+    const Broker& one = brokers_[broker];
+    return !one.is_starting && !one.process->is_up();
+}
+
+}  // namespace romano::experiments
