@@ -35,11 +35,19 @@ void write_page(const Compared& compared, const std::filesystem::path& folder) {
     write_text(folder / "report.html", page_of(compared, folder / "plots"));
 }
 
+/// Numbers of a simulated world are of another kind: the name says so.
+std::string name_of(const std::filesystem::path& folder, const Results& results) {
+    const bool is_simulated = results.sweep.settings.world == World::simulated;
+    return folder.string() + (is_simulated ? " (simulated)" : "");
+}
+
 void compare_results(const CompareOptions& options) {
-    Compared compared{.name_a = options.a.string(),
-                      .name_b = options.b.string(),
-                      .a = configurations_of(read_results(options.a).rows),
-                      .b = configurations_of(read_results(options.b).rows),
+    const Results a = read_results(options.a);
+    const Results b = read_results(options.b);
+    Compared compared{.name_a = name_of(options.a, a),
+                      .name_b = name_of(options.b, b),
+                      .a = configurations_of(a.rows),
+                      .b = configurations_of(b.rows),
                       .comparison = {},
                       .confidence = options.confidence_percent / 100};
     compared.comparison = compare(compared.a, compared.b, compared.confidence);

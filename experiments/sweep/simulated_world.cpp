@@ -53,6 +53,7 @@ daemon::Settings settings_of(const std::vector<std::string>& arguments) {
 std::string what_needs_a_machine(const daemon::Settings& settings) {
     if (settings.realtime) return "--realtime";
     if (settings.store) return "--store";
+    if (settings.keys) return "--keys";
     if (settings.metrics) return "--metrics";
     if (settings.uplink) return "--uplink";
     if (settings.cluster && settings.cluster->condition_file) return "--condition-file";
