@@ -49,7 +49,8 @@ void say_what_goes_where(const NewKeys& made) {
             "--listen protected://ADDR:PORT\n",
             name.c_str(), folder.broker_folder(name).c_str(), name.c_str());
     }
-    if (!made.names.robots.empty() || !made.names.operators.empty()) {
+    const bool has_older_brokers = folder.brokers().size() > made.names.brokers.size();
+    if (has_older_brokers && made.names.robots.size() + made.names.operators.size() > 0) {
         std::puts(
             "brokers that have their folder already: copy their new clients.keys over the old one; "
             "they read it within a second");

@@ -65,6 +65,11 @@ void ClientNetwork::send(Node sender, const Endpoint& from, const Endpoint& to, 
     const bool dropped =
         (filter_ && filter_(from, to, datagram)) || random_.happens(quality_.loss_ppm);
     trace_.note(events_.now(), from, dropped ? "-x" : "->", to, datagram);
+    if (recorder_.happens(recorded_ppm_)) {
+        const std::vector<std::uint8_t> recorded(datagram.begin(), datagram.end());
+        events_.at(events_.now() + recorder_.between(Duration{0}, played_back_within_),
+                   [this, sender, from, to, recorded] { deliver(sender, from, to, recorded); });
+    }
     if (dropped) return;
     if (carrier_ && carrier_(sender, from, to, datagram)) return;
     const int copies = random_.happens(quality_.duplication_ppm) ? 2 : 1;

@@ -41,7 +41,7 @@ public:
     enum class Binding : std::uint64_t {};
 
     ClientNetwork(EventQueue& events, Trace& trace, std::uint64_t seed)
-        : events_(events), trace_(trace), random_(seed) {}
+        : events_(events), trace_(trace), random_(seed), recorder_(seed ^ 0x5EA1) {}
 
     [[nodiscard]] Binding bind(const Endpoint& address, Node node, Receiver receiver,
                                Judgement takes_from = {});
@@ -49,6 +49,13 @@ public:
     [[nodiscard]] bool is_bound(const Endpoint& address) const;
 
     void send(Node sender, const Endpoint& from, const Endpoint& to, Bytes datagram);
+
+    /// From now on somebody records so many of all datagrams, whatever they are, and sends each to
+    /// the same address once more within that time.
+    void record(std::uint32_t ppm, Duration played_back_within) {
+        recorded_ppm_ = ppm;
+        played_back_within_ = played_back_within;
+    }
 
     void set_quality(const LinkQuality& quality) { quality_ = quality; }
     [[nodiscard]] const LinkQuality& quality() const { return quality_; }
@@ -71,6 +78,9 @@ private:
     EventQueue& events_;
     Trace& trace_;
     Random random_;
+    Random recorder_;
+    std::uint32_t recorded_ppm_ = 0;
+    Duration played_back_within_{0};
     LinkQuality quality_;
     Cuts cuts_;
     Filter filter_;

@@ -23,6 +23,8 @@ namespace {
 
 constexpr Duration publish_on_after_faults = 1s;
 constexpr std::size_t most_random_robots = 7;
+constexpr std::uint32_t recorded_ppm = 300'000;  // of protected worlds: by a stranger
+constexpr Duration played_back_within = 3s;
 constexpr Duration deliveries_within = 20s;
 
 template <typename Choices>
@@ -140,6 +142,7 @@ public:
     Run(std::uint64_t seed, const RunOptions& options)
         : options_(options), world_(world_options(seed, options)) {
         if (options.trace) world_.trace().listen(options.trace);
+        if (options.is_protected) world_.clients().record(recorded_ppm, played_back_within);
         add_robots(world_, seed, options);
     }
 

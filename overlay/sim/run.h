@@ -25,7 +25,8 @@ namespace romano::sim {
 /// a seed that was bad then is the same run today.
 struct RunOptions {
     bool as_shipped = false;
-    bool is_protected = false;  // robots and brokers seal their packets
+    /// Robots and brokers seal their packets, and a stranger plays back what it recorded.
+    bool is_protected = false;
     std::string profile{};
     std::size_t brokers = 0;
     std::size_t robots = 0;

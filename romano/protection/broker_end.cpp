@@ -1,5 +1,7 @@
 #include "romano/protection/broker_end.h"
 
+#include <utility>
+
 #include "romano/mqttsn/frame.h"
 
 namespace romano::protection {
@@ -13,6 +15,7 @@ BrokerEnd::BrokerEnd(const DirectionKeys& keys, std::string_view client_id, cons
     if (!heard) return;
     run_ = heard->run;
     window_ = ReplayWindow{heard->floor};
+    is_first_ = true;
 }
 
 std::size_t BrokerEnd::seal(Bytes message, MutableBytes out) {
@@ -31,7 +34,11 @@ Bytes BrokerEnd::open(MutableBytes datagram) {
     if (!protection::open(*packet, to_broker_)) return refuse(Refusal::bad_tag);
     // A packet that was overtaken may still tell of the run before.
     if (window_.is_newest(fields.number)) run_ = fields.run;
-    window_.note(fields.number);
+    if (std::exchange(is_first_, false)) {
+        window_ = ReplayWindow{fields.number + 1};
+    } else {
+        window_.note(fields.number);
+    }
     const auto frame = mqttsn::decode_frame(packet->message());
     if (frame && frame->type == mqttsn::MsgType::encapsulated) return refuse(Refusal::forwarded);
     return packet->message();

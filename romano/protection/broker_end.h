@@ -30,6 +30,8 @@ public:
     /// `broker` was drawn at random when the reserve was made and is stored beside it: so two
     /// brokers of one name, or one that lost what it stored, number under different identities. All
     /// robots share the broker's reserve; it and the keys outlive them.
+    /// What is below the first packet that it opens counts as heard, if anything was before: it may
+    /// have been, without whoever told of `heard` knowing.
     BrokerEnd(const DirectionKeys& keys, std::string_view client_id, const SenderId& broker,
               Reserve& reserve, std::optional<Heard> heard);
 
@@ -59,6 +61,7 @@ private:
     std::optional<RunId> run_;
     std::optional<Heard> stored_;
     ReplayWindow window_;
+    bool is_first_ = false;  // none was opened yet, and there were some before
     Refusals refusals_;
 };
 

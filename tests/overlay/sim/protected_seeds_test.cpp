@@ -1,4 +1,5 @@
-// Worlds whose robots and brokers protect their packets: every promise, and no nonce twice.
+// Worlds whose robots and brokers protect their packets, and in which a stranger plays back what it
+// recorded: every promise, and no nonce twice.
 
 #include <gtest/gtest.h>
 

@@ -104,6 +104,22 @@ TEST(BrokerEnd, AsksToStoreOncePerBlockAndRun) {
     EXPECT_EQ(broker.end.to_store(), (Heard{RunId{4 * numbers_a_block}, 5 * numbers_a_block}));
 }
 
+TEST(BrokerEnd, ASuccessorTakesNothingFromBeforeTheFirstPacketThatItTakes) {
+    Robot robot;
+    Broker former{1};
+    ASSERT_TRUE(former.takes(robot.seal()));
+    const Heard told = *former.end.heard();
+    const Octets untold = robot.seal();  // the former broker took it, and died before it told
+    ASSERT_TRUE(former.takes(untold));
+    Broker successor{2, 0, told};
+    EXPECT_TRUE(successor.takes(robot.seal()));
+    EXPECT_FALSE(successor.takes(untold));
+    EXPECT_EQ(successor.refused(Refusal::replayed), 1u);
+    const Octets overtaken = robot.seal();
+    EXPECT_TRUE(successor.takes(robot.seal()));
+    EXPECT_TRUE(successor.takes(overtaken)) << "later ones may overtake each other as ever";
+}
+
 TEST(BrokerEnd, ARobotSpeaksForItselfAlone) {  // a forwarder's encapsulation around a PINGREQ
     Robot robot;
     Broker broker{1};
