@@ -67,9 +67,8 @@ void add_refusals(const BrokerEnd& end, ProtectionCounters& to) {
 }
 
 /// What was stored is the end of a block; who told us knows where in that block the client is.
-bool is_rounded_up(const Heard& stored, const Heard& told) {
-    return stored.run == told.run && stored.floor == Reserve::block_of(stored.floor) &&
-           told.floor + protection::numbers_a_block > stored.floor;
+bool is_in_last_block(const Heard& stored, const Heard& told) {
+    return stored.run == told.run && told.floor + protection::numbers_a_block > stored.floor;
 }
 
 }  // namespace
@@ -82,7 +81,8 @@ struct ProtectedClients::Client {
           node_id(node_id_of(id)),
           keys(protection::direction_keys(key)),
           sender(protection::sender_id(id)),
-          end(std::in_place, keys, id, self, reserve, heard) {}
+          end(std::in_place, keys, id, self, reserve, heard),
+          is_rounded(heard && heard->floor == Reserve::block_of(heard->floor)) {}
 
     const std::string id;
     const protection::RobotKey key;
@@ -91,7 +91,7 @@ struct ProtectedClients::Client {
     const SenderId sender;
     std::optional<BrokerEnd> end;  // always there; made anew when another broker knows more
     bool is_to_tell = false;
-    bool was_heard_here = false;  // since the start
+    bool is_rounded;  // what is known is the end of a block, as it was stored
 };
 
 std::size_t ProtectedClients::SenderHash::operator()(const SenderId& id) const {
@@ -215,7 +215,7 @@ Bytes ProtectedClients::admit_plain(const Endpoint& via, const Endpoint& from, B
 
 void ProtectedClients::note(Client& client) {
     to_store_ = &client;
-    client.was_heard_here = true;
+    client.is_rounded = false;
     if (std::exchange(client.is_to_tell, true)) return;
     to_tell_.push_back(&client);
 }
@@ -273,7 +273,8 @@ std::vector<PacketsHeard> ProtectedClients::to_tell() {
 
 void ProtectedClients::tell_all() {
     for (const auto& [id, client] : by_id_) {
-        if (!client->end->heard() || std::exchange(client->is_to_tell, true)) continue;
+        if (!client->end->heard() || client->is_rounded) continue;
+        if (std::exchange(client->is_to_tell, true)) continue;
         to_tell_.push_back(client.get());
     }
 }
@@ -284,10 +285,9 @@ void ProtectedClients::on_told(std::span<const PacketsHeard> told) {
         if (found == by_sender_.end() || each.heard.floor >= protection::max_number) continue;
         Client& client = *found->second;
         const auto own = client.end->heard();
-        if (own && each.heard.floor <= own->floor &&
-            (client.was_heard_here || !is_rounded_up(*own, each.heard))) {
-            continue;
-        }
+        const bool is_more_exact = client.is_rounded && is_in_last_block(*own, each.heard);
+        if (own && each.heard.floor <= own->floor && !is_more_exact) continue;
+        client.is_rounded = false;
         add_refusals(*client.end, counters_);
         client.end.emplace(client.keys, client.id, self_, reserve_, each.heard);
     }

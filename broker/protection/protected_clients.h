@@ -71,7 +71,8 @@ public:
     // --- several brokers
     /// Of whom packets were taken since the last call, here or as others told.
     [[nodiscard]] std::vector<PacketsHeard> to_tell();
-    /// Everything is to be told once more: there are brokers that have not heard it.
+    /// Everything is to be told once more: there are brokers that have not heard it. Not the ends
+    /// of blocks that were stored: a broker that knew better would refuse what comes before.
     void tell_all();
     void on_told(std::span<const PacketsHeard> told);
 

@@ -302,7 +302,11 @@ TEST_F(Protected, AfterACrashAPeerKnowsWhereInTheStoredBlockTheClientIs) {
                                                                      : std::nullopt;
                      }};
     EXPECT_TRUE(restarted.take(service, place, a.seal(ping)).empty()) << "it may be an old one";
+    restarted.clients.tell_all();
+    EXPECT_TRUE(restarted.clients.to_tell().empty()) << "others know better";
     restarted.clients.on_told(broker.clients.to_tell());
+    restarted.clients.tell_all();
+    EXPECT_EQ(restarted.clients.to_tell().size(), 1U);
     const Octets next = a.seal(ping);
     EXPECT_FALSE(restarted.take(service, place, next).empty());
     EXPECT_TRUE(restarted.take(service, place, next).empty());
