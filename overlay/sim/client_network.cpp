@@ -65,11 +65,6 @@ void ClientNetwork::send(Node sender, const Endpoint& from, const Endpoint& to, 
     const bool dropped =
         (filter_ && filter_(from, to, datagram)) || random_.happens(quality_.loss_ppm);
     trace_.note(events_.now(), from, dropped ? "-x" : "->", to, datagram);
-    if (recorder_.happens(recorded_ppm_)) {
-        const std::vector<std::uint8_t> recorded(datagram.begin(), datagram.end());
-        events_.at(events_.now() + recorder_.between(Duration{0}, played_back_within_),
-                   [this, sender, from, to, recorded] { deliver(sender, from, to, recorded); });
-    }
     if (dropped) return;
     if (carrier_ && carrier_(sender, from, to, datagram)) return;
     const int copies = random_.happens(quality_.duplication_ppm) ? 2 : 1;
@@ -101,7 +96,15 @@ void ClientNetwork::deliver(Node sender, const Endpoint& from, const Endpoint& t
         return;
     }
     const Receiver receiver = newest->receiver;  // may unbind itself
+    if (recorder_.happens(recorded_ppm_)) play_back(sender, from, to, datagram);
     receiver(to, from, datagram);
+}
+
+void ClientNetwork::play_back(Node sender, const Endpoint& from, const Endpoint& to,
+                              Bytes datagram) {
+    const std::vector<std::uint8_t> recorded(datagram.begin(), datagram.end());
+    events_.at(events_.now() + recorder_.between(Duration{0}, played_back_within_),
+               [this, sender, from, to, recorded] { deliver(sender, from, to, recorded); });
 }
 
 }  // namespace romano::sim

@@ -50,8 +50,9 @@ public:
 
     void send(Node sender, const Endpoint& from, const Endpoint& to, Bytes datagram);
 
-    /// From now on somebody records so many of all datagrams, whatever they are, and sends each to
-    /// the same address once more within that time.
+    /// From now on somebody records so many of the datagrams that arrive, whatever they are, and
+    /// sends each to the same address again within that time. (What did not arrive would only be
+    /// late, and a late QoS 2 PUBLISH misleads any broker, see above.)
     void record(std::uint32_t ppm, Duration played_back_within) {
         recorded_ppm_ = ppm;
         played_back_within_ = played_back_within;
@@ -68,6 +69,8 @@ public:
     void deliver(Node sender, const Endpoint& from, const Endpoint& to, Bytes datagram);
 
 private:
+    void play_back(Node sender, const Endpoint& from, const Endpoint& to, Bytes datagram);
+
     struct Bound {
         Binding id;
         Node node;
