@@ -32,6 +32,7 @@ constexpr const char* examples = R"(Examples:
       one robot at that broker; `romano move abcd1234 front 100mm` moves it
   romano-robot --discover --local 192.168.1.20
       finds the nearest broker by itself, by that address's interface (brokers: --discovery-group default)
+  romano-robot --count 20 --broker 127.0.0.1:1883 --telemetry 'robots/{id}/pose' --heartbeat 2   (as romano web shows them)
   romano-robot --broker 127.0.0.1:1883 --telemetry line --every 0.5 --heartbeat 2 --keep-session
       tells where it is twice a second, and is missed when its heartbeats are
   romano-robot --count 300 --id 00000001 --broker 127.0.0.1:1883 --broker 127.0.0.2:1883 --quiet
@@ -85,7 +86,8 @@ void add_options(CLI::App& app, Settings& to) {
     app.add_option("--count", to.count, "So many robots, with ids from --id on")
         ->check(CLI::Range(1U, 10'000U))
         ->capture_default_str();
-    app.add_option("--telemetry", to.telemetry, "Publish the own location on this topic")
+    app.add_option("--telemetry", to.telemetry,
+                   "Publish the own location on this topic; {id} in it is the robot's id")
         ->type_name("TOPIC");
     app.add_option("--every", to.every_s, "Seconds between two locations")
         ->check(CLI::Range(0.001, 3600.0))
@@ -148,6 +150,13 @@ std::filesystem::path key_of(const Settings& settings, const message::RomanoId& 
     return std::filesystem::path{settings.key} / (std::string{id.text()} + ".key");
 }
 
+/// `robots/{id}/pose` of that robot.
+std::string topic_of(std::string pattern, const message::RomanoId& id) {
+    constexpr std::string_view place = "{id}";
+    const auto at = pattern.find(place);
+    return at == std::string::npos ? pattern : pattern.replace(at, place.size(), id.text());
+}
+
 Duration seconds(double value) {
     return std::chrono::duration_cast<Duration>(std::chrono::duration<double>{value});
 }
@@ -179,7 +188,6 @@ SimulatedRobotOptions check(const Settings& settings) {
     options.robot.node.heartbeat_every = seconds(settings.heartbeat_s);
     options.robot.node.keep_session = settings.keep_session;
     options.robot.timing.t_retry = std::chrono::seconds{1};
-    options.telemetry_topic = settings.telemetry;
     options.telemetry_every = seconds(settings.every_s);
     options.subscriptions = settings.subscriptions;
     options.follow = settings.follow;
@@ -278,6 +286,7 @@ void run(const Settings& settings) {
         options.robot.node.id = id_of(first + i);
         options.robot.seed = first + i;
         options.key_file = key_of(settings, options.robot.node.id);
+        options.telemetry_topic = topic_of(settings.telemetry, options.robot.node.id);
         if (!brokers.empty()) options.robot.broker = brokers[i % brokers.size()];
         robots.push_back(std::make_unique<SimulatedRobot>(
             io, options,

@@ -222,7 +222,7 @@ TEST_F(Web, ThePageInARealBrowser) {
     for (int n = 1; n <= 3; ++n) start_member(n);
     const std::string robot_id = "00000001";
     const std::string hostile_id = "0badf00d";
-    start_robot(robot_id, 2, {"--telemetry", "robots/" + robot_id + "/pose", "--every", "0.1"});
+    start_robot(robot_id, 2, {"--telemetry", "robots/{id}/pose", "--every", "0.1"});
     TestClient hostile{addresses.client(), addresses.service_endpoint(1),
                        "<img src=x onerror=alert(1)>"};
     ASSERT_TRUE(hostile.connect());

@@ -3,7 +3,7 @@
 import {byId, clock, count, milliseconds, number, put} from './text.js';
 import {Model} from './model.js';
 import {showBrokers} from './brokers.js';
-import {showRobots} from './robots.js';
+import {showRobots, showRows} from './robots.js';
 import {FleetMap} from './map.js';
 import {Chart} from './chart.js';
 import {announced, forgetTimeLine, showTimeLine} from './time_line.js';
@@ -25,6 +25,9 @@ const delay = new Chart(byId('chart-delay'), {
 let hasServer = true;
 let lastHeardAt = performance.now();
 let isDue = false;
+let tablesDueAt = 0;
+const urgentRobots = new Set();
+const tablesEveryMs = 1000;  // nobody reads faster; the map follows each change
 let followed;  // the last command, and where its progress is told
 
 function schedule() {
@@ -37,17 +40,36 @@ function schedule() {
 }
 
 function show() {
-    showSummary();
     showAlarm();
+    const isTurnOfTables = performance.now() >= tablesDueAt;
+    if (isTurnOfTables) {
+        tablesDueAt = performance.now() + tablesEveryMs;
+        showSummary();
+    }
     if (robotPage.id !== undefined) return robotPage.show(model);
-    showBrokers(model);
-    showRobots(model);
-    showTimeLine(model);
+    if (isTurnOfTables) {
+        showBrokers(model);
+        showRobots(model);
+        showTimeLine(model);
+    }
+    showRows(model, urgentRobots);
+    urgentRobots.clear();
+    showMap();
+}
+
+function showMap() {
     const placed = map.draw(model, [...model.robots.values()]);
     put(byId('map-hint'), placed > 0 || model.robots.size === 0 ? ''
         : 'No robot has said where it is. Robots that publish their location on a topic with their id in it, such as ' +
           'robots/abcd1234/pose, are shown here; romano web --ask 1 asks them all.');
-    byId('map').setAttribute('aria-label', `Map of ${count(placed, 'robot')}; the table of robots tells their places`);
+    const label = `Map of ${count(placed, 'robot')}; the table of robots tells their places`;
+    if (byId('map').ariaLabel !== label) byId('map').ariaLabel = label;
+}
+
+/** News of brokers, and what people do, are shown at once. */
+function scheduleAll() {
+    tablesDueAt = 0;
+    schedule();
 }
 
 function showCharts() {
@@ -124,6 +146,7 @@ function route() {
     document.title = isRobot ? `Robot ${robot} – ROMANO fleet` : 'ROMANO fleet';
     if (isRobot) byId('robot-title').focus();
     if (isRobot || wasRobot !== undefined) window.scrollTo(0, 0);
+    tablesDueAt = 0;
     show();
     showCharts();
 }
@@ -133,14 +156,16 @@ function listen() {
     events.addEventListener('state', (event) => {
         forgetTimeLine();
         model.setState(JSON.parse(event.data));
+        tablesDueAt = 0;
         heard();
         showCharts();
     });
     events.addEventListener('change', (event) => {
         const change = JSON.parse(event.data);
         const news = change.time_line.filter((h) => !model.happenings.has(h.number)).map(announced).filter((t) => t !== '');
-        model.change(change);
+        for (const robot of model.change(change)) urgentRobots.add(robot);
         if (news.length > 0) put(byId('announcer'), news.join('. '));
+        if (change.time_line.length > 0) tablesDueAt = 0;
         heard();
         showFollowed();
         if (change.seconds.length > 0) showCharts();
@@ -159,7 +184,7 @@ function heard() {
 }
 
 byId('stop-all').addEventListener('click', () => order('/api/stop', {}, byId('stop-said')));
-byId('find').addEventListener('input', schedule);
+byId('find').addEventListener('input', scheduleAll);
 byId('map').addEventListener('click', (event) => {
     const found = map.robotAt(event.offsetX, event.offsetY);
     if (found) location.hash = '#/robots/' + found;
@@ -169,11 +194,15 @@ window.addEventListener('resize', () => {
     schedule();
     showCharts();
 });
-matchMedia('(prefers-color-scheme: dark)').addEventListener('change', schedule);
+matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => {
+    map.clear();
+    robotPage.map.clear();
+    scheduleAll();
+});
 setInterval(() => {
     // The server tells each second how things go.
     if (performance.now() - lastHeardAt > 5000) hasServer = false;
-    schedule();
+    scheduleAll();
 }, 1000);
 route();
 listen();

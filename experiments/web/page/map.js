@@ -1,41 +1,64 @@
 // Robots seen from above: where they are, where they look, the path behind them. What it shows
 // stands in the table of robots as text too.
 
-import {shown} from './text.js';
+import {make, shown} from './text.js';
 
 const margin = 28;
+
+/** The canvas in the size of its box, with nothing on it. */
+function blank(canvas, box) {
+    const scale = window.devicePixelRatio || 1;
+    const [width, height] = [Math.round(box.width * scale), Math.round(box.height * scale)];
+    if (canvas.width !== width) canvas.width = width;
+    if (canvas.height !== height) canvas.height = height;
+    const pen = canvas.getContext('2d');
+    pen.setTransform(scale, 0, 0, scale, 0, 0);
+    pen.clearRect(0, 0, box.width, box.height);
+    return pen;
+}
+
+// Paths are many lines and change slowly; robots are few and are drawn at each change, on a canvas above them.
+const pathsEveryMs = 1000;
+const mostPathPoints = 3000;  // then only some of each robot's, so that a frame has time for them
 
 export class FleetMap {
     constructor(canvas) {
         this.canvas = canvas;
+        this.under = make('canvas', {'aria-hidden': 'true'});
+        canvas.before(this.under);
+        this.clear();
+    }
+
+    clear() {
         this.spots = [];
         this.frame = null;
+        this.pathsDueAt = 0;
     }
 
     /** Draws these robots; tells how many of them have a place. */
     draw(model, robots) {
         const placed = robots.filter((robot) => robot.place);
-        this.canvas.parentElement.hidden = placed.length === 0;
+        const parent = this.canvas.parentElement;
+        if (parent.hidden !== (placed.length === 0)) parent.hidden = placed.length === 0;
         if (placed.length === 0) return 0;
-        const box = this.canvas.parentElement.getBoundingClientRect();
-        const scale = window.devicePixelRatio || 1;
-        const [width, height] = [Math.round(box.width * scale), Math.round(box.height * scale)];
-        if (width === 0 || height === 0) return placed.length;
-        if (this.canvas.width !== width) this.canvas.width = width;
-        if (this.canvas.height !== height) this.canvas.height = height;
-        const pen = this.canvas.getContext('2d');
-        pen.setTransform(scale, 0, 0, scale, 0, 0);
-        pen.clearRect(0, 0, box.width, box.height);
+        const box = {width: parent.clientWidth, height: parent.clientHeight};
+        if (box.width === 0 || box.height === 0) return placed.length;
         const style = getComputedStyle(this.canvas);
-        this.fit(placed, box);
-        this.drawGrid(pen, box, style);
         const colours = new Map();
-        for (const robot of placed) {
-            if (!colours.has(robot.home)) {
-                colours.set(robot.home, style.getPropertyValue('--home-' + model.colourOf(robot.home)));
-            }
+        for (const {home} of placed) {
+            if (!colours.has(home)) colours.set(home, style.getPropertyValue('--home-' + model.colourOf(home)));
         }
-        for (const robot of placed) this.drawPath(pen, robot, colours.get(robot.home));
+        const before = this.frame;
+        this.fit(placed, box);
+        if (this.frame !== before || performance.now() >= this.pathsDueAt) {
+            this.pathsDueAt = performance.now() + pathsEveryMs;
+            const pen = blank(this.under, box);
+            this.drawGrid(pen, box, style);
+            const points = placed.reduce((sum, robot) => sum + robot.path.length, 0);
+            const stride = Math.ceil(points / mostPathPoints);
+            for (const robot of placed) this.drawPath(pen, robot, colours.get(robot.home), stride);
+        }
+        const pen = blank(this.canvas, box);
         this.spots = placed.map((robot) => this.drawRobot(pen, robot, colours.get(robot.home)));
         if (placed.length <= 40) this.drawNames(pen, placed, style);
         return placed.length;
@@ -105,15 +128,14 @@ export class FleetMap {
         pen.fillText(step >= 1000 ? step / 1000 + ' m' : step / 10 + ' cm', 14, box.height - 16);
     }
 
-    drawPath(pen, robot, colour) {
+    drawPath(pen, robot, colour, stride) {
         if (robot.path.length < 2) return;
         pen.strokeStyle = colour;
-        pen.globalAlpha = 0.35;
-        pen.lineWidth = 2;
-        pen.lineJoin = 'round';
+        pen.globalAlpha = 0.4;
+        pen.lineWidth = stride > 1 ? 1 : 2;
+        pen.lineJoin = 'bevel';
         pen.beginPath();
-        robot.path.forEach(([x, y], at) => (at === 0 ? pen.moveTo(...this.at(x, y)) : pen.lineTo(...this.at(x, y))));
-        pen.lineTo(...this.at(robot.place.x_mm, robot.place.y_mm));
+        for (let at = robot.path.length - 1; at >= 0; at -= stride) pen.lineTo(...this.at(...robot.path[at]));
         pen.stroke();
         pen.globalAlpha = 1;
     }

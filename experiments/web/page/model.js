@@ -30,15 +30,18 @@ export class Model {
         this.change(state);
     }
 
+    /** The robots that are new, or have another home or state. */
     change(change) {
         this.watch = change.watch;
         this.cluster = change.cluster;
         for (const broker of change.brokers) this.brokers.set(broker.name, broker);
+        const urgent = [];
         for (const id of change.left ?? []) this.robots.delete(id);
         for (const robot of change.robots) {
             const before = this.robots.get(robot.robot);
             robot.path = robot.path ?? before?.path ?? [];
             if (robot.place) walk(robot.path, robot.place);
+            if (before?.home !== robot.home || before?.state !== robot.state) urgent.push(robot.robot);
             this.robots.set(robot.robot, robot);
         }
         for (const happening of change.time_line) this.happenings.set(happening.number, happening);
@@ -51,6 +54,7 @@ export class Model {
         if (change.seconds.length > 0) {
             this.skewMs = change.seconds[change.seconds.length - 1].unix_ms - Date.now();
         }
+        return urgent;
     }
 
     /** Of each broker; homes that are no known broker count too. */

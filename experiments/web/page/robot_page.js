@@ -31,7 +31,7 @@ export class RobotPage {
     open(id) {
         this.id = id;
         this.fetchedAt = 0;
-        this.map.frame = null;
+        this.map.clear();
         put(byId('robot-said'), '');
         put(byId('robot-title'), 'Robot ' + id);
         byId('messages').replaceChildren();

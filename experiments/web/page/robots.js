@@ -3,13 +3,18 @@
 import {age, byId, count, make, number, put} from './text.js';
 
 const mostRows = 250;
+const rowsAFrame = 40;
 const rows = new Map();
+let listed = [];
+let nextRow = 0;
 const columns = ['Robot', 'State', 'Home', 'Heartbeat', 'Messages', 'Place', 'Battery'];
 
 function makeRow(id) {
-    const row = {node: make('tr', {}), cells: []};
+    const row = {node: make('tr', {role: 'row'}), cells: []};
     columns.forEach((column, at) => {
-        const cell = make(at === 0 ? 'th' : 'td', {'data-column': column, scope: at === 0 ? 'row' : undefined});
+        const cell = make(at === 0 ? 'th' : 'td', {
+            'data-column': column, scope: at === 0 ? 'row' : undefined, role: at === 0 ? 'rowheader' : 'cell',
+        });
         let inner = cell;
         if (at === 0) inner = cell.appendChild(make('a', {href: '#/robots/' + id, class: 'mono'}));
         if (at === 1) inner = cell.appendChild(make('span', {class: 'state'}));
@@ -46,12 +51,26 @@ function showRow(model, row, robot) {
     row.cells[2].dataset.home = model.colourOf(robot.home);
 }
 
+/** What must not wait, where these robots are at home and how they are; and the next rows in turn. */
+export function showRows(model, urgent) {
+    const show = (id) => {
+        const robot = model.robots.get(id);
+        const row = rows.get(id);
+        if (robot && row) showRow(model, row, robot);
+    };
+    urgent.forEach(show);
+    const turn = Math.min(rowsAFrame, listed.length);
+    for (let n = 0; n < turn; ++n) show(listed[(nextRow + n) % listed.length]);
+    nextRow = (nextRow + turn) % Math.max(1, listed.length);
+}
+
+/** Which rows there are. */
 export function showRobots(model) {
     const wanted = byId('find').value.trim().toLowerCase();
     const matches = (robot) => wanted === '' || robot.robot.includes(wanted) ||
         robot.home.toLowerCase().includes(wanted) || robot.state.includes(wanted);
     const found = [...model.robots.keys()].sort().filter((id) => matches(model.robots.get(id)));
-    const listed = found.slice(0, mostRows);
+    listed = found.slice(0, mostRows);
     const keep = new Set(listed);
     for (const [id, row] of rows) {
         if (keep.has(id)) continue;
@@ -60,10 +79,11 @@ export function showRobots(model) {
     }
     const body = byId('robots');
     listed.forEach((id, at) => {
-        if (!rows.has(id)) rows.set(id, makeRow(id));
+        const isNew = !rows.has(id);
+        if (isNew) rows.set(id, makeRow(id));
         const row = rows.get(id);
         if (body.children[at] !== row.node) body.insertBefore(row.node, body.children[at] ?? null);
-        showRow(model, row, model.robots.get(id));
+        if (isNew) showRow(model, row, model.robots.get(id));
     });
     put(byId('robot-count'), wanted === '' ? model.robots.size : `${found.length} of ${model.robots.size}`);
     let hint = '';

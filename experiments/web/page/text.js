@@ -13,7 +13,12 @@ export function shown(text) {
 /** Changes the node's text, if it is another one. */
 export function put(node, text) {
     const next = shown(text);
-    if (node.textContent !== next) node.textContent = next;
+    const inner = node.firstChild;
+    if (inner instanceof Text && node.lastChild === inner) {
+        if (inner.data !== next) inner.data = next;
+    } else if (node.textContent !== next) {
+        node.textContent = next;
+    }
 }
 
 /** An element with attributes, and texts and elements in it. */
