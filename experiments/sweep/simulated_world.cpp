@@ -68,6 +68,7 @@ std::uint64_t seed_of(const Cell& cell) {
 sim::BrokerNetworkOptions peers_options(const SweepSettings& settings, dds::BodyCodec& codec) {
     sim::BrokerNetworkOptions options;
     options.quality = quality_of(settings.broker_link);
+    options.overtaking = false;
     options.octets_of = [&codec](const cluster::ClusterMessage& message) {
         return codec.encode(message).size();
     };

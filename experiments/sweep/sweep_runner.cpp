@@ -234,7 +234,8 @@ int run_sweep(const SweepRequest& request) {
     {
         ProgressBar bar{stdout, cells.size(), done_before};
         stopped = is_simulated
-                      ? !run_simulated(sweep, to_run, request.jobs.value_or(manifest.machine.cores),
+                      ? !run_simulated(sweep, to_run,
+                                       request.jobs.value_or(std::max(manifest.machine.cores, 1U)),
                                        results, bar)
                       : !run_processes(sweep, to_run, *place, request.broker_program, results, bar);
     }

@@ -149,7 +149,12 @@ void BrokerNetwork::pump(const StreamId& id) {
 void BrokerNetwork::send_best_effort(const StreamId& id, const Shared& message) {
     const std::uint64_t number = ++newest_sent_[id];
     if (random_.happens(options_.quality.loss_ppm)) return;
-    events_.after(options_.quality.delay(random_), [this, id, number, message] {
+    Instant arrival = events_.now() + options_.quality.delay(random_);
+    if (!options_.overtaking) {
+        Instant& last = last_arrival_[id];
+        arrival = last = std::max(last, arrival);
+    }
+    events_.at(arrival, [this, id, number, message] {
         if (is_held_up(id)) return;
         std::uint64_t& newest = newest_delivered_[id];
         if (number <= newest) return;

@@ -41,6 +41,9 @@ struct BrokerNetworkOptions {
     LinkQuality quality;
     /// The size of a message on a real network. Without it traffic is not counted.
     std::function<std::size_t(const cluster::ClusterMessage&)> octets_of{};
+    /// A best-effort message comes before one that was sent earlier, which is then dropped. Not on
+    /// one wire.
+    bool overtaking = true;
     Duration repeat_after{std::chrono::milliseconds{20}};  // a lost reliable message
     Duration match_after_max{std::chrono::milliseconds{150}};
     Duration lease{std::chrono::seconds{1}};
@@ -134,6 +137,7 @@ private:
     std::map<Pair, Instant> matched_at_;
     std::map<StreamId, Stream> streams_;
     std::map<StreamId, std::uint64_t> newest_sent_;       // best effort: numbers the samples
+    std::map<StreamId, Instant> last_arrival_;            // where there is no overtaking
     std::map<StreamId, std::uint64_t> newest_delivered_;  // older ones are dropped
 };
 

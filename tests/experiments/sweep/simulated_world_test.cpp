@@ -98,6 +98,16 @@ TEST(SimulatedCell, HasTheDelayOfItsLinks) {
     EXPECT_NEAR(row.delay_max_ms.value_or(0), 40, 0.1);
 }
 
+// Nothing overtakes on one wire, between brokers neither.
+TEST(SimulatedCell, LosesNothingOnLinksThatLoseNothing) {
+    const RunRow row = Ran(std::string{small} +
+                           "broker_delay_ms = [0, 2]\n"
+                           "[axes]\nbrokers = 2\nrobots = 10\nrate = 100\nqos = 0\n")
+                           .row;
+    EXPECT_EQ(row.delivery_ratio, 1);
+    EXPECT_EQ(row.out_of_order_qos0, 0);
+}
+
 // Each message of QoS 0 has two links to pass.
 TEST(SimulatedCell, LosesOnItsLinksWhatNobodyRepeats) {
     const RunRow row =
