@@ -417,7 +417,7 @@ ViewHoldings ViewChange::holdings(const View& view, Surroundings around) const {
 void ViewChange::install(Instant now, ViewAnnouncement announcement, Surroundings around) {
     PeerLogs& logs = around.logs;
     view_ = announcement.view;
-    around.lease.on_view(view_);
+    around.lease.on_view(now, view_);
     was_replaced_ = false;
     promised_ = view_.number;
     installed_at_ = now;

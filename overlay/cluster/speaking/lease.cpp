@@ -8,6 +8,7 @@ namespace romano::cluster {
 namespace {
 
 constexpr int most_terms_missed = 20;  // for whom we did not hear since a standstill
+constexpr int terms_to_meet = 10;
 
 bool is_in(const std::vector<LogId>& members, const LogId& log) {
     return std::ranges::binary_search(members, log);
@@ -88,9 +89,12 @@ Instant Lease::own_word_ends_at(const LogId& member) const {
 /// before ours at the soonest, that of a third one.
 Instant Lease::word_ends_at(const LogId& member) const {
     Instant end = own_word_ends_at(member);
-    if (end == Instant::min()) return end;  // what it serves is not known
+    // Until it is heard itself what it serves is not known: it is given time for that.
+    const Instant met_at =
+        end == Instant::min() ? members_since_.at(member) + terms_to_meet * term_ : Instant::min();
     for (const auto& [third, echo] : echoed_) {
         if (std::ranges::count(echo.vouched, member.broker) == 0) continue;
+        if (echo.stamped_at < met_at) continue;
         end = std::max(end, echo.stamped_at + 2 * term_ - margin_);
     }
     return end;
@@ -199,8 +203,11 @@ void Lease::on_promise(const View& promised) {
     held_until_ = Instant::min();
 }
 
-void Lease::on_view(const View& installed) {
+void Lease::on_view(Instant now, const View& installed) {
     view_ = installed;
+    std::erase_if(members_since_,
+                  [this](const auto& entry) { return !view_.contains(entry.first); });
+    for (const LogId& member : view_.members) members_since_.try_emplace(member, now);
     promised_.clear();
     refused_.clear();
     std::erase_if(echoed_, [this](const auto& echo) { return !view_.contains(echo.first); });
@@ -216,6 +223,7 @@ void Lease::restart(const LogId& self) {
     self_ = self;
     view_ = {};
     promised_.clear();
+    members_since_.clear();
     echoed_.clear();
     ahead_.clear();
     refused_.clear();

@@ -59,7 +59,7 @@ public:
 
     // --- views
     void on_promise(const View& promised);
-    void on_view(const View& installed);
+    void on_view(Instant now, const View& installed);
     /// Another life, in no view.
     void restart(const LogId& self);
 
@@ -97,6 +97,7 @@ private:
     Duration term_;
     Duration margin_;  // by which the holder's term is shorter
     View view_;
+    std::map<LogId, Instant> members_since_;
     std::vector<View> promised_;  // since the view was installed
     struct Beat {
         std::uint64_t tick = 0;

@@ -65,12 +65,12 @@ TEST_F(LeaseTest, NobodyHoldsOneInNoView) {
 }
 
 TEST_F(LeaseTest, WhoIsAloneInItsViewHoldsOne) {
-    lease.on_view(view(1, {self}));
+    lease.on_view(now, view(1, {self}));
     EXPECT_TRUE(is_held_after(1h));
 }
 
 TEST_F(LeaseTest, MoreThanHalfOfTheViewVouchForATerm) {
-    lease.on_view(view(1, {self, a, b, c}));
+    lease.on_view(now, view(1, {self, a, b, c}));
     beat({a, b, c});
     EXPECT_TRUE(is_held_after(term - margin - 1ms));
     EXPECT_FALSE(is_held_after(term - margin));
@@ -82,7 +82,7 @@ TEST_F(LeaseTest, MoreThanHalfOfTheViewVouchForATerm) {
 }
 
 TEST_F(LeaseTest, AMemberThatVouchedWithinThreeTermsEndsNoLease) {
-    lease.on_view(view(1, {self, a, b}));
+    lease.on_view(now, view(1, {self, a, b}));
     beat({a, b});
     for (now += beacon; now < Instant{10s} + 3 * term - margin; now += beacon) {
         EXPECT_TRUE(is_held_after(0ms));
@@ -93,14 +93,14 @@ TEST_F(LeaseTest, AMemberThatVouchedWithinThreeTermsEndsNoLease) {
 }
 
 TEST_F(LeaseTest, OfTwoMembersBothVouchWithinATerm) {
-    lease.on_view(view(1, {self, a}));
+    lease.on_view(now, view(1, {self, a}));
     beat({a});
     EXPECT_TRUE(is_held_after(term - margin - 1ms));
     EXPECT_FALSE(is_held_after(term - margin));
 }
 
 TEST_F(LeaseTest, AMemberThatNeverVouchedIsWaitedFor) {
-    lease.on_view(view(1, {self, a, b}));
+    lease.on_view(now, view(1, {self, a, b}));
     beat({a});
     EXPECT_FALSE(is_held_after(0ms));
     beat({b});
@@ -108,7 +108,7 @@ TEST_F(LeaseTest, AMemberThatNeverVouchedIsWaitedFor) {
 }
 
 TEST_F(LeaseTest, AThirdMemberVouchesForOneThatIsNotHeardForATermLess) {
-    lease.on_view(view(1, {self, a, b}));
+    lease.on_view(now, view(1, {self, a, b}));
     const auto beat_and_hear = [&](const std::vector<BrokerId>& vouched) {
         now += beacon;
         lease.on_beat(now, ++tick);
@@ -123,23 +123,34 @@ TEST_F(LeaseTest, AThirdMemberVouchesForOneThatIsNotHeardForATermLess) {
     EXPECT_FALSE(is_held_after(0ms)) << "b said nothing to a either";
 }
 
+TEST_F(LeaseTest, AMemberThatIsNeverHeardIsVouchedForAfterTenTerms) {
+    lease.on_view(now, view(1, {self, a, b}));
+    const Instant met = now + 10 * term;
+    for (; now <= met; now += beacon) {
+        EXPECT_FALSE(is_held_after(0ms)) << (now - Instant{10s}) / 1ms << " ms";
+        lease.on_beat(now, ++tick);
+        lease.on_echo(a, tick, number(1), {self.broker, b.broker});
+    }
+    EXPECT_TRUE(is_held_after(0ms));
+}
+
 TEST_F(LeaseTest, WhoEchoedATickWithinATermVouches) {
-    lease.on_view(view(1, {self, a, b}));
+    lease.on_view(now, view(1, {self, a, b}));
     beat({a});
     EXPECT_THAT(lease.vouched(now + term - margin - 1ms), testing::ElementsAre(a.broker));
     EXPECT_THAT(lease.vouched(now + term - margin), IsEmpty());
 }
 
 TEST_F(LeaseTest, AnEchoInALaterViewCountsWhenThatIsInstalled) {
-    lease.on_view(view(1, {self, a}));
+    lease.on_view(now, view(1, {self, a}));
     beat({a}, 2);
     EXPECT_FALSE(is_held_after(0ms));
-    lease.on_view(view(2, {self, a}));
+    lease.on_view(now, view(2, {self, a}));
     EXPECT_TRUE(is_held_after(0ms));
 }
 
 TEST_F(LeaseTest, EchoesOfTicksFromBeforeAStandstillAreTooOld) {
-    lease.on_view(view(1, {self, a}));
+    lease.on_view(now, view(1, {self, a}));
     beat({a});
     const std::uint64_t before = tick;
     now += 1s;
@@ -151,14 +162,14 @@ TEST_F(LeaseTest, EchoesOfTicksFromBeforeAStandstillAreTooOld) {
 }
 
 TEST_F(LeaseTest, FromAPromiseOnItsMajorityVouchesToo) {
-    lease.on_view(view(1, {self, a, b}));
+    lease.on_view(now, view(1, {self, a, b}));
     beat({a, b});
     lease.on_promise(view(2, {self, b, c, d}));
     EXPECT_FALSE(is_held_after(0ms)) << "c and d vouch for nobody in that view yet";
 }
 
 TEST_F(LeaseTest, WhoIsLeftOutIsWaitedForATermSinceItsLastEchoedTick) {
-    lease.on_view(view(1, {self, a, b}));
+    lease.on_view(now, view(1, {self, a, b}));
     hear({a, b});
     now += 15ms;
     EXPECT_EQ(waits_for(view(2, {self, a})), term - 15ms);
@@ -168,24 +179,24 @@ TEST_F(LeaseTest, WhoIsLeftOutIsWaitedForATermSinceItsLastEchoedTick) {
 }
 
 TEST_F(LeaseTest, AViewWithLessThanHalfWaitsForThreeTerms) {
-    lease.on_view(view(1, {self, a, b}));
+    lease.on_view(now, view(1, {self, a, b}));
     hear({a, b});
     EXPECT_EQ(waits_for(view(2, {self})), 3 * term);
-    lease.on_view(view(2, {self, a}));
+    lease.on_view(now, view(2, {self, a}));
     EXPECT_EQ(waits_for(view(3, {self})), term) << "of two, each goes on at once";
     lease.on_promise(view(3, {self, a, b}));
     EXPECT_EQ(waits_for(view(4, {self})), 3 * term) << "of one that was promised, too";
 }
 
 TEST_F(LeaseTest, WhoEndedForCertainIsNotWaitedFor) {
-    lease.on_view(view(1, {self, a, b}));
+    lease.on_view(now, view(1, {self, a, b}));
     hear({a, b});
     ended.insert(b);
     EXPECT_EQ(waits_for(view(2, {self, a})), 0ms);
 }
 
 TEST_F(LeaseTest, WhoIsToBeLeftOutIsNotEchoedThoughItIsHeard) {
-    lease.on_view(view(1, {self, a, b}));
+    lease.on_view(now, view(1, {self, a, b}));
     hear({a, b});
     ASSERT_TRUE(echoes(b));
     const View without = view(2, {self, a});
@@ -200,27 +211,27 @@ TEST_F(LeaseTest, WhoIsToBeLeftOutIsNotEchoedThoughItIsHeard) {
 }
 
 TEST_F(LeaseTest, WhoIsLeftOutByAPromiseIsEchoedAgainInAViewWithIt) {
-    lease.on_view(view(1, {self, a, b}));
+    lease.on_view(now, view(1, {self, a, b}));
     hear({a, b});
     lease.on_promise(view(2, {self, a}));
     lease.want(nullptr);
     EXPECT_FALSE(echoes(b));
     lease.on_promise(view(3, {self, a, b}));
     EXPECT_FALSE(echoes(b)) << "promised, and not installed";
-    lease.on_view(view(3, {self, a, b}));
+    lease.on_view(now, view(3, {self, a, b}));
     EXPECT_TRUE(echoes(b));
 }
 
 TEST_F(LeaseTest, OnlyMembersAreEchoed) {
     hear({a, b});
     EXPECT_THAT(lease.echoes(), IsEmpty());
-    lease.on_view(view(1, {self, a}));
+    lease.on_view(now, view(1, {self, a}));
     EXPECT_TRUE(echoes(a));
     EXPECT_FALSE(echoes(b));
 }
 
 TEST_F(LeaseTest, AfterAStandstillThoseNotHeardSinceAreWaitedForAsLongAsItWasAway) {
-    lease.on_view(view(1, {self, a, b}));
+    lease.on_view(now, view(1, {self, a, b}));
     beat({a, b});
     hear({a, b});
     now += 400ms;
