@@ -1,10 +1,9 @@
 #include "experiments/loops/sampled_loop.h"
 
-#include <Eigen/Dense>
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <unsupported/Eigen/MatrixFunctions>
 
 #include "romano/base/random.h"
 
@@ -15,6 +14,22 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::RowVectorXd;
 using Eigen::VectorXd;
+
+/// By its series, of a part of the matrix so small that it ends soon, and by squaring. (Eigen's own
+/// is one of its unsupported modules, and the compiler needs minutes for it with sanitizers.)
+MatrixXd exponential_of(const MatrixXd& matrix) {
+    constexpr int terms = 18;  // 0.5^18 / 18! is far below what a double holds
+    const int squarings = std::max(0, std::ilogb(matrix.norm() + 1e-300) + 2);
+    const MatrixXd small = matrix * std::ldexp(1.0, -squarings);
+    MatrixXd term = MatrixXd::Identity(matrix.rows(), matrix.cols());
+    MatrixXd sum = term;
+    for (int i = 1; i <= terms; ++i) {
+        term = term * small / i;
+        sum += term;
+    }
+    for (int i = 0; i < squarings; ++i) sum = sum * sum;
+    return sum;
+}
 
 /// What a constant input makes of the state in some time: x becomes state x + input u.
 struct Held {
@@ -27,7 +42,7 @@ Held held_for(const LinearPlant& plant, double seconds) {
     MatrixXd both = MatrixXd::Zero(n + 1, n + 1);
     both.topLeftCorner(n, n) = plant.a * seconds;
     both.topRightCorner(n, 1) = plant.b * seconds;
-    const MatrixXd grown = both.exp();
+    const MatrixXd grown = exponential_of(both);
     return {grown.topLeftCorner(n, n), grown.topRightCorner(n, 1)};
 }
 
