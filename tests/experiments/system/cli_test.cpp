@@ -151,7 +151,7 @@ INSTANTIATE_TEST_SUITE_P(Commands, BrokerWithoutRoom,
 
 // The broker need not wait for the end of their keep-alive.
 TEST_F(Cli, RefusedCommandsSayGoodbye) {
-    EXPECT_EQ(run_romano("pub " + at_ + "-t 'no/#' -m x").exit_code, 2);
+    EXPECT_EQ(run_romano("pub " + at_ + "-q 1 -t '$SYS/no' -m x").exit_code, 2);
     EXPECT_EQ(run_romano("sub " + at_ + "-t 'no/#/name'").exit_code, 2);
     EXPECT_EQ(run_romano("move " + at_ + "abcd1234 front 1m").exit_code, 2);
     const Ran screen = run_romano("status " + address_ + ":" + own_port() + " --every 0.2");
