@@ -7,9 +7,10 @@ namespace romano::experiments {
 
 BrokerWatch::BrokerWatch(Surroundings& surroundings, const BrokerAddress& broker,
                          const std::string& client_id, const client::Timing& timing,
-                         std::function<void()> on_change)
+                         std::function<void()> on_change, mqttsn::Qos qos)
     : client_id_(client_id),
       on_change_(std::move(on_change)),
+      qos_(qos),
       client_(surroundings, broker, timing, std::hash<std::string>{}(client_id),
               [this](const client::Event& event) { on_event(event); }) {
     connect();
@@ -26,7 +27,7 @@ void BrokerWatch::leave() {
 
 void BrokerWatch::on_event(const client::Event& event) {
     if (std::holds_alternative<client::Connected>(event)) {
-        (void)client_.subscribe(client::topic_name(brokers_filter), mqttsn::Qos::at_least_once);
+        (void)client_.subscribe(client::topic_name(brokers_filter), qos_);
     } else if (std::holds_alternative<client::Subscribed>(event)) {
         subscribed_ = true;
     } else if (std::holds_alternative<client::Lost>(event)) {

@@ -20,10 +20,11 @@ public:
         std::string text;  // as it came
     };
 
-    /// `on_change` is called after each word on a broker; may be empty.
+    /// `on_change` is called after each word on a broker; may be empty. At QoS 1 no word is lost,
+    /// and brokers replicate the watch's session for it.
     BrokerWatch(Surroundings& surroundings, const BrokerAddress& broker,
                 const std::string& client_id, const client::Timing& timing,
-                std::function<void()> on_change);
+                std::function<void()> on_change, mqttsn::Qos qos = mqttsn::Qos::at_least_once);
 
     [[nodiscard]] const std::map<std::string, Seen>& brokers() const { return brokers_; }
     /// The brokers said to be alive.
@@ -48,6 +49,7 @@ private:
 
     std::string client_id_;
     std::function<void()> on_change_;
+    mqttsn::Qos qos_;
     std::map<std::string, Seen> brokers_;
     bool subscribed_ = false;
     bool failed_ = false;
