@@ -101,6 +101,7 @@ private:
     void end_stall(Instant now, MemberActions& out);
     /// What was said before the stall, and has not left: somebody else may have gone on since.
     void drop_late_output(MemberActions& out);
+    void hold_output(MemberActions& out);
     void restart(Instant now, MemberActions& out);
 
     // --- the broker core's actions
@@ -271,7 +272,25 @@ void Member::State::leave(Instant now, MemberActions& out) {
 // --- after a stall
 
 void Member::State::before_sending(Instant now, MemberActions& out) {
-    if (!has_left_ && (stood_still(now) || has_lost_lease(now))) drop_late_output(out);
+    if (has_left_) return;
+    if (stood_still(now)) {
+        drop_late_output(out);
+    } else if (has_lost_lease(now)) {
+        hold_output(out);
+    }
+}
+
+/// A new member echoes nothing before its first heartbeats: what the turn decided that brought it
+/// waits so long. Whoever was replaced meanwhile begins anew, and forgets it.
+void Member::State::hold_output(MemberActions& out) {
+    for (const broker::Action& action : out.clients.list()) {
+        const auto* decided = std::get_if<broker::Send>(&action);
+        if (decided == nullptr) continue;
+        broker::Send send = *decided;
+        send.after = 0;  // it was safe
+        held_.hold(send, out.clients.octets(*decided));
+    }
+    out.clients.clear();
 }
 
 void Member::State::drop_late_output(MemberActions& out) {
