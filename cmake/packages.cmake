@@ -60,6 +60,7 @@ install(FILES README.md DESTINATION share/doc/romano-tools COMPONENT tools)
 install(FILES experiments/README.md DESTINATION share/doc/romano-tools RENAME experiments.md
         COMPONENT tools)
 install(FILES experiments/web/README.md DESTINATION share/doc/romano-tools RENAME web.md COMPONENT tools)
+install(FILES experiments/recording/README.md DESTINATION share/doc/romano-tools RENAME recording.md COMPONENT tools)
 install(FILES experiments/demo.toml DESTINATION share/doc/romano-tools/examples COMPONENT tools)
 install(DIRECTORY experiments/sweeps DESTINATION share/doc/romano-tools/examples COMPONENT tools
         FILES_MATCHING PATTERN "*.toml")

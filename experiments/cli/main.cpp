@@ -15,6 +15,8 @@
 #include "experiments/cli/loops.h"
 #include "experiments/cli/paper.h"
 #include "experiments/cli/pub.h"
+#include "experiments/cli/record.h"
+#include "experiments/cli/replay.h"
 #include "experiments/cli/results.h"
 #include "experiments/cli/robots.h"
 #include "experiments/cli/simulate.h"
@@ -42,6 +44,8 @@ int main(int argc, char** argv) {
     add_load(program, exit_code);
     add_robots(program, exit_code);
     add_web(program, exit_code);
+    add_record(program, exit_code);
+    add_replay(program, exit_code);
     add_robot_commands(program, exit_code);
     add_control(program, exit_code);
     add_keys(program, exit_code);

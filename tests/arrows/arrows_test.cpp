@@ -61,6 +61,8 @@ const std::map<std::string, Folders>& allowed() {
         {"experiments/fleet",
          {"romano/base", "romano/mqttsn", "romano/message", "romano/server", "romano/control",
           "experiments"}},
+        // the file format of recordings, a core too
+        {"experiments/mcap", {"romano/base"}},
         // programs
         {"broker/daemon",
          {"romano/base", "romano/mqttsn", "romano/protection", "romano/keys", "election",
@@ -83,7 +85,8 @@ const std::set<std::string>& cores() {
         "romano/base",       "romano/mqttsn",   "romano/message", "romano/protection",
         "romano/client",     "romano/node",     "romano/control", "romano/server",
         "election",          "broker/core",     "broker/server",  "broker/uplink",
-        "broker/protection", "overlay/cluster", "overlay/member", "experiments/fleet"};
+        "broker/protection", "overlay/cluster", "overlay/member", "experiments/fleet",
+        "experiments/mcap"};
     return folders;
 }
 
