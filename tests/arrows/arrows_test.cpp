@@ -44,6 +44,7 @@ const std::map<std::string, Folders>& allowed() {
         {"overlay/member",
          {"romano/base", "romano/mqttsn", "election", "broker/core", "broker/server",
           "broker/uplink", "overlay", "overlay/cluster"}},
+        {"overlay/ros2", {"romano/base", "romano/mqttsn", "romano/message"}},
         // shells
         {"romano/keys", {"romano/base", "romano/mqttsn", "romano/protection"}},
         {"broker/net", {"romano/base", "romano/mqttsn", "broker/core"}},
@@ -85,8 +86,8 @@ const std::set<std::string>& cores() {
         "romano/base",       "romano/mqttsn",   "romano/message", "romano/protection",
         "romano/client",     "romano/node",     "romano/control", "romano/server",
         "election",          "broker/core",     "broker/server",  "broker/uplink",
-        "broker/protection", "overlay/cluster", "overlay/member", "experiments/fleet",
-        "experiments/mcap"};
+        "broker/protection", "overlay/cluster", "overlay/member", "overlay/ros2",
+        "experiments/fleet", "experiments/mcap"};
     return folders;
 }
 
