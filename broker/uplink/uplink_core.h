@@ -27,6 +27,10 @@ namespace romano::uplink {
 struct UplinkOptions {
     std::string network;  // the same at all its brokers, different from other networks
     std::vector<TopicRule> rules;
+    std::string session = "romano-uplink";  // the client id under which waits what goes out
+    /// Of QoS 2 a message leaves its session, safely, before it is sent: when the leader dies then,
+    /// it may be lost and is never sent twice. For links whose other end knows no identities.
+    bool takes_before_sending = false;
 };
 
 /// To the MQTT broker.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
+#include <iterator>
 #include <utility>
 
 #include "romano/mqttsn/codec.h"
@@ -35,12 +36,11 @@ Datagrams CarriedUplink::requests(Instant now, const broker::BrokerCore& broker,
                                   std::vector<uplink::UplinkAction>& out) {
     if (std::exchange(view_, cluster.view().number) != cluster.view().number) view_since_ = now;
     const bool leads = cluster.is_in_view() && view_.leader == cluster.own_log().id().broker;
-    const broker::SessionHeader* header = broker.header(client_id);
+    const broker::SessionHeader* header = broker.header(client_id_);
     const bool is_here = header != nullptr && header->state == broker::SessionState::active &&
                          !header->provisional && header->address.endpoint == broker::owner_endpoint;
     if (!leads) {
-        core_.hold(false, out);
-        unsafe_.clear();
+        let_go(out);
         is_subscribed_ = false;
         return {};
     }
@@ -53,7 +53,7 @@ Datagrams CarriedUplink::requests(Instant now, const broker::BrokerCore& broker,
                                         .clean_session = false,
                                         .protocol_id = mqttsn::protocol_id,
                                         .duration_s = 0,
-                                        .client_id = client_id})};
+                                        .client_id = client_id_})};
     }
     if (!is_subscribed_) {
         Datagrams missing = missing_subscriptions(broker);
@@ -69,12 +69,12 @@ Datagrams CarriedUplink::requests(Instant now, const broker::BrokerCore& broker,
 bool CarriedUplink::may_connect(Instant now, const broker::BrokerCore& broker,
                                 const cluster::ClusterCore& cluster) {
     if (now < connect_again_at_) return false;
-    return broker.header(client_id) != nullptr || cluster.is_homed_at_peer(client_id) ||
+    return broker.header(client_id_) != nullptr || cluster.is_homed_at_peer(client_id_) ||
            now >= view_since_ + settled_after;
 }
 
 Datagrams CarriedUplink::missing_subscriptions(const broker::BrokerCore& broker) const {
-    const auto image = broker.image(client_id);
+    const auto image = broker.image(client_id_);
     const auto wanted = core_.rules().local_filters();
     Datagrams out;
     std::uint16_t msg_id = 0;
@@ -127,7 +127,7 @@ void CarriedUplink::warn_of_long(Instant now, const uplink::FromRemote& message,
     if (now < warn_again_at_) return;
     warn_again_at_ = now + warn_again_after;
     local.push_back(cluster::Notice{
-        "the MQTT message of " + std::to_string(message.payload.size()) + " octets on '" +
+        "the message of " + std::to_string(message.payload.size()) + " octets that came for '" +
             message.topic + "' is dropped: MQTT-SN clients can be sent " + std::to_string(most) +
             " (max-payload-octets); " + std::to_string(too_long_) + " so far",
         true});
@@ -150,13 +150,36 @@ void CarriedUplink::go_on(Instant now, const broker::LogPosition& own, broker::B
         }
         unsafe_.erase(unsafe_.begin());
     }
+    while (!taken_.empty() && taken_.front().first <= own.seq) {
+        out.emplace_back(std::move(taken_.front().second));
+        taken_.pop_front();
+    }
     if (!core_.is_up()) return;
     const std::size_t before = out.size();
     core_.send(broker.unread(), own, out);
+    if (takes_before_sending_) take(now, before, broker, actions, out);
     for (std::size_t i = before; i < out.size(); ++i) {
         const auto* discard = std::get_if<uplink::Discard>(&out[i]);
         if (discard != nullptr) broker.on_read(now, discard->position, actions);
     }
+}
+
+void CarriedUplink::take(Instant now, std::size_t first, broker::BrokerCore& broker,
+                         broker::Actions& actions, std::vector<uplink::UplinkAction>& out) {
+    std::vector<uplink::UplinkAction> rest;
+    for (std::size_t i = first; i < out.size(); ++i) {
+        auto* message = std::get_if<uplink::PublishUp>(&out[i]);
+        if (message == nullptr || message->qos != mqttsn::Qos::exactly_once) {
+            rest.push_back(std::move(out[i]));
+            continue;
+        }
+        broker.on_read(now, message->message->position, actions);
+        confirmed_ = broker.last_seq();
+        taken_.emplace_back(confirmed_, std::move(*message));
+    }
+    out.resize(first);
+    out.insert(out.end(), std::make_move_iterator(rest.begin()),
+               std::make_move_iterator(rest.end()));
 }
 
 }  // namespace romano::overlay

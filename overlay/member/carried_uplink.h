@@ -6,8 +6,10 @@
 #pragma once
 
 #include <algorithm>
+#include <deque>
 #include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "broker/core/broker_core.h"
@@ -20,10 +22,10 @@ namespace romano::overlay {
 
 class CarriedUplink {
 public:
-    static constexpr const char* client_id = "romano-uplink";
-
     CarriedUplink(const uplink::UplinkOptions& options, std::uint64_t unique)
-        : core_(options, unique) {}
+        : client_id_(options.session),
+          takes_before_sending_(options.takes_before_sending),
+          core_(options, unique) {}
 
     [[nodiscard]] const uplink::UplinkCore& core() const { return core_; }
     [[nodiscard]] UplinkFacts facts() const {
@@ -37,8 +39,7 @@ public:
 
     /// The link is let go: sessions and log are gone to others.
     void abandon(std::vector<uplink::UplinkAction>& out) {
-        core_.hold(false, out);
-        unsafe_.clear();
+        let_go(out);
         confirmed_ = 0;
     }
 
@@ -56,12 +57,22 @@ public:
     [[nodiscard]] broker::Seq awaits() const {
         return unsafe_.empty() ? confirmed_ : std::max(confirmed_, unsafe_.rbegin()->first);
     }
+    /// Something is about to be sent, as soon as it is safe that its session has it no more.
+    [[nodiscard]] bool has_taken() const { return !taken_.empty(); }
     /// Sends what may go, lets the MQTT broker know of what is safe. `own`: how far the own log is
     /// safe.
     void go_on(Instant now, const broker::LogPosition& own, broker::BrokerCore& broker,
                broker::Actions& actions, std::vector<uplink::UplinkAction>& out);
 
 private:
+    void let_go(std::vector<uplink::UplinkAction>& out) {
+        core_.hold(false, out);
+        unsafe_.clear();
+        taken_.clear();
+    }
+    /// From `first` on: of QoS 2 they leave their session, and go when that is safe.
+    void take(Instant now, std::size_t first, broker::BrokerCore& broker, broker::Actions& actions,
+              std::vector<uplink::UplinkAction>& out);
     void warn_of_long(Instant now, const uplink::FromRemote& message, std::size_t most,
                       std::vector<cluster::LocalAction>& local);
     [[nodiscard]] bool may_connect(Instant now, const broker::BrokerCore& broker,
@@ -69,6 +80,8 @@ private:
     [[nodiscard]] std::vector<std::vector<std::uint8_t>> missing_subscriptions(
         const broker::BrokerCore& broker) const;
 
+    std::string client_id_;
+    bool takes_before_sending_;
     uplink::UplinkCore core_;
     cluster::ViewNumber view_;
     Instant view_since_{};
@@ -78,6 +91,8 @@ private:
     std::map<broker::Seq, std::vector<std::uint64_t>> unsafe_;  // tokens, by what they wait for
     std::uint64_t too_long_ = 0;                                // messages of the MQTT broker
     Instant warn_again_at_ = Instant::min();
+    // What left its session, by the event that says so.
+    std::deque<std::pair<broker::Seq, uplink::PublishUp>> taken_;
     broker::Seq confirmed_ = 0;  // says that the MQTT broker has a message
 };
 

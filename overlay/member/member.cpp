@@ -164,7 +164,7 @@ broker::BrokerOptions Member::State::broker_options() const {
         options.observed_topics = broker::CarriedServer::observed_topics();
         options.never_retained = broker::CarriedServer::is_never_retained;
     }
-    if (options_.uplink) options.read_by_owner = CarriedUplink::client_id;
+    if (options_.uplink) options.read_by_owner = options_.uplink->session;
     return options;
 }
 
@@ -469,6 +469,10 @@ void Member::State::tend_uplink(Instant now, MemberActions& out) {
 
 void Member::State::go_on_uplink(Instant now, MemberActions& out) {
     if (!uplink_) return;
+    uplink_->go_on(now, {log_, cluster_.safe(now)}, broker_, work_, out.uplink);
+    absorb(now, out);
+    if (!uplink_->has_taken()) return;
+    // Without a peer to wait for, it is safe already.
     uplink_->go_on(now, {log_, cluster_.safe(now)}, broker_, work_, out.uplink);
     absorb(now, out);
 }

@@ -163,6 +163,74 @@ TEST_P(AnswerToUplink, WhatWasConfirmedJustBeforeTheLeaderDiedIsNotSentAgain) {
     EXPECT_THAT(texts(2), ElementsAre("b"));
 }
 
+/// Its link's other end knows no identities.
+class MemberThatTakesFirst : public MemberWithUplink {
+protected:
+    MemberThatTakesFirst() {
+        brokers.give_uplink({.network = "site-a",
+                             .rules = {uplink::parse_rule("fleet/#").value()},
+                             .session = "romano-other",
+                             .takes_before_sending = true});
+    }
+};
+
+TEST_F(MemberThatTakesFirst, HasAnotherSession) {
+    start({1});
+    EXPECT_TRUE(brokers.member(1).broker().image("romano-other"));
+    EXPECT_FALSE(brokers.member(1).broker().image("romano-uplink"));
+}
+
+TEST_F(MemberThatTakesFirst, SendsAtOnceAndInOrderWithoutAPeer) {
+    start({1});
+    brokers.uplink_up(1, false);
+    Robot& robot = publisher(1);
+    for (const char* text : {"a", "b", "c"}) robot.publish("fleet/x", text, Qos::exactly_once);
+    brokers.run_for(500ms);
+    EXPECT_THAT(texts(1), ElementsAre("a", "b", "c"));
+}
+
+TEST_F(MemberThatTakesFirst, NeverSendsAMessageOfQos2Twice) {
+    start({1, 2, 3});
+    brokers.uplink_up(3, false);
+    Robot& robot = publisher(1);
+    for (const char* text : {"a", "b"}) robot.publish("fleet/x", text, Qos::exactly_once);
+    for (int ms = 0; ms < 500 && sent(3).size() < 2; ++ms) brokers.run_for(1ms);
+    ASSERT_THAT(texts(3), ElementsAre("a", "b"));
+    brokers.kill(3);  // nothing was confirmed
+    robot.publish("fleet/x", "c", Qos::exactly_once);
+    brokers.run_for(3s);
+    ASSERT_TRUE(holds(2));
+    brokers.uplink_up(2, false);
+    brokers.run_for(100ms);
+    EXPECT_THAT(texts(2), ElementsAre("c"));
+}
+
+TEST_F(MemberThatTakesFirst, SendsAMessageOfQos1AgainRatherThanLosingIt) {
+    start({1, 2, 3});
+    brokers.uplink_up(3, false);
+    publisher(1).publish("fleet/x", "a", Qos::at_least_once);
+    brokers.run_for(500ms);
+    ASSERT_THAT(texts(3), ElementsAre("a"));
+    brokers.kill(3);
+    brokers.run_for(3s);
+    brokers.uplink_up(2, false);
+    EXPECT_THAT(texts(2), ElementsAre("a"));
+}
+
+TEST_F(MemberThatTakesFirst, KeepsTheWindowToItsLink) {
+    start({1});
+    brokers.uplink_up(1, false);
+    Robot& robot = publisher(1);
+    for (std::size_t i = 0; i < uplink::UplinkCore::window + 5; ++i) {
+        robot.publish("fleet/x", std::to_string(i), Qos::exactly_once);
+        brokers.run_for(50ms);
+    }
+    ASSERT_EQ(sent(1).size(), uplink::UplinkCore::window) << "nothing was answered";
+    brokers.uplink_answers(1, sent(1)[0].message->position, uplink::Answer::done);
+    brokers.run_for(50ms);
+    EXPECT_EQ(sent(1).size(), uplink::UplinkCore::window + 1);
+}
+
 TEST_F(MemberWithUplink, WhatTheMqttBrokerDidNotTakeIsSentAgain) {
     start({1, 2});
     brokers.uplink_up(2, true);
