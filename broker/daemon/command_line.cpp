@@ -25,6 +25,8 @@ constexpr const char* examples = R"(Examples:
       --uplink-network site-a --uplink-topic 'fleet/# both' --uplink-topic 'pose/# out 0 "" site-a/' \
       --uplink-username site-a --uplink-password-file /etc/romano/uplink-password
       whoever leads the cluster exchanges these topics with an MQTT broker
+  romano-broker --listen 192.168.1.5:1883 --domain 7 --ros2-domain 0 --ros2-rules turtlebots.rules
+      whoever leads the cluster bridges topics to ROS 2, and robots appear there as nodes
   romano-broker --listen protected://192.168.1.5:1883 --keys /var/lib/romano/keys
       serves robots and people who have a key, and nobody else
   romano-broker --metrics 127.0.0.1:9883
@@ -157,6 +159,27 @@ void add_options(CLI::App& app, SettingTexts& texts) {
                    "File whose first line is the password there")
         ->type_name("FILE")
         ->group(uplink);
+
+    const std::string ros2 = "ROS 2 (bridged by the broker that leads the cluster)";
+    app.add_option("--ros2-domain", texts.ros2_domain,
+                   "Bridge topics to ROS 2 nodes with this ROS_DOMAIN_ID")
+        ->type_name("0..230")
+        ->group(ros2);
+    app.add_option("--ros2-rules", texts.ros2_rules,
+                   "What is bridged, a rule a line: DIRECTION ROMANO-TOPIC ROS-TOPIC TYPE "
+                   "[KEY=VALUE ...], for example: out robots/+/telemetry /robot_+/odom "
+                   "nav_msgs/msg/Odometry frame=odom")
+        ->type_name("FILE")
+        ->group(ros2);
+    app.add_option("--ros2-interface", texts.ros2_interface,
+                   "Network interface towards ROS 2 (default: that of --interface)")
+        ->type_name("IF")
+        ->group(ros2);
+    app.add_option("--ros2-release", texts.ros2_release,
+                   "ROS 2 release of the nodes there: humble, iron or jazzy")
+        ->type_name("NAME")
+        ->capture_default_str()
+        ->group(ros2);
 
     const std::string times = "Times (--profile sets them together: lan, wifi or mesh)";
     app.add_option("--profile", texts.profile, "The network that the brokers share")

@@ -47,6 +47,10 @@ struct SettingTexts {
     std::optional<std::string> uplink_ca = {};
     std::optional<std::string> uplink_username = {};
     std::optional<std::string> uplink_password_file = {};
+    std::optional<std::string> ros2_domain = {};
+    std::optional<std::string> ros2_rules = {};
+    std::optional<std::string> ros2_interface = {};
+    std::string ros2_release = "jazzy";
     std::optional<std::string> metrics = {};
     std::string log_level = "info";
 };

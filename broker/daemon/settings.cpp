@@ -339,6 +339,38 @@ std::optional<ClusterSettings> check_cluster(const SettingTexts& texts,
     return out;
 }
 
+std::optional<Ros2Settings> check_ros2(const SettingTexts& texts, const Settings& checked) {
+    static constexpr std::array<std::string_view, 3> releases = {"humble", "iron", "jazzy"};
+    const std::string release = one_of("ros2-release", texts.ros2_release, releases);
+    if (!texts.ros2_domain) {
+        if (texts.ros2_rules || texts.ros2_interface) {
+            throw Refusal(std::string("--") + (texts.ros2_rules ? "ros2-rules" : "ros2-interface") +
+                          " needs --ros2-domain: the ROS_DOMAIN_ID of the nodes");
+        }
+        return std::nullopt;
+    }
+    const auto& text = *texts.ros2_domain;
+    const auto domain = number_in<std::uint32_t>("ros2-domain", text, 0, highest_domain);
+    if (!checked.cluster) {
+        refuse_option("ros2-domain", text,
+                      "is bridged by the broker that leads a cluster; give --domain too (a cluster "
+                      "of one leads itself)");
+    }
+    if (domain == checked.cluster->domain) {
+        refuse_option("ros2-domain", text, "is the brokers' own --domain; choose another for them");
+    }
+    if (checked.uplink) {
+        refuse_option("ros2-domain", text, "and --uplink exclude each other; choose one");
+    }
+    if (!texts.ros2_rules) {
+        throw Refusal("--ros2-domain needs --ros2-rules: a file that says what is bridged");
+    }
+    return Ros2Settings{.domain = domain,
+                        .rules_file = *texts.ros2_rules,
+                        .interface = texts.ros2_interface.value_or(checked.cluster->interface),
+                        .release = release};
+}
+
 }  // namespace
 
 Settings check(const SettingTexts& texts) {
@@ -362,6 +394,7 @@ Settings check(const SettingTexts& texts) {
     out.store = check_store(texts);
     out.cluster = check_cluster(texts, profile);
     out.uplink = check_uplink(texts);
+    out.ros2 = check_ros2(texts, out);
     out.log_level = one_of("log-level", texts.log_level, levels);
     return out;
 }

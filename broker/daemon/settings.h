@@ -43,6 +43,13 @@ struct UplinkSettings {
     uplink::UplinkOptions options;
 };
 
+struct Ros2Settings {
+    std::uint32_t domain = 0;
+    std::string rules_file;
+    std::string interface;  // empty: DDS chooses
+    std::string release;    // "humble", "iron" or "jazzy"
+};
+
 struct Settings {
     std::string name;
     std::vector<Endpoint> listen;
@@ -60,6 +67,7 @@ struct Settings {
     std::optional<StoreSettings> store;
     std::optional<ClusterSettings> cluster;
     std::optional<UplinkSettings> uplink;
+    std::optional<Ros2Settings> ros2;
     std::string log_level;
 };
 

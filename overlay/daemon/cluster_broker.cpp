@@ -15,6 +15,7 @@
 #include "overlay/daemon/cluster_metrics.h"
 #include "overlay/daemon/low_descriptors.h"
 #include "overlay/daemon/member_options.h"
+#include "overlay/daemon/ros2_bridge.h"
 #include "overlay/dds/packing.h"
 #include "overlay/packets_told.h"
 
@@ -51,6 +52,8 @@ ClusterBroker::ClusterBroker(boost::asio::io_context& io, const Settings& settin
       settings_(settings),
       on_serving_(std::move(on_serving)),
       protection_(open_protection(settings.keys)),
+      ros2_rules_(settings.ros2 ? read_ros2_rules(settings.ros2->rules_file)
+                                : std::vector<ros2::Rule>{}),
       options_(member_options(settings)),
       moved_(io, [this](const Endpoint& a) { return !member_ || member_->may_announce(a); }),
       udp_(io, *this),
@@ -60,6 +63,7 @@ ClusterBroker::ClusterBroker(boost::asio::io_context& io, const Settings& settin
       standstill_(settings.cluster->detection_timeout) {
     if (settings_.cluster->condition_file) condition_.emplace(*settings_.cluster->condition_file);
     if (make_uplink != nullptr) open_uplink(make_uplink);
+    if (settings.ros2) open_ros2();
     open_addresses();
     open_transport();
     if (options_.cluster.detector == "link") open_links();
@@ -155,24 +159,32 @@ void ClusterBroker::open_links() {
 }
 
 void ClusterBroker::open_uplink(MakeUplink make_uplink) {
-    uplink_ =
-        make_uplink(io_, settings_.uplink->mqtt,
-                    {.on_up =
-                         [this](bool resumed) {
-                             member_->on_uplink_up(net::now(), resumed, actions_);
-                             carry_out();
-                         },
-                     .on_down = [this] { member_->on_uplink_down(); },
-                     .on_answer =
-                         [this](const broker::LogPosition& position, uplink::Answer answer) {
-                             member_->on_uplink_answer(net::now(), position, answer, actions_);
-                             carry_out();
-                         },
-                     .on_message =
-                         [this](const uplink::FromRemote& message, std::uint64_t token) {
-                             member_->on_uplink_message(net::now(), message, token, actions_);
-                             carry_out();
-                         }});
+    uplink_ = make_uplink(io_, settings_.uplink->mqtt, link_events());
+}
+
+void ClusterBroker::open_ros2() {
+    options_.uplink = ros2::uplink_options(ros2_rules_);
+    expect_low_descriptors();
+    uplink_ = std::make_unique<Ros2Bridge>(io_, *settings_.ros2, ros2_rules_, link_events());
+}
+
+uplink::LinkEvents ClusterBroker::link_events() {
+    return {.on_up =
+                [this](bool resumed) {
+                    member_->on_uplink_up(net::now(), resumed, actions_);
+                    carry_out();
+                },
+            .on_down = [this] { member_->on_uplink_down(); },
+            .on_answer =
+                [this](const broker::LogPosition& position, uplink::Answer answer) {
+                    member_->on_uplink_answer(net::now(), position, answer, actions_);
+                    carry_out();
+                },
+            .on_message =
+                [this](const uplink::FromRemote& message, std::uint64_t token) {
+                    member_->on_uplink_message(net::now(), message, token, actions_);
+                    carry_out();
+                }};
 }
 
 // Somebody has an address that we shall serve: fine if a peer's beacon says that it is the peer's
@@ -421,7 +433,7 @@ void ClusterBroker::add_metrics(metrics::Page& page) const {
     metrics::add_census(page, member_->broker().census());
     const overlay::MemberFacts facts = member_->facts();
     add_cluster(page, facts);
-    if (facts.uplink) add_uplink(page, *facts.uplink);
+    if (uplink_) uplink_->add_metrics(page, *facts.uplink);
     if (protection_) protection_->add_metrics(page);
 }
 

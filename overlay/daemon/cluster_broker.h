@@ -22,19 +22,16 @@
 #include "broker/net/moved_addresses.h"
 #include "broker/net/udp_service.h"
 #include "overlay/daemon/condition_file.h"
+#include "overlay/daemon/uplink.h"
 #include "overlay/dds/dds_transport.h"
 #include "overlay/dds/domain.h"
 #include "overlay/link/link_service.h"
 #include "overlay/member/member.h"
+#include "overlay/ros2/rules.h"
 
 namespace romano::daemon {
 
-/// What carries the uplink's actions out; romano-broker-uplink has one.
-class Uplink {
-public:
-    virtual ~Uplink() = default;
-    virtual void carry_out(const uplink::UplinkAction& action) = 0;
-};
+/// romano-broker-uplink has one.
 using MakeUplink = std::unique_ptr<Uplink> (*)(boost::asio::io_context&,
                                                const uplink::MqttSettings&, uplink::LinkEvents);
 
@@ -53,6 +50,8 @@ private:
     void open_transport();
     void open_links();
     void open_uplink(MakeUplink make_uplink);
+    void open_ros2();
+    [[nodiscard]] uplink::LinkEvents link_events();
     void wait_for_the_holders();
     void start_member();
 
@@ -81,13 +80,14 @@ private:
     OnServing on_serving_;
     std::unique_ptr<Protection> protection_;  // null without --keys
     cluster::ViewNumber told_in_;             // all peers of that view were told of all clients
+    std::vector<ros2::Rule> ros2_rules_;
     overlay::MemberOptions options_;
     net::MovedAddresses moved_;
     net::UdpService udp_;  // its sockets are closed before their addresses go
     std::unique_ptr<dds::Domain> domain_;
     std::unique_ptr<dds::DdsTransport> transport_;
     std::unique_ptr<link::LinkService> links_;  // null when the detector does not look at links
-    std::unique_ptr<Uplink> uplink_;            // null without --uplink
+    std::unique_ptr<Uplink> uplink_;            // null without --uplink and --ros2-domain
     std::unique_ptr<overlay::Member> member_;   // null until every address is accounted for
     overlay::MemberActions actions_;
     net::CoreTimer timer_;

@@ -7,6 +7,7 @@
 #include "broker/daemon/refusal.h"
 #include "broker/uplink/mqtt/mqtt_link.h"
 #include "overlay/daemon/cluster_broker.h"
+#include "overlay/daemon/cluster_metrics.h"
 
 namespace {
 
@@ -18,6 +19,9 @@ public:
          uplink::LinkEvents events)
         : link_(io, settings, std::move(events)) {}
     void carry_out(const uplink::UplinkAction& action) override { link_.carry_out(action); }
+    void add_metrics(metrics::Page& page, const overlay::UplinkFacts& facts) const override {
+        daemon::add_uplink(page, facts);
+    }
 
 private:
     uplink::MqttLink link_;

@@ -46,11 +46,13 @@ std::string configuration_of(const DomainOptions& options) {
            "</Domain></CycloneDDS>";
 }
 
-Domain::Domain(const DomainOptions& options) : id_(options.id) {
+Domain::Domain(const DomainOptions& options) : Domain(options.id, configuration_of(options)) {}
+
+Domain::Domain(std::uint32_t id, const std::string& configuration) : id_(id) {
     dds_set_log_sink(trace_line, nullptr);
     dds_set_trace_sink(trace_line, nullptr);
-    domain_ = Entity(dds_create_domain(options.id, configuration_of(options).c_str()),
-                     "DDS domain " + std::to_string(options.id));
+    domain_ =
+        Entity(dds_create_domain(id, configuration.c_str()), "DDS domain " + std::to_string(id));
 }
 
 Entity Domain::make_participant() const {

@@ -19,6 +19,8 @@ class Domain {
 public:
     /// Throws DdsError.
     explicit Domain(const DomainOptions& options);
+    /// With a configuration of one's own, in Cyclone's XML. Throws DdsError.
+    Domain(std::uint32_t id, const std::string& configuration);
 
     /// A participant of its own, for each broker in this process.
     [[nodiscard]] Entity make_participant() const;

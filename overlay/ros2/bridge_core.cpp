@@ -35,12 +35,13 @@ bool BridgeCore::has_endpoint(const Rule& rule, const std::string& topic, const 
     if (const auto found = made.find(topic); found != made.end()) return found->second == rule.type;
     if (endpoints() >= most_endpoints) return false;
     made.emplace(topic, rule.type);
+    const std::string node = filled(rule.node, part);
     out.emplace_back(MakeEndpoint{.topic = topic,
                                   .type = rule.type,
                                   .writes = writes,
                                   .reliable = writes || rule.qos != mqttsn::Qos::at_most_once,
                                   .retained = rule.retained,
-                                  .node = filled(rule.node, part)});
+                                  .node = is_ros_name(node) ? node : bridge_node});
     return true;
 }
 
@@ -83,51 +84,57 @@ void BridgeCore::take_over(const std::string& topic, Actions& out) {
 // --- to ROS 2
 
 void BridgeCore::on_romano(Instant now, const FromRomano& message, Actions& out) {
+    std::uint64_t* why_not = &counters_.unfit;
     bool is_carried = false;
-    bool has_name = true;
-    bool has_room = true;
     for (const Rule& rule : rules_) {
         const auto part = rule.out ? wild_part(rule.romano, message.topic) : std::nullopt;
         if (!part) continue;
         const std::string topic = filled(rule.ros, *part);
+        auto content = content_of(rule, topic, *part, message);
+        if (!content) continue;
         if (!is_ros_topic(topic)) {
-            has_name = false;
+            why_not = &counters_.bad_name;
             continue;
         }
         if (rule.ros.find('+') != std::string::npos) know_robot(*part, out);
         if (!has_endpoint(rule, topic, *part, true, out)) {
-            has_room = false;
+            why_not = &counters_.too_many;
             continue;
         }
-        if (carry(now, rule, topic, *part, message, out)) is_carried = true;
+        is_carried = true;
+        if (const auto* motion = std::get_if<Motion>(&*content)) {
+            move(now, topic, *motion, out);
+        } else if (const auto* speed = std::get_if<Speed>(&*content)) {
+            speeds_.insert_or_assign(topic, speed->twist);
+        } else {
+            publish(topic, std::move(std::get<RosMessage>(*content)), out);
+        }
     }
-    if (is_carried) return;
-    ++(!has_room ? counters_.too_many : !has_name ? counters_.bad_name : counters_.unfit);
+    if (!is_carried) ++*why_not;
 }
 
-bool BridgeCore::carry(Instant now, const Rule& rule, const std::string& topic,
-                       const std::string& part, const FromRomano& message, Actions& out) {
+std::optional<BridgeCore::Content> BridgeCore::content_of(const Rule& rule,
+                                                          const std::string& topic,
+                                                          const std::string& part,
+                                                          const FromRomano& message) const {
     if (rule.type == RosType::twist || rule.type == RosType::odometry) {
         const auto decoded = message::decode(message.payload);
-        if (!decoded) return false;
+        if (!decoded) return std::nullopt;
         if (rule.type == RosType::twist) {
             const auto* movement = std::get_if<message::MovementControl>(&decoded.value());
-            const auto motion = movement == nullptr ? std::nullopt : motion_of(*movement, rule);
-            if (motion) move(now, topic, *motion, out);
-            return motion.has_value();
+            if (movement == nullptr) return std::nullopt;
+            const auto motion = motion_of(*movement, rule);
+            return motion ? std::optional<Content>{*motion} : std::nullopt;
         }
         const auto* sensor = std::get_if<message::SensorData>(&decoded.value());
         if (const auto speed = sensor == nullptr ? std::nullopt : twist_of(*sensor)) {
-            speeds_.insert_or_assign(topic, *speed);  // it goes with the next location
-            return true;
+            return Speed{*speed};
         }
     }
     const auto speed = speeds_.find(topic);
     auto converted = to_ros(message.payload, rule, part, message.unix_ms,
                             speed == speeds_.end() ? Twist{} : speed->second);
-    if (!converted) return false;
-    publish(topic, std::move(*converted), out);
-    return true;
+    return converted ? std::optional<Content>{std::move(*converted)} : std::nullopt;
 }
 
 void BridgeCore::publish(const std::string& topic, RosMessage message, Actions& out) {

@@ -1,8 +1,9 @@
 // The bridge without I/O: which ROS 2 endpoints there are, what goes to them, what comes from them.
 //
-// A robot is whatever stands for the + of a rule. It is known from the first message or ROS 2
-// writer that a rule fits, and then has all endpoints of the rules with +, under a node of its own.
-// The endpoints are bounded; what would need more is dropped and counted.
+// A robot is whatever stands for the + of a rule. It is known from the first message of a rule's
+// type, or the first ROS 2 writer that a rule wants, and then has all endpoints of the rules with
+// +, under a node of its own. The endpoints are bounded; what would need more is dropped and
+// counted.
 //
 // A movement becomes a velocity that is repeated until its end, because drivers of ROS 2 stop by
 // themselves when they hear nothing for a while; at its end the velocity is zero. A bridge that
@@ -107,9 +108,15 @@ private:
               std::vector<BridgeAction>& out);
     void stop(const std::string& topic, std::vector<BridgeAction>& out);
     void schedule(const std::string& topic, const Moving& moving);
-    /// What a rule makes of it; false when it is nothing of the rule's.
-    bool carry(Instant now, const Rule& rule, const std::string& topic, const std::string& part,
-               const FromRomano& message, std::vector<BridgeAction>& out);
+    /// A speed goes out with the next location.
+    struct Speed {
+        Twist twist;
+    };
+    using Content = std::variant<Motion, Speed, RosMessage>;
+    /// What a rule makes of it for that topic; nothing when it is of no such type.
+    [[nodiscard]] std::optional<Content> content_of(const Rule& rule, const std::string& topic,
+                                                    const std::string& part,
+                                                    const FromRomano& message) const;
 
     std::vector<Rule> rules_;
     std::map<std::string, RosType> writers_;  // by ROS 2 topic

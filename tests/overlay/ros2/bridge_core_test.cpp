@@ -104,6 +104,13 @@ TEST_F(Bridge, ARobotsFirstMessageMakesAllItsEndpointsUnderItsNode) {
     EXPECT_THAT(made(), IsEmpty());
 }
 
+TEST_F(Bridge, WhatIsOfNoRulesTypeMakesNoRobotKnown) {
+    out.clear();
+    say("common/move", Payload{0x0C, 2});
+    EXPECT_THAT(made(), IsEmpty());
+    EXPECT_EQ(core.counters().unfit, 1u);
+}
+
 TEST_F(Bridge, AWriterOfRos2MakesTheRobotKnownToo) {
     out.clear();
     const Rule* rule = core.on_ros_writer("/robot_b2/say", out);
@@ -183,6 +190,18 @@ TEST_F(Bridge, BringsWhatRos2SaysToItsTopicAtTheRulesQos) {
 TEST_F(Bridge, ATopicThatIsNoNameInRos2IsCounted) {
     say("robots/a-1/telemetry", location);
     EXPECT_EQ(core.counters().bad_name, 1u);
+}
+
+struct BareNames : Bridge {
+    BareNames() : Bridge("out r/+/x /r_+/x std_msgs/msg/String node=+") {}
+};
+
+TEST_F(BareNames, ThatAreNoNodesInRos2BelongToTheBridgesOwn) {
+    say("r/1a/x", "hi");
+    say("r/a1/x", "hi");
+    const auto endpoints = take<MakeEndpoint>();
+    EXPECT_EQ(endpoints.at(0).node, bridge_node);
+    EXPECT_EQ(endpoints.at(1).node, "a1");
 }
 
 struct ManyRobots : Bridge {

@@ -5,6 +5,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <fstream>
+#include <iterator>
+
 namespace romano::ros2::rules_test {
 namespace {
 
@@ -70,6 +73,14 @@ TEST(BridgeRules, ThatAreNotPossibleAreRefusedWithTheirLineAndWhatIsAllowed) {
     EXPECT_THAT(wrong("out a /a sensor_msgs/msg/BatteryState full=8"), HasSubstr("full and empty"));
     EXPECT_THAT(wrong("out a /a std_msgs/msg/String node=robot_+"), HasSubstr("no +"));
     EXPECT_THAT(wrong("# nothing\n"), HasSubstr("no rule"));
+}
+
+TEST(BridgeRules, OfTheExamplesArePossible) {
+    for (const char* name : {"romano-robots.rules", "turtlebots.rules"}) {
+        std::ifstream file(std::string(ROMANO_SOURCE_DIR "/overlay/ros2/examples/") + name);
+        const std::string text{std::istreambuf_iterator<char>(file), {}};
+        EXPECT_THAT(rules_of(text), testing::Not(testing::IsEmpty())) << name;
+    }
 }
 
 TEST(BridgeRules, GiveATopicOfRos2OneType) {

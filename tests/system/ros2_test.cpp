@@ -1,0 +1,467 @@
+// The bridge to ROS 2 against Fast DDS: each type octet by octet both ways, nodes, latched topics,
+// movements, the death of the leader, a ROS side that stands still, settings that are not possible.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+
+#include <algorithm>
+#include <fstream>
+#include <map>
+#include <memory>
+#include <sstream>
+
+#include "tests/system/broker_process.h"
+#include "tests/system/metrics_page.h"
+#include "tests/system/test_addresses.h"
+#include "tests/system/test_client.h"
+#include "tests/temporary_folder.h"
+
+namespace romano::system::ros2_test {
+namespace {
+
+using namespace std::chrono_literals;
+using mqttsn::Qos;
+using testing::ContainsRegex;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::Not;
+using testing::SizeIs;
+
+using Lines = std::vector<std::string>;
+
+std::string octets(std::initializer_list<int> values) {
+    std::string out;
+    for (const int value : values) out += static_cast<char>(value);
+    return out;
+}
+
+/// x 1000 mm, y -500 mm, heading 90 degrees.
+const std::string location =
+    octets({0x06, 16, 0, 2, 0, 0, 0x03, 0xE8, 0xFF, 0xFF, 0xFE, 0x0C, 0, 0x01, 0x5F, 0x90});
+const std::string speed_100_mm_s = octets({0x06, 12, 0, 3, 0, 0, 0, 100, 0, 0, 0, 0});
+const std::string battery_7500_mv = octets({0x06, 6, 0, 4, 0x1D, 0x4C});
+const std::string proximity_450_mm = octets({0x06, 8, 0, 1, 0, 0, 0x01, 0xC2});
+
+std::string movement(int type, int amount) {
+    return octets({0x07, 8, 0, type, 0, 0, amount / 256, amount % 256});
+}
+
+constexpr const char* robots = R"(
+out robots/+/telemetry /robot_+/odom     nav_msgs/msg/Odometry       frame=odom child=+
+out robots/+/telemetry /robot_+/battery  sensor_msgs/msg/BatteryState full=8.5 empty=6.5
+out robots/+/telemetry /robot_+/range    sensor_msgs/msg/Range       min=0.25 max=4 fov=0.5
+out robots/+/raw       /robot_+/raw      std_msgs/msg/UInt8MultiArray
+out robots/+/move      /robot_+/cmd_vel  geometry_msgs/msg/Twist     speed=0.25
+out robots/+/text      /robot_+/text     std_msgs/msg/String
+)";
+
+/// Fast DDS in ROS 2's domain, and what it has seen.
+class RosPeer {
+public:
+    explicit RosPeer(const Lines& arguments) : process_(FAST_DDS_PEER, arguments) {}
+
+    /// Reads on until `count` lines begin with `words`; those.
+    Lines wait_for(const std::string& words, std::size_t count = 1) {
+        const auto deadline = std::chrono::steady_clock::now() + 20s;
+        while (seen(words).size() < count && std::chrono::steady_clock::now() < deadline) {
+            std::string line = process_.next_line(500ms);
+            if (!line.empty()) lines_.push_back(std::move(line));
+        }
+        Lines found = seen(words);
+        EXPECT_GE(found.size(), count) << words << "\n" << testing::PrintToString(lines_);
+        return found;
+    }
+    /// Of what was read so far.
+    [[nodiscard]] Lines seen(const std::string& words) const {
+        Lines found;
+        std::ranges::copy_if(lines_, std::back_inserter(found),
+                             [&](const std::string& line) { return line.starts_with(words); });
+        return found;
+    }
+    [[nodiscard]] Process& process() { return process_; }
+
+private:
+    Process process_;
+    Lines lines_;
+};
+
+struct Ros2 : testing::Test {
+    BrokerProcess& start(int n, const std::string& rules, Lines more = {}) {
+        std::ofstream(folder / "rules") << rules;
+        Lines arguments{"--listen",
+                        addresses.service(n),
+                        "--name",
+                        "r" + std::to_string(n),
+                        "--domain",
+                        std::to_string(addresses.domain()),
+                        "--interface",
+                        "lo",
+                        "--rank",
+                        std::to_string(n),
+                        "--detection-timeout-ms",
+                        "300",
+                        "--ros2-domain",
+                        std::to_string(ros.id()),
+                        "--ros2-rules",
+                        (folder / "rules").string()};
+        arguments.insert(arguments.end(), more.begin(), more.end());
+        brokers[n] = std::make_unique<BrokerProcess>(arguments);
+        brokers[n]->wait_until_serving();
+        return *brokers[n];
+    }
+    std::unique_ptr<RosPeer> peer(const Lines& more, const std::string& release = "iron") {
+        Lines arguments{std::to_string(ros.id()), release};
+        arguments.insert(arguments.end(), more.begin(), more.end());
+        return std::make_unique<RosPeer>(arguments);
+    }
+    std::unique_ptr<TestClient> client(const std::string& id, int broker = 1) {
+        auto robot = std::make_unique<TestClient>(addresses.client(),
+                                                  addresses.service_endpoint(broker), id);
+        EXPECT_TRUE(robot->connect());
+        return robot;
+    }
+    static bool wait_for_trace(Process& broker, const std::string& words) {
+        const auto deadline = std::chrono::steady_clock::now() + 20s;
+        while (broker.errors().find(words) == std::string::npos) {
+            if (std::chrono::steady_clock::now() > deadline) return false;
+            usleep(10'000);
+        }
+        return true;
+    }
+    static void publish(TestClient& robot, const std::string& topic, const std::string& data,
+                        Qos qos = Qos::at_least_once, bool retain = false) {
+        const auto id = robot.register_topic(topic);
+        ASSERT_TRUE(id);
+        ASSERT_TRUE(robot.publish(*id, data, qos, retain));
+    }
+
+    TestAddresses addresses;
+    dds::TestDomain ros;
+    tests::TemporaryFolder folder;
+    std::map<int, std::unique_ptr<BrokerProcess>> brokers;
+};
+
+TEST_F(Ros2, FastDdsReadsEachTypeAsItWritesItItself) {
+    BrokerProcess& broker = start(1, robots);
+    ASSERT_TRUE(wait_for_trace(broker, "ros2: bridged here")) << broker.errors();
+    const auto robot = client("robot");
+    publish(*robot, "robots/a1/telemetry", speed_100_mm_s);  // the robot is known from now on
+    const auto seen = peer({"sub", "Odometry",        "/robot_a1/odom",    "reliable",
+                            "sub", "BatteryState",    "/robot_a1/battery", "reliable",
+                            "sub", "Range",           "/robot_a1/range",   "best-effort",
+                            "sub", "UInt8MultiArray", "/robot_a1/raw",     "reliable",
+                            "sub", "Twist",           "/robot_a1/cmd_vel", "reliable",
+                            "sub", "String",          "/robot_a1/text",    "reliable"});
+    seen->wait_for("subscribed /robot_a1/", 6);
+    publish(*robot, "robots/a1/telemetry", location);
+    publish(*robot, "robots/a1/telemetry", battery_7500_mv);
+    publish(*robot, "robots/a1/telemetry", proximity_450_mm);
+    publish(*robot, "robots/a1/raw", octets({0, 1, 255}), Qos::exactly_once);
+    publish(*robot, "robots/a1/move", movement(4, 1));  // to the left
+    publish(*robot, "robots/a1/text", "hello", Qos::at_most_once);
+
+    EXPECT_THAT(seen->wait_for("got /robot_a1/odom ")[0],
+                ContainsRegex("^got /robot_a1/odom [0-9]+ [0-9]+ odom a1 1 -0.5 0 0 0 0.707107 "
+                              "0.707107( 0){36} 0.1 0 0 0 0 0( 0){36}$"));
+    EXPECT_THAT(seen->wait_for("got /robot_a1/battery ")[0],
+                ContainsRegex("battery [0-9]+ [0-9]+  7.5 nan nan nan nan nan 0.5 0 0 0 1 \\[0 \\] "
+                              "\\[0 \\]  $"));
+    EXPECT_THAT(seen->wait_for("got /robot_a1/range ")[0],
+                ContainsRegex("range [0-9]+ [0-9]+  0 0.5 0.25 4 0.45 0$"));
+    EXPECT_EQ(seen->wait_for("got /robot_a1/raw ")[0], "got /robot_a1/raw [0 ] 0 [3 0 1 255 ]");
+    EXPECT_EQ(seen->wait_for("got /robot_a1/cmd_vel ")[0], "got /robot_a1/cmd_vel 0 0 0 0 0 1");
+    EXPECT_EQ(seen->wait_for("got /robot_a1/text ")[0], "got /robot_a1/text hello");
+    const Lines compared = seen->seen("bytes ");
+    EXPECT_GE(compared.size(), 6u);
+    for (const std::string& line : compared) EXPECT_THAT(line, testing::EndsWith(" same"));
+
+    const auto now = std::chrono::duration_cast<std::chrono::seconds>(
+                         std::chrono::system_clock::now().time_since_epoch())
+                         .count();
+    std::istringstream odometry(seen->seen("got /robot_a1/odom ")[0].substr(19));
+    long long stamp = 0;
+    odometry >> stamp;
+    EXPECT_NEAR(static_cast<double>(stamp), static_cast<double>(now), 60) << "its time stamp";
+}
+
+TEST_F(Ros2, RobotsAreNodesWithTypeHashes) {
+    BrokerProcess& broker = start(1, robots);
+    ASSERT_TRUE(wait_for_trace(broker, "ros2: bridged here")) << broker.errors();
+    const auto seen = peer({});
+    const auto robot = client("robot");
+    publish(*robot, "robots/a1/text", "hi");
+    publish(*robot, "robots/b2/text", "hi");
+    seen->wait_for("nodes /robot_a1/0/6 /robot_b2/0/6");
+    EXPECT_THAT(seen->wait_for("writer rt/robot_a1/odom")[0],
+                HasSubstr("nav_msgs::msg::dds_::Odometry_ typehash=RIHS01_3cc97dc7"));
+    broker.signal(SIGTERM);
+    EXPECT_EQ(broker.wait_for_exit(), 0);
+    seen->wait_for("nodes none");  // they leave with it
+}
+
+TEST_F(Ros2, HumbleHasItsOwnRangeAndGids) {
+    BrokerProcess& broker = start(1, robots, {"--ros2-release", "humble"});
+    ASSERT_TRUE(wait_for_trace(broker, "ros2: bridged here")) << broker.errors();
+    const auto robot = client("robot");
+    publish(*robot, "robots/a1/text", "hi");
+    const auto seen = peer({"sub", "Range", "/robot_a1/range", "reliable"}, "humble");
+    seen->wait_for("subscribed /robot_a1/range");
+    publish(*robot, "robots/a1/telemetry", proximity_450_mm);
+    EXPECT_THAT(seen->wait_for("got /robot_a1/range ")[0], testing::EndsWith(" 0 0.5 0.25 4 0.45"));
+    EXPECT_THAT(seen->wait_for("bytes ")[0], testing::EndsWith(" same"));
+    seen->wait_for("nodes /robot_a1/0/6");
+    EXPECT_THAT(seen->seen("writer rt/robot_a1/range")[0], Not(HasSubstr("typehash")));
+}
+
+TEST_F(Ros2, TakesInEachTypeThatFastDdsWrites) {
+    BrokerProcess& broker = start(1, R"(
+in robots/+/move    /robot_+/cmd_vel  geometry_msgs/msg/Twist       step-ms=500
+in robots/+/place   /robot_+/odom     nav_msgs/msg/Odometry
+in robots/+/battery /robot_+/battery  sensor_msgs/msg/BatteryState
+in robots/+/range   /robot_+/range    sensor_msgs/msg/Range          qos=0
+in robots/+/raw     /robot_+/raw      std_msgs/msg/UInt8MultiArray   qos=1
+in robots/+/text    /robot_+/text     std_msgs/msg/String            retained=yes
+)");
+    ASSERT_TRUE(wait_for_trace(broker, "ros2: bridged here")) << broker.errors();
+    const auto robot = client("robot");
+    ASSERT_TRUE(robot->subscribe("robots/#", Qos::exactly_once));
+    const std::string zeros = [] {
+        std::string out;
+        for (int i = 0; i < 36; ++i) out += " 0";
+        return out;
+    }();
+    const auto seen =
+        peer({"pub",
+              "Twist",
+              "/robot_a1/cmd_vel",
+              "reliable",
+              "1",
+              "1",
+              "0.2 0 0 0 0 0",
+              "pub",
+              "Odometry",
+              "/robot_a1/odom",
+              "reliable",
+              "1",
+              "1",
+              "7 8 odom base 1 -0.5 0 0 0 0.70710678 0.70710678" + zeros + " 0.1 0 0 0 0 0",
+              "pub",
+              "BatteryState",
+              "/robot_a1/battery",
+              "reliable",
+              "1",
+              "1",
+              "7 8 x 7.5",
+              "pub",
+              "Range",
+              "/robot_a1/range",
+              "best-effort",
+              "5",
+              "100",
+              "7 8 x 0 0.5 0.25 4 0.45",
+              "pub",
+              "UInt8MultiArray",
+              "/robot_a1/raw",
+              "reliable",
+              "1",
+              "1",
+              "0 0 3 0 1 255",
+              "pub",
+              "String",
+              "/robot_a1/text",
+              "latched",
+              "1",
+              "1",
+              "hello"});
+    const auto got = [&](const std::string& topic) {
+        Lines data;
+        for (const auto& message : robot->received) {
+            if (message.topic == "robots/a1/" + topic) data.push_back(message.data);
+        }
+        return data;
+    };
+    EXPECT_TRUE(robot->run_until([&] {
+        return !got("move").empty() && got("place").size() == 2 && !got("battery").empty() &&
+               !got("range").empty() && !got("raw").empty() && !got("text").empty();
+    }));
+    EXPECT_THAT(got("move"), ElementsAre(movement(0, 100)));
+    EXPECT_THAT(got("place"), ElementsAre(speed_100_mm_s, location));
+    EXPECT_THAT(got("battery"), ElementsAre(battery_7500_mv));
+    EXPECT_THAT(got("range"), testing::Each(proximity_450_mm));
+    EXPECT_THAT(got("raw"), ElementsAre(octets({0, 1, 255})));
+    EXPECT_THAT(got("text"), ElementsAre("hello"));
+    seen->wait_for("nodes /robot_a1/6/0");
+
+    const auto late = client("late");
+    ASSERT_TRUE(late->subscribe("robots/a1/text", Qos::exactly_once));
+    EXPECT_TRUE(late->run_until([&] { return !late->received.empty(); }));
+    EXPECT_TRUE(late->received[0].retain) << "transient-local there is retained here";
+}
+
+TEST_F(Ros2, RetainedHereIsTransientLocalThere) {
+    BrokerProcess& broker = start(1, "out site /site std_msgs/msg/String retained=yes");
+    ASSERT_TRUE(wait_for_trace(broker, "ros2: bridged here")) << broker.errors();
+    const auto robot = client("robot");
+    publish(*robot, "site", "old", Qos::at_least_once, true);
+    publish(*robot, "site", "new", Qos::at_least_once, true);
+    EXPECT_EQ(peer({"sub", "String", "/site", "latched"})->wait_for("got /site")[0],
+              "got /site new");
+}
+
+TEST_F(Ros2, AMovementIsAVelocityUntilItsEnd) {
+    BrokerProcess& broker = start(1, robots);
+    ASSERT_TRUE(wait_for_trace(broker, "ros2: bridged here")) << broker.errors();
+    const auto robot = client("robot");
+    publish(*robot, "robots/a1/text", "hi");
+    const auto seen = peer({"sub", "Twist", "/robot_a1/cmd_vel", "reliable"});
+    seen->wait_for("subscribed /robot_a1/cmd_vel");
+    publish(*robot, "robots/a1/move", movement(1, 100));  // back: 0.4 s
+    seen->wait_for("got /robot_a1/cmd_vel 0 0 0 0 0 0");
+    const Lines twists = seen->seen("got /robot_a1/cmd_vel");
+    EXPECT_GE(twists.size(), 3u) << "repeated meanwhile";
+    for (std::size_t i = 0; i + 1 < twists.size(); ++i) {
+        EXPECT_EQ(twists[i], "got /robot_a1/cmd_vel -0.25 0 0 0 0 0");
+    }
+}
+
+TEST_F(Ros2, NothingComesBackToWhereItCameFrom) {
+    BrokerProcess& broker = start(1, "both say /say std_msgs/msg/String");
+    ASSERT_TRUE(wait_for_trace(broker, "ros2: bridged here")) << broker.errors();
+    const auto robot = client("robot");
+    ASSERT_TRUE(robot->subscribe("say", Qos::exactly_once));
+    const auto seen = peer({"sub", "String", "/say", "reliable", "pub", "String", "/say",
+                            "reliable", "20", "50", "there%"});
+    seen->wait_for("subscribed /say", 2);  // to the broker's, and to its own
+    for (int i = 1; i <= 10; ++i) {
+        publish(*robot, "say", "here" + std::to_string(i), Qos::exactly_once);
+    }
+    const auto heard = [&](const std::string& data) {
+        return std::ranges::count(robot->received, data, &ReceivedPublish::data);
+    };
+    EXPECT_TRUE(robot->run_until([&] { return heard("there20") > 0; }));
+    seen->wait_for("got /say here10");
+    seen->wait_for("got /say there20");
+    for (int i = 1; i <= 10; ++i) {
+        EXPECT_EQ(heard("here" + std::to_string(i)), 1) << i;
+        const std::string line = "got /say here" + std::to_string(i);
+        EXPECT_EQ(std::ranges::count(seen->seen("got"), line), 1) << i;
+    }
+    for (int i = 1; i <= 20; ++i) {
+        EXPECT_LE(heard("there" + std::to_string(i)), 1) << i;
+        const std::string line = "got /say there" + std::to_string(i);
+        EXPECT_EQ(std::ranges::count(seen->seen("got"), line), 1) << i;
+    }
+}
+
+/// Numbered messages both ways while the leader is killed.
+TEST_F(Ros2, TheNextLeaderGoesOnAndDoublesNothing) {
+    const std::string rules =
+        std::string(robots) + "in robots/+/say /robot_+/say std_msgs/msg/String\n";
+    for (const int n : {1, 2, 3}) start(n, rules);
+    ASSERT_TRUE(wait_for_trace(*brokers[3], "ros2: bridged here")) << brokers[3]->errors();
+    const auto robot = client("robot");
+    ASSERT_TRUE(robot->subscribe("robots/a1/say", Qos::exactly_once));
+    publish(*robot, "robots/a1/text", "hi");
+    publish(*robot, "robots/a1/move", movement(0, 60'000));  // for four minutes
+    const auto seen =
+        peer({"sub", "Odometry", "/robot_a1/odom", "reliable", "sub", "String", "/robot_a1/text",
+              "reliable", "sub", "Twist", "/robot_a1/cmd_vel", "reliable", "pub", "String",
+              "/robot_a1/say", "reliable", "300", "20", "%"});
+    seen->wait_for("subscribed /robot_a1/", 3);
+    ASSERT_TRUE(robot->run_until([&] { return !robot->received.empty(); }));
+    const auto text = robot->register_topic("robots/a1/text");
+    const auto telemetry = robot->register_topic("robots/a1/telemetry");
+    ASSERT_TRUE(text && telemetry);
+    constexpr int messages = 100;
+    for (int i = 1; i <= messages; ++i) {
+        if (i == messages / 3) brokers[3]->kill_9();
+        ASSERT_TRUE(robot->publish(*telemetry, location, Qos::at_most_once));
+        ASSERT_TRUE(robot->publish(*text, std::to_string(i), Qos::exactly_once));
+        robot->run_until([] { return false; }, 20ms);
+    }
+    EXPECT_TRUE(wait_for_trace(*brokers[2], "ros2: bridged here")) << brokers[2]->errors();
+    seen->wait_for("got /robot_a1/text " + std::to_string(messages));
+    int arrived = 0;
+    for (int i = 1; i <= messages; ++i) {
+        const std::string line = "got /robot_a1/text " + std::to_string(i);
+        const auto times = std::ranges::count(seen->seen("got /robot_a1/text"), line);
+        EXPECT_LE(times, 1) << i;
+        if (times == 1) ++arrived;
+    }
+    EXPECT_GE(arrived, messages - 3) << "but for what was just leaving the dead leader";
+    EXPECT_GE(seen->seen("got /robot_a1/odom").size(), 50u);
+    seen->wait_for("got /robot_a1/cmd_vel 0 0 0 0 0 0");  // nobody drives on for a dead leader
+
+    EXPECT_TRUE(robot->run_until([&] { return robot->received.back().data == "300"; }));
+    std::map<std::string, int> times;
+    for (const auto& message : robot->received) ++times[message.data];
+    for (const auto& [number, count] : times) EXPECT_EQ(count, 1) << number;
+    EXPECT_GE(times.size(), 150u) << "what ROS 2 says while nobody leads is lost";
+}
+
+TEST_F(Ros2, ASideThatStandsStillHoldsNoRobotUp) {
+    const std::string metrics = "127.77." + std::to_string(addresses.domain()) + ".1:19830";
+    BrokerProcess& broker = start(1, robots, {"--metrics", metrics});
+    ASSERT_TRUE(wait_for_trace(broker, "ros2: bridged here")) << broker.errors();
+    const auto robot = client("robot");
+    publish(*robot, "robots/a1/text", "hi");
+    const auto seen = peer({"sub", "UInt8MultiArray", "/robot_a1/raw", "reliable"});
+    seen->wait_for("subscribed /robot_a1/raw");
+    seen->process().signal(SIGSTOP);
+    const auto raw = robot->register_topic("robots/a1/raw");
+    ASSERT_TRUE(raw);
+    const std::string large(1000, 'x');
+    const auto begin = std::chrono::steady_clock::now();
+    for (int i = 0; i < 2000; ++i) {
+        ASSERT_TRUE(
+            robot->publish(*raw, large, i % 20 == 0 ? Qos::exactly_once : Qos::at_most_once));
+    }
+    EXPECT_TRUE(robot->ping());
+    EXPECT_LT(std::chrono::steady_clock::now() - begin, 15s);
+    seen->process().signal(SIGCONT);
+    EXPECT_TRUE(metrics_come_to_say(*net::parse_endpoint(metrics), "romano_ros2_is_open", "", 1));
+    publish(*robot, "robots/a1/raw", "!");
+    seen->wait_for("got /robot_a1/raw [0 ] 0 [1 33 ]");
+}
+
+TEST(Ros2Settings, ThatAreNotPossibleAreOneSentence) {
+    const tests::TemporaryFolder folder;
+    const auto rules = [&](const std::string& text) {
+        std::ofstream(folder / "rules") << text;
+        return (folder / "rules").string();
+    };
+    const auto refusal = [](Lines arguments) {
+        arguments.insert(arguments.end(), {"--listen", "127.77.0.1:0"});
+        BrokerProcess broker(arguments);
+        EXPECT_EQ(broker.wait_for_exit(), 2);
+        EXPECT_EQ(std::ranges::count(broker.errors(), '\n'), 1) << broker.errors();
+        return broker.errors();
+    };
+    const auto with = [&](const Lines& more) {
+        Lines all{"--domain", "7", "--interface", "lo", "--ros2-domain", "8"};
+        all.insert(all.end(), more.begin(), more.end());
+        return refusal(all);
+    };
+    EXPECT_THAT(refusal({"--ros2-domain", "8"}), HasSubstr("--domain too"));
+    EXPECT_THAT(refusal({"--domain", "7", "--ros2-domain", "7"}), HasSubstr("'7'"));
+    EXPECT_THAT(refusal({"--domain", "7", "--ros2-domain", "231"}), HasSubstr("'231'"));
+    EXPECT_THAT(refusal({"--ros2-rules", "x"}), HasSubstr("--ros2-rules needs --ros2-domain"));
+    EXPECT_THAT(with({}), HasSubstr("--ros2-rules"));
+    EXPECT_THAT(with({"--ros2-rules", "/no/such"}), HasSubstr("'/no/such'"));
+    EXPECT_THAT(
+        with({"--ros2-rules", rules("out a /a std_msgs/msg/String"), "--ros2-release", "foxy"}),
+        HasSubstr("'foxy'"));
+    EXPECT_THAT(with({"--ros2-rules", rules("out a /a sensor_msgs/msg/Imu")}),
+                HasSubstr("line 1: 'sensor_msgs/msg/Imu' is no type that is bridged"));
+    EXPECT_THAT(
+        with({"--ros2-rules", rules("out a /a std_msgs/msg/String"), "--ros2-interface", "none0"}),
+        HasSubstr("none0"));
+    EXPECT_THAT(with({"--ros2-rules", rules("out a /a std_msgs/msg/String"), "--uplink", "mqtt://h",
+                      "--uplink-network", "x", "--uplink-topic", "a"}),
+                HasSubstr("exclude each other"));
+}
+
+}  // namespace
+}  // namespace romano::system::ros2_test
