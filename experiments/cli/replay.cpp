@@ -107,7 +107,7 @@ private:
     }
 
     void replay(const mcap::Reader::Told& told) {
-        const auto message = recorded_message(told.channel, told.data);
+        const auto message = recorded_message(*told.channel, told.data);
         if (!message) {
             ++count_.foreign;
             return;

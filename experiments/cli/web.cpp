@@ -7,8 +7,10 @@
 #include <chrono>
 #include <cstdio>
 #include <cstring>
+#include <filesystem>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "broker/net/clock.h"
@@ -18,6 +20,9 @@
 #include "experiments/cli/denial.h"
 #include "experiments/cli/interrupt.h"
 #include "experiments/fleet/fleet_picture.h"
+#include "experiments/mcap/reader.h"
+#include "experiments/recording/playback.h"
+#include "experiments/recording/recording_file.h"
 #include "experiments/web/fleet_watch.h"
 #include "experiments/web/web_api.h"
 #include "experiments/web/web_server.h"
@@ -32,6 +37,7 @@ constexpr const char* web_examples = R"(Examples:
   romano web                                  (then open http://127.0.0.1:8080/)
   romano web -h 127.0.0.2 --ask 1             (asks robots each second where they are)
   romano web --topics 'robots/#' --listen 127.0.0.1:9000
+  romano web --recording tuesday.mcap         (the same page of what romano record wrote down)
   curl -s http://127.0.0.1:8080/api/state | jq '.robots[] | {robot, home}'
   curl -X POST -H 'Content-Type: application/json' http://127.0.0.1:8080/api/stop
 
@@ -45,6 +51,7 @@ struct WebOptions {
     bool lets_everybody_steer = false;
     std::vector<std::string> filters = {"#"};
     double ask_s = 0;
+    std::string recording;
 };
 
 tcp::endpoint address_in(const WebOptions& options) {
@@ -57,7 +64,8 @@ tcp::endpoint address_in(const WebOptions& options) {
     tcp::endpoint out;
     out.resize(address.size);
     std::memcpy(out.data(), &address.any, address.size);
-    if (!out.address().is_loopback() && !options.lets_everybody_steer) {
+    const bool can_steer = options.recording.empty();
+    if (can_steer && !out.address().is_loopback() && !options.lets_everybody_steer) {
         throw CommandError("--listen `" + options.listen +
                            "`: other machines reach this address, and whoever reaches the page can "
                            "steer all robots; allowed is an address of this machine alone such as "
@@ -73,8 +81,22 @@ std::vector<std::string> names_of_this_machine() {
     return {"localhost", host, std::string{host} + ".local"};
 }
 
-void serve(const WebOptions& options) {
-    const tcp::endpoint address = address_in(options);
+void open(WebServer& server, const WebOptions& options) {
+    if (const auto error = server.open(address_in(options))) {
+        throw CommandError("--listen `" + options.listen + "`: " + error.message());
+    }
+}
+
+void tell_where(const WebServer& server, const char* what) {
+    const tcp::endpoint at = server.address();
+    const std::string host = at.address().to_string();
+    std::printf("%s is shown at http://%s:%u/\n", what,
+                (at.address().is_v6() ? '[' + host + ']' : host).c_str(), unsigned{at.port()});
+    std::fflush(stdout);
+}
+
+void serve_fleet(const WebOptions& options) {
+    (void)address_in(options);  // what is refused is refused first
     boost::asio::io_context io{1};
     const Interrupt interrupt{io};
     FleetPicture picture{net::unix_time_at_zero(), options.broker.where()};
@@ -89,28 +111,38 @@ void serve(const WebOptions& options) {
                      picture};
     WebApi api{picture, watch, names_of_this_machine()};
     WebServer server{io, picture, api};
-    if (const auto error = server.open(address)) {
-        throw CommandError("--listen `" + options.listen + "`: " + error.message());
-    }
+    open(server, options);
     bool is_told = false;
     while (!interrupt.has_come()) {
         io.run_one_for(100ms);
         if (watch.has_begun()) {
-            if (!is_told) {
-                std::printf("the fleet is shown at http://%s/\n",
-                            (server.address().address().is_v6()
-                                 ? '[' + server.address().address().to_string() + ']'
-                                 : server.address().address().to_string())
-                                .append(":" + std::to_string(server.address().port()))
-                                .c_str());
-                std::fflush(stdout);
-                is_told = true;
-            }
+            if (!std::exchange(is_told, true)) tell_where(server, "the fleet");
         } else if (watch.has_failed() || watch.denial()) {
             throw CommandError(why_not(options.broker, watch.denial(), watch.was_refused()));
         }
     }
     watch.leave();
+}
+
+void serve_recording(const WebOptions& options) {
+    RecordingFile file = RecordingFile::open(options.recording);
+    mcap::Reader reader{file};
+    if (!reader.is_mcap()) {
+        throw CommandError("--recording `" + options.recording +
+                           "` is no recording: it does not begin as MCAP");
+    }
+    boost::asio::io_context io{1};
+    const Interrupt interrupt{io};
+    FleetPicture picture{Duration{0}};
+    Playback playback{reader, std::filesystem::path{options.recording}.filename(), picture};
+    WebApi api{picture, playback, names_of_this_machine()};
+    WebServer server{io, picture, api};
+    open(server, options);
+    tell_where(server, "the recording");
+    while (!interrupt.has_come()) {
+        io.run_for(20ms);
+        playback.on_tick(net::now());
+    }
 }
 
 }  // namespace
@@ -136,9 +168,16 @@ void add_web(CLI::App& program, int& exit_code) {
         ->type_name("SECONDS")
         ->check(CLI::Range(0.0, 3600.0))
         ->capture_default_str();
+    command
+        .add_option("--recording", options->recording,
+                    "Show what romano record wrote down: play, pause, speed, any place; no broker "
+                    "is asked, nobody is steered")
+        ->type_name("FILE")
+        ->excludes("--ask")
+        ->excludes("--topics");
     command.footer(web_examples);
     command.callback([options, &exit_code] {
-        serve(*options);
+        options->recording.empty() ? serve_fleet(*options) : serve_recording(*options);
         exit_code = 0;
     });
 }

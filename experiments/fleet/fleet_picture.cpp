@@ -325,6 +325,12 @@ void FleetPicture::on_command_ended(std::uint64_t command, bool broker_has_it) {
     happening->changed = next_version();
 }
 
+void FleetPicture::on_played(RecordingPlace place) {
+    if (recording_ == place) return;
+    recording_ = std::move(place);
+    (void)next_version();
+}
+
 void FleetPicture::on_tick(Instant now) {
     if (!has_settled_ && !is_settling(now)) settle(now);
     if (!pace_.on_tick(now, version_ + 1)) return;

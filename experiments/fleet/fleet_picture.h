@@ -37,6 +37,20 @@ struct SeenBroker {
     Instant told_at;
 };
 
+/// Where in a recording the picture is. Times are the recording's.
+struct RecordingPlace {
+    std::string file;
+    std::uint64_t start_unix_ms = 0;
+    std::uint64_t end_unix_ms = 0;
+    std::uint64_t at_unix_ms = 0;
+    double speed = 1;
+    bool is_playing = false;
+    bool is_seeking = false;        // it comes to a place that somebody chose
+    std::vector<std::string> lost;  // what the recording does not have, in sentences
+
+    friend bool operator==(const RecordingPlace&, const RecordingPlace&) = default;
+};
+
 class FleetPicture {
 public:
     static constexpr std::size_t most_brokers = 128;
@@ -46,9 +60,14 @@ public:
     using Robots = std::map<message::RomanoId, SeenRobot>;
     using Brokers = std::map<std::string, SeenBroker>;
 
-    /// `watched`: the broker that the watcher talks to, for people.
-    explicit FleetPicture(Duration unix_time_at_zero, std::string watched = {})
-        : unix_time_at_zero_(unix_time_at_zero), watched_(std::move(watched)) {}
+    /// `watched`: the broker that the watcher talks to, for people. `version`: when it takes the
+    /// place of another picture, a higher one than that one's last; of older ones nothing is known.
+    explicit FleetPicture(Duration unix_time_at_zero, std::string watched = {},
+                          std::uint64_t version = 0)
+        : unix_time_at_zero_(unix_time_at_zero),
+          watched_(std::move(watched)),
+          version_(version),
+          left_known_since_(version) {}
 
     /// The watcher's own broker answers, or does no more.
     void on_link(Instant now, bool is_up);
@@ -63,11 +82,15 @@ public:
     std::uint64_t on_command(Instant now, const std::string& words,
                              const std::vector<message::RomanoId>& robots);
     void on_command_ended(std::uint64_t command, bool broker_has_it);
+    /// The picture is that of a recording.
+    void on_played(RecordingPlace place);
     /// At least once a second.
     void on_tick(Instant now);
 
     [[nodiscard]] std::uint64_t version() const { return version_; }
     [[nodiscard]] const std::string& watched() const { return watched_; }
+    /// Empty for a fleet that is there now.
+    [[nodiscard]] const std::optional<RecordingPlace>& recording() const { return recording_; }
     [[nodiscard]] bool is_linked() const { return is_linked_; }
     [[nodiscard]] std::optional<Instant> link_since() const { return link_since_; }
     [[nodiscard]] const Brokers& brokers() const { return brokers_; }
@@ -101,7 +124,8 @@ private:
 
     Duration unix_time_at_zero_;
     std::string watched_;
-    std::uint64_t version_ = 0;
+    std::uint64_t version_;
+    std::optional<RecordingPlace> recording_;
     bool is_linked_ = false;
     std::optional<Instant> link_since_;
     std::optional<Instant> settles_at_;
@@ -111,7 +135,7 @@ private:
     std::optional<Instant> leaderless_since_;
     Robots robots_;
     std::deque<std::pair<std::uint64_t, message::RomanoId>> left_;
-    std::uint64_t left_known_since_ = 0;
+    std::uint64_t left_known_since_;
     TimeLine time_line_;
     Pace pace_;
     std::uint64_t dropped_ = 0;

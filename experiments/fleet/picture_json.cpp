@@ -23,6 +23,17 @@ Json watch_json(const FleetPicture& picture) {
     return out;
 }
 
+Json recording_json(const RecordingPlace& place) {
+    return {{"file", place.file},
+            {"start_unix_ms", place.start_unix_ms},
+            {"end_unix_ms", place.end_unix_ms},
+            {"at_unix_ms", place.at_unix_ms},
+            {"speed", place.speed},
+            {"is_playing", place.is_playing},
+            {"is_seeking", place.is_seeking},
+            {"lost", place.lost}};
+}
+
 Json cluster_json(const FleetPicture& picture) {
     Json out{{"leader", picture.leader()}, {"term", 0}, {"members", Json::array()}};
     if (const SeenBroker* broker = picture.newest_view()) {
@@ -110,6 +121,7 @@ Json parts(const FleetPicture& picture, std::optional<std::uint64_t> since) {
              {"cluster", cluster_json(picture)}, {"brokers", Json::array()},
              {"robots", Json::array()},          {"time_line", Json::array()},
              {"seconds", Json::array()}};
+    if (picture.recording()) out["recording"] = recording_json(*picture.recording());
     for (const auto& [name, broker] : picture.brokers()) {
         if (is_due(broker.changed)) out["brokers"].push_back(broker_json(picture, broker));
     }

@@ -140,7 +140,7 @@ std::optional<Reader::Told> Reader::next() {
     }
     const Place& place = messages_[next_message_++];
     return Told{.time = place.time,
-                .channel = channels_.at(place.channel),
+                .channel = &channels_.at(place.channel),
                 .data = Bytes{records_}.subspan(place.at, place.octets)};
 }
 

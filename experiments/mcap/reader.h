@@ -39,8 +39,8 @@ public:
 
     struct Told {
         Timestamp time;
-        const Channel& channel;
-        Bytes data;  // good until the next call
+        const Channel* channel;  // never null; good as long as the reader
+        Bytes data;              // good until the next call
     };
 
     /// Looks over the whole file, without what is in the chunks.

@@ -7,10 +7,10 @@
 #include <variant>
 
 #include "broker/net/clock.h"
+#include "experiments/fleet/picture_feed.h"
 #include "experiments/operator/own_id.h"
 #include "experiments/operator/robot_message.h"
 #include "experiments/watch/broker_status.h"
-#include "romano/server/node_entry.h"
 #include "romano/server/server.h"
 
 namespace romano::experiments {
@@ -28,9 +28,6 @@ constexpr auto connect_again_after = 1s;
 // Robots are asked a few at a time: thousands of questions at once would be a burst.
 constexpr int most_asked_at_once = 20;
 
-constexpr std::string_view echo_prefix = "romano-web/";
-constexpr std::string_view entry_prefix = "$ROMANO/nodes/";
-constexpr std::string_view status_prefix = "$SYS/";
 /// Where robots say where they are when they are asked; 15 octets at most, which all can name.
 constexpr std::string_view place_prefix = "at/";
 
@@ -134,27 +131,12 @@ void FleetWatch::lose() {
 void FleetWatch::on_received(const client::Received& received) {
     const std::string_view topic = received.topic.name;
     if (topic == echo_topic_) return on_echo(received.data);
-    if (topic.starts_with(echo_prefix)) return;  // of another one who watches
-    if (topic.starts_with(status_prefix)) {
-        const auto status = parse_broker_status(as_text(received.data));
-        if (status) picture_.on_broker(net::now(), *status);
-        return;
-    }
-    if (topic.starts_with(entry_prefix)) {
-        const auto id = message::RomanoId::parse(topic.substr(entry_prefix.size()));
-        if (id && received.data.empty()) return picture_.on_entry_deleted(net::now(), *id);
-        const auto entry = server::parse_entry(topic, as_text(received.data));
-        if (entry) picture_.on_entry(net::now(), *entry);
-        return;
-    }
-    on_fleet_message(topic, received.data);
-}
-
-void FleetWatch::on_fleet_message(std::string_view topic, Bytes data) {
     if (topic == loops_.self().text()) {
-        for (const LoopStop::ToRobot& message : loops_.on_answer(net::now(), data)) tell(message);
+        for (const LoopStop::ToRobot& message : loops_.on_answer(net::now(), received.data)) {
+            tell(message);
+        }
     }
-    picture_.on_message(net::now(), topic, data);
+    tell_picture(picture_, net::now(), topic, received.data);
 }
 
 void FleetWatch::on_echo(Bytes data) {

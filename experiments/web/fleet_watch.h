@@ -55,7 +55,6 @@ private:
     void subscribe_to_all();
     void on_event(const client::Event& event);
     void on_received(const client::Received& received);
-    void on_fleet_message(std::string_view topic, Bytes data);
     void on_echo(Bytes data);
     void on_ended(client::OperationId operation, bool broker_has_it);
     void lose();

@@ -47,7 +47,7 @@ std::optional<RobotPath> robot_path(std::string_view path) {
 
 bool takes_post(std::string_view path) {
     const auto robot = robot_path(path);
-    return path == "/api/stop" || (robot && !robot->verb.empty());
+    return path == "/api/stop" || path == "/api/recording" || (robot && !robot->verb.empty());
 }
 
 struct Movement {
@@ -70,6 +70,36 @@ Movement movement_in(const std::string& body) {
                                         (text == &out.amount ? "100mm" : "front"));
         }
         *text = found->get<std::string>();
+    }
+    return out;
+}
+
+struct PlaybackWish {
+    std::optional<bool> plays;
+    std::optional<double> speed;
+    std::optional<std::uint64_t> at_unix_ms;
+};
+/// Throws std::invalid_argument with one sentence.
+PlaybackWish playback_wish_in(const std::string& body) {
+    const Json object = Json::parse(body, nullptr, false);
+    PlaybackWish out;
+    if (!object.is_object() || object.empty()) {
+        throw std::invalid_argument(
+            R"(the body must be a JSON object with one of: {"play": true, "speed": 10, "at_unix_ms": 1764100000000})");
+    }
+    for (const auto& [key, value] : object.items()) {
+        if (key == "play" && value.is_boolean()) {
+            out.plays = value.get<bool>();
+        } else if (key == "speed" && value.is_number() && value >= Playback::slowest &&
+                   value <= Playback::fastest) {
+            out.speed = value.get<double>();
+        } else if (key == "at_unix_ms" && value.is_number_unsigned()) {
+            out.at_unix_ms = value.get<std::uint64_t>();
+        } else {
+            throw std::invalid_argument(
+                "allowed are play: true or false, speed: 0.1 to 100, at_unix_ms: milliseconds "
+                "since 1970");
+        }
     }
     return out;
 }
@@ -127,6 +157,10 @@ WebAnswer WebApi::get(std::string_view path) const {
 }
 
 WebAnswer WebApi::post(std::string_view path, const std::string& body) {
+    if (path == "/api/recording") return post_to_recording(body);
+    if (playback_ != nullptr) {
+        return refusal(409, "this is a recording: nothing was said to any robot");
+    }
     if (path == "/api/stop") return order(stop_all_orders(picture_));
     const auto [id, verb] = *robot_path(path);
     const SeenRobot* robot = robot_of(id);
@@ -141,11 +175,26 @@ WebAnswer WebApi::post(std::string_view path, const std::string& body) {
     }
 }
 
+WebAnswer WebApi::post_to_recording(const std::string& body) {
+    if (playback_ == nullptr) {
+        return refusal(404, "this is no recording; romano web --recording FILE shows one");
+    }
+    try {
+        const PlaybackWish wish = playback_wish_in(body);
+        if (wish.speed) playback_->set_speed(*wish.speed);
+        if (wish.at_unix_ms) playback_->seek(*wish.at_unix_ms);
+        if (wish.plays) *wish.plays ? playback_->play() : playback_->pause();
+    } catch (const std::invalid_argument& refused) {
+        return refusal(400, refused.what());
+    }
+    return json_answer(202, {{"at_unix_ms", picture_.recording()->at_unix_ms}});
+}
+
 WebAnswer WebApi::order(const Orders& orders) {
     if (!picture_.is_linked()) {
         return refusal(503, "no broker answers: nothing was said to any robot");
     }
-    const std::uint64_t command = steering_.carry_out(orders);
+    const std::uint64_t command = steering_->carry_out(orders);
     return json_answer(202, {{"command", command},
                              {"words", orders.words},
                              {"robots", orders.robots.size()},

@@ -1,5 +1,5 @@
 // What HTTP requests are answered: the page's files, the fleet's picture as JSON, and orders to
-// robots. No socket; README.md describes the API.
+// robots, or to the playback of a recording. No socket; README.md describes the API.
 #pragma once
 
 #include <string>
@@ -8,6 +8,7 @@
 
 #include "experiments/fleet/fleet_picture.h"
 #include "experiments/fleet/orders.h"
+#include "experiments/recording/playback.h"
 #include "experiments/web/request_rules.h"
 
 namespace romano::experiments {
@@ -41,18 +42,23 @@ class WebApi {
 public:
     /// `names`: of this machine, beside its addresses.
     WebApi(const FleetPicture& picture, Steering& steering, std::vector<std::string> names)
-        : picture_(picture), steering_(steering), names_(std::move(names)) {}
+        : picture_(picture), steering_(&steering), names_(std::move(names)) {}
+    /// Of a recording: nobody can be steered.
+    WebApi(const FleetPicture& picture, Playback& playback, std::vector<std::string> names)
+        : picture_(picture), playback_(&playback), names_(std::move(names)) {}
 
     [[nodiscard]] WebAnswer answer(const WebRequest& request);
 
 private:
     [[nodiscard]] WebAnswer get(std::string_view path) const;
     [[nodiscard]] WebAnswer post(std::string_view path, const std::string& body);
+    [[nodiscard]] WebAnswer post_to_recording(const std::string& body);
     [[nodiscard]] WebAnswer order(const Orders& orders);
     [[nodiscard]] const SeenRobot* robot_of(std::string_view id) const;
 
     const FleetPicture& picture_;
-    Steering& steering_;
+    Steering* steering_ = nullptr;
+    Playback* playback_ = nullptr;
     std::vector<std::string> names_;
 };
 

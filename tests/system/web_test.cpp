@@ -12,6 +12,7 @@
 #include <boost/beast/core.hpp>
 #include <boost/beast/http.hpp>
 #include <chrono>
+#include <filesystem>
 #include <functional>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -50,7 +51,10 @@ struct Web : BrokerFixture {
     void start_web(int broker, std::vector<std::string> more = {}) {
         more.insert(more.begin(), {"--listen", "127.0.0.1:0"});
         web = romano("web", broker, std::move(more));
-        const std::string line = web->wait_for("the fleet is shown at ");
+        note_address("the fleet is shown at ");
+    }
+    void note_address(const std::string& words) {
+        const std::string line = web->wait_for(words);
         ASSERT_NE(line, "") << web->errors();
         url = line.substr(line.find("http://"));
         web_port = url.substr(url.rfind(':') + 1);
@@ -217,7 +221,96 @@ TEST_F(Web, IsServedToThisMachineAloneUnlessItIsToldOtherwise) {
     EXPECT_THAT(alone->errors(), HasSubstr("no broker serves at"));
 }
 
+/// A recording in which r2, where the robot is, is killed; and its page.
+struct WebOfARecording : Web {
+    WebOfARecording() {
+        std::string name = (std::filesystem::temp_directory_path() / "romano-played-XXXXXX");
+        folder = ::mkdtemp(name.data());
+        file = folder / "test.mcap";
+    }
+    ~WebOfARecording() override { std::filesystem::remove_all(folder); }
+
+    void record_a_death() {
+        for (int n = 1; n <= 3; ++n) start_member(n);
+        start_robot(robot_id, 2, {"--telemetry", "robots/{id}/pose", "--every", "0.1"});
+        const auto recorder = romano("record", 3, {file.string()});
+        start_web(3);
+        ASSERT_TRUE(comes([&] {
+            return home_of(robot_id) == "r2" && state().at("cluster").at("members").size() == 3;
+        })) << state();
+        std::this_thread::sleep_for(3s);  // of the recording, so that the death is news in it
+        brokers[1]->kill_9();
+        ASSERT_TRUE(comes([&] { return home_of(robot_id) == "r1" || home_of(robot_id) == "r3"; }));
+        heir = home_of(robot_id);
+        std::this_thread::sleep_for(1s);
+        recorder->signal(SIGINT);
+        ASSERT_EQ(recorder->wait_for_exit(), 0) << recorder->errors();
+        web->signal(SIGTERM);
+        ASSERT_EQ(web->wait_for_exit(), 0);
+    }
+    void open_recording() {
+        web = std::make_unique<Process>(
+            ROMANO_PROGRAM, std::vector<std::string>{"web", "--recording", file.string(),
+                                                     "--listen", "127.0.0.1:0"});
+        note_address("the recording is shown at ");
+    }
+    void seek(std::uint64_t unix_ms) {
+        const std::string wish = json{{"play", false}, {"at_unix_ms", unix_ms}}.dump();
+        ASSERT_EQ(ask(http::verb::post, "/api/recording", wish).result_int(), 202U);
+        ASSERT_TRUE(comes([&] {
+            const json at = state().at("recording");
+            return !at.at("is_seeking").get<bool>() && !at.at("is_playing").get<bool>();
+        }));
+    }
+
+    const std::string robot_id = "00000001";
+    std::filesystem::path folder;
+    std::filesystem::path file;
+    std::string heir;
+};
+
+TEST_F(WebOfARecording, ShowsEachPlaceOfItAndPlays) {
+    record_a_death();
+    open_recording();
+    const json recording = state().at("recording");
+    EXPECT_EQ(recording.at("file"), "test.mcap");
+    const auto end = recording.at("end_unix_ms").get<std::uint64_t>();
+    seek(end);
+    EXPECT_EQ(home_of(robot_id), heir);
+    EXPECT_TRUE(has_happened("broker-died"));
+    EXPECT_TRUE(has_happened("take-over"));
+    std::uint64_t died_unix_ms = 0;
+    const json seen = state();
+    for (const json& one : seen.at("time_line")) {
+        if (one.at("kind") == "broker-died") died_unix_ms = one.at("unix_ms");
+    }
+    seek(died_unix_ms - 500);
+    EXPECT_EQ(home_of(robot_id), "r2");
+    EXPECT_FALSE(has_happened("broker-died"));
+    EXPECT_TRUE(
+        json::parse(ask(http::verb::get, "/api/robots/" + robot_id).body()).contains("place"));
+    EXPECT_EQ(
+        ask(http::verb::post, "/api/recording", R"({"play": true, "speed": 100})").result_int(),
+        202U);
+    EXPECT_TRUE(comes([&] { return home_of(robot_id) == heir; }));
+    EXPECT_TRUE(comes([&] { return !state().at("recording").at("is_playing").get<bool>(); }));
+    EXPECT_EQ(ask(http::verb::post, "/api/stop").result_int(), 409U);
+}
+
 #ifdef PAGE_TEST
+TEST_F(WebOfARecording, InARealBrowser) {
+    record_a_death();
+    open_recording();
+    ::setenv("PAGE_TEST_MODULES", PAGE_TEST_MODULES, 1);
+    ::setenv("CHROMIUM", CHROMIUM_PROGRAM, 1);
+    Process page(NODE_PROGRAM, {RECORDING_PAGE_TEST, url, robot_id, heir});
+    for (const char* seen : {"the end shows what happened", "the beginning knows nothing of it",
+                             "it plays and is paused"}) {
+        ASSERT_NE(page.wait_for(seen, 60s), "") << seen << ": " << page.errors();
+    }
+    EXPECT_EQ(page.wait_for_exit(), 0) << page.errors();
+}
+
 TEST_F(Web, ThePageInARealBrowser) {
     for (int n = 1; n <= 3; ++n) start_member(n);
     const std::string robot_id = "00000001";

@@ -8,10 +8,12 @@ import {FleetMap} from './map.js';
 import {Chart} from './chart.js';
 import {announced, forgetTimeLine, showTimeLine} from './time_line.js';
 import {RobotPage, isRobotId} from './robot_page.js';
+import {RecordingBar} from './recording.js';
 
 const model = new Model();
 const map = new FleetMap(byId('map'));
 const robotPage = new RobotPage(order);
+const recordingBar = new RecordingBar();
 const messages = new Chart(byId('chart-messages'), {
     title: 'Messages a second', lines: [{key: 'messages', class: 'line'}], least: 5,
     text: (value) => number(value),
@@ -41,6 +43,7 @@ function schedule() {
 
 function show() {
     showAlarm();
+    recordingBar.show(model);
     const isTurnOfTables = performance.now() >= tablesDueAt;
     if (isTurnOfTables) {
         tablesDueAt = performance.now() + tablesEveryMs;
@@ -87,7 +90,7 @@ function showSummary() {
         model.cluster.leader ? `${model.cluster.leader} leads` : 'nobody leads',
         count(model.robots.size, 'robot'),
     ];
-    put(byId('seen-by'), `Seen through the broker at ${model.watch.broker}. An echo is a message that this page’s server sends to itself through it.`);
+    put(byId('seen-by'), model.recording ? 'A recording of what one broker delivered.' : `Seen through the broker at ${model.watch.broker}. An echo is a message that this page’s server sends to itself through it.`);
     if (last) parts.push(`${number(last.messages)} messages/s`);
     put(byId('summary'), parts.join(' · '));
 }
@@ -95,6 +98,7 @@ function showSummary() {
 function showAlarm() {
     let text = '';
     if (!hasServer) text = 'romano web does not answer. What you see is what was last heard.';
+    else if (model.recording) text = model.watch.is_linked ? '' : 'No broker answered the recorder at this time: what happened is not known.';
     else if (!model.watch.is_linked && model.watch.since_unix_ms) {
         text = `The broker does not answer since ${clock(model.watch.since_unix_ms)}. Commands are refused; it is asked again each second.`;
     } else if (!model.watch.is_linked) text = 'Asking for the broker…';

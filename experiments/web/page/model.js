@@ -18,11 +18,15 @@ export class Model {
         this.watch = {is_linked: false};
         this.cluster = {leader: '', members: []};
         this.skewMs = 0;
+        this.recording = undefined;
     }
 
-    /** The server's clock. */
+    /** The server's clock, or the place in the recording. */
     now() {
-        return Date.now() + this.skewMs;
+        if (this.recording === undefined) return Date.now() + this.skewMs;
+        const {at_unix_ms, speed, is_playing, is_seeking} = this.recording;
+        if (!is_playing || is_seeking) return at_unix_ms;
+        return at_unix_ms + (performance.now() - this.recordingToldAt) * speed;
     }
 
     setState(state) {
@@ -34,6 +38,8 @@ export class Model {
     change(change) {
         this.watch = change.watch;
         this.cluster = change.cluster;
+        this.recording = change.recording;
+        this.recordingToldAt = performance.now();
         for (const broker of change.brokers) this.brokers.set(broker.name, broker);
         const urgent = [];
         for (const id of change.left ?? []) this.robots.delete(id);

@@ -39,8 +39,8 @@ TEST(Mcap, MessagesComeBackInTheOrderOfTheirTimesWithTheirTopics) {
         const auto told = reader.next();
         ASSERT_TRUE(told);
         EXPECT_EQ(as_text(told->data), std::to_string(number));
-        EXPECT_EQ(told->channel.topic, "t" + std::to_string(number % 3));
-        EXPECT_EQ(told->channel.metadata_of("topic_type"), "name");
+        EXPECT_EQ(told->channel->topic, "t" + std::to_string(number % 3));
+        EXPECT_EQ(told->channel->metadata_of("topic_type"), "name");
         EXPECT_EQ(told->time, second * static_cast<Timestamp>(number + 1));
     }
     EXPECT_FALSE(reader.next());

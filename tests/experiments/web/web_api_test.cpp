@@ -156,5 +156,38 @@ TEST(RequestRules, AProgramOnThisMachineNeedsItsAddressAndTheContentType) {
     }
 }
 
+TEST_F(Api, AFleetThatIsThereIsNoRecording) {
+    EXPECT_EQ(post("/api/recording", R"({"play": true})").status, 404U);
+    EXPECT_EQ(get("/api/recording").status, 405U);
+}
+
+struct NoFile final : mcap::OctetSource {
+    [[nodiscard]] Bytes read(std::uint64_t, std::size_t) override { return {}; }
+    [[nodiscard]] std::uint64_t size() const override { return 0; }
+};
+
+TEST_F(Api, ARecordingIsPlayedAndNobodyIsSteered) {
+    NoFile file;
+    mcap::Reader reader{file};
+    FleetPicture played{Duration{0}};
+    Playback playback{reader, "<b>.mcap", played};
+    WebApi recording{played, playback, {}};
+    const auto ask = [&](const std::string& target, const std::string& body) {
+        return recording.answer({.method = "POST", .target = target, .fields = own, .body = body});
+    };
+    EXPECT_EQ(ask("/api/recording", R"({"play": false, "speed": 0.5})").status, 202U);
+    playback.on_tick(Instant{1s});
+    EXPECT_EQ(played.recording()->speed, 0.5);
+    EXPECT_FALSE(played.recording()->is_playing);
+    for (const char* wrong :
+         {"", "{}", "[]", R"({"speed": 0.01})", R"({"speed": 101})", R"({"speed": "1"})",
+          R"({"play": 1})", R"({"at_unix_ms": -1})", R"({"at_unix_ms": 1.5})", R"({"jump": 1})"}) {
+        EXPECT_EQ(ask("/api/recording", wrong).status, 400U) << wrong;
+    }
+    const WebAnswer stop = ask("/api/stop", "{}");
+    EXPECT_EQ(stop.status, 409U);
+    EXPECT_THAT(stop.body, HasSubstr("nothing was said to any robot"));
+}
+
 }  // namespace
 }  // namespace romano::experiments::web_api_test
