@@ -9,6 +9,7 @@
 #include "broker/core/connect_flow.h"
 #include "broker/core/delivery_flow.h"
 #include "broker/core/discovery.h"
+#include "broker/core/enforcement.h"
 #include "broker/core/invariants.h"
 #include "broker/core/lifecycle.h"
 #include "broker/core/liveness.h"
@@ -40,10 +41,11 @@ public:
 
     Tables tables;
     Outbox outbox{tables};
+    Enforcement enforcement{tables};
     Subscriptions subscriptions{tables};
-    DeliveryFlow deliveries{tables, outbox, subscriptions};
-    Router router{tables, outbox, deliveries};
-    Lifecycle lifecycle{tables, router, subscriptions};
+    DeliveryFlow deliveries{tables, outbox, subscriptions, enforcement};
+    Router router{tables, outbox, deliveries, enforcement};
+    Lifecycle lifecycle{tables, router, subscriptions, enforcement};
     Adoption adoption{tables, deliveries, lifecycle, subscriptions};
 
     /// Of the connected client that speaks there, or null. One that was heard at another service
@@ -63,9 +65,9 @@ private:
     void handle(Session& session, const mqttsn::Message& message, Turn& turn);
     void on_stranger(const Origin& origin, MsgType type, Turn& turn);
 
-    PublishFlow publish_flow_{tables, outbox, router};
-    SubscribeFlow subscribe_flow_{tables, outbox, router, subscriptions};
-    ConnectFlow connect_flow_{tables, outbox, deliveries, lifecycle};
+    PublishFlow publish_flow_{tables, outbox, router, enforcement};
+    SubscribeFlow subscribe_flow_{tables, outbox, router, subscriptions, enforcement};
+    ConnectFlow connect_flow_{tables, outbox, deliveries, lifecycle, enforcement};
     Liveness liveness_{tables, outbox, deliveries, lifecycle, publish_flow_};
     Discovery discovery_{tables, outbox};
     StrangerLimit strangers_;
@@ -224,7 +226,7 @@ void BrokerCore::State::on_session_message(const Origin& origin, const mqttsn::M
     }
     if (connectionless) {
         ++tables.counters.publishes_received;
-        publish_flow_.on_connectionless(std::get<mqttsn::Publish>(message), turn);
+        publish_flow_.on_connectionless(origin, std::get<mqttsn::Publish>(message), turn);
     } else {
         handle(*session, message, turn);
     }
@@ -363,6 +365,12 @@ void BrokerCore::set_audience(const Audience& peers) {
     state_->tables.peers = &peers;
 }
 
+void BrokerCore::set_permissions(const Permissions* permissions) {
+    state_->tables.permissions = permissions;
+    state_->tables.sessions.visit(
+        [this](const Session& session) { state_->subscriptions.enter_all(session); });
+}
+
 void BrokerCore::forget_logs(const std::function<bool(const LogId&)>& are_over, Actions& out) {
     state_->tables.cursors.forget(are_over);
     state_->adoption.forget_logs(are_over, out);
@@ -461,6 +469,8 @@ void BrokerCore::set_system_topic(Instant now, std::string_view topic, Bytes pay
 void BrokerCore::publish(Instant now, std::string_view topic, Bytes payload, mqttsn::Qos qos,
                          bool retain, Actions& out, std::string_view origin) {
     Turn turn{now, out};
+    const Speaker owner{.via = {}, .node_id = {}, .client_id = {}, .is_owner = true};
+    if (!origin.empty() && !state_->enforcement.may_publish(owner, topic, payload, turn)) return;
     state_->router.publish({topic, payload, qos, retain, origin}, turn);
 }
 

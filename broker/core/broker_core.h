@@ -19,6 +19,7 @@
 #include "broker/core/counters.h"
 #include "broker/core/limits.h"
 #include "broker/core/log_event.h"
+#include "broker/core/permissions.h"
 #include "romano/base/bytes.h"
 #include "romano/base/endpoint.h"
 #include "romano/base/time.h"
@@ -39,6 +40,10 @@ public:
     /// It is not lost for being silent then: its keep-alive begins anew.
     void on_tick(Instant now, Actions& out, const SessionJudgement& may_be_unheard = {});
     [[nodiscard]] Instant next_wakeup() const;
+
+    /// Who may do what from now on: of subscriptions that are there already, too, and of what waits
+    /// in queues. Null: everybody everything. It must outlive this broker, or the next one given.
+    void set_permissions(const Permissions* permissions);
 
     // --- a cluster's side
     // -------------------------------------------------------------------------
@@ -105,7 +110,8 @@ public:
     // --- for what its owner runs beside it (BrokerOptions::observed_topics)
     // -------------------------------------------------------------------------
 
-    /// Publishes as the broker itself: like a client's publish, for the peers as well.
+    /// Publishes as the broker itself: like a client's publish, for the peers as well. With an
+    /// `origin`, if what came from there may be published.
     void publish(Instant now, std::string_view topic, Bytes payload, mqttsn::Qos qos, bool retain,
                  Actions& out, std::string_view origin = {});
     /// What waits in the session that the owner reads (BrokerOptions::read_by_owner), in order,

@@ -108,6 +108,11 @@ void ConnectFlow::on_willtopic(const Origin& origin, const mqttsn::Willtopic& me
         message.topic.starts_with('$')) {
         prompt.refusal = ReturnCode::not_supported;
     }
+    const Speaker speaker{origin.via, origin.from.wireless_node_id, prompt.client_id};
+    if (prompt.refusal == ReturnCode::accepted &&
+        !enforcement_.may_make_will(speaker, message.topic, turn)) {
+        prompt.refusal = ReturnCode::not_supported;
+    }
     if (prompt.refusal == ReturnCode::accepted) {
         prompt.will = {std::string{message.topic}, {}, message.qos, message.retain};
     }
@@ -198,6 +203,10 @@ void ConnectFlow::on_willtopicupd(Session& session, const mqttsn::Willtopicupd& 
         (message.qos == Qos::without_connection || !mqttsn::is_valid_topic_name(message.topic) ||
          message.topic.starts_with('$'))) {
         tables_.count(Drop::invalid_topic);
+        outbox_.send(session, mqttsn::Willtopicresp{ReturnCode::not_supported}, Gate::open, turn);
+        return;
+    }
+    if (!deletes && !enforcement_.may_make_will(speaker_of(session), message.topic, turn)) {
         outbox_.send(session, mqttsn::Willtopicresp{ReturnCode::not_supported}, Gate::open, turn);
         return;
     }

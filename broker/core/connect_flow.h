@@ -10,6 +10,7 @@
 #include <unordered_map>
 
 #include "broker/core/delivery_flow.h"
+#include "broker/core/enforcement.h"
 #include "broker/core/lifecycle.h"
 #include "broker/core/outbox.h"
 #include "broker/core/tables.h"
@@ -19,8 +20,13 @@ namespace romano::broker {
 
 class ConnectFlow {
 public:
-    ConnectFlow(Tables& tables, Outbox& outbox, DeliveryFlow& deliveries, Lifecycle& lifecycle)
-        : tables_(tables), outbox_(outbox), deliveries_(deliveries), lifecycle_(lifecycle) {}
+    ConnectFlow(Tables& tables, Outbox& outbox, DeliveryFlow& deliveries, Lifecycle& lifecycle,
+                Enforcement& enforcement)
+        : tables_(tables),
+          outbox_(outbox),
+          deliveries_(deliveries),
+          lifecycle_(lifecycle),
+          enforcement_(enforcement) {}
 
     void on_connect(const Origin& origin, const mqttsn::Connect& message, Turn& turn);
     void on_willtopic(const Origin& origin, const mqttsn::Willtopic& message, Turn& turn);
@@ -65,6 +71,7 @@ private:
     Outbox& outbox_;
     DeliveryFlow& deliveries_;
     Lifecycle& lifecycle_;
+    Enforcement& enforcement_;
     std::unordered_map<Origin, Prompt, OriginHash> prompts_;
     Instant sweep_at_ = never;
 };

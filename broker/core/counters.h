@@ -28,12 +28,23 @@ enum class Drop : std::uint8_t {
 };
 inline constexpr std::size_t drop_kinds = 13;
 
+/// What somebody may not (permissions.h).
+enum class Refused : std::uint8_t {
+    publish,
+    register_,  // a topic id to publish under
+    subscribe,
+    will,      // when it was made, or was to be said
+    delivery,  // a message of a topic that its subscriber may not read
+};
+inline constexpr std::size_t refused_kinds = 5;
+
 struct Counters {
     std::array<std::uint64_t, 256> received_by_type{};  // by MsgType
     std::array<std::uint64_t, 256> sent_by_type{};
     std::array<std::uint64_t, mqttsn::malformed_kinds> malformed{};
     std::uint64_t malformed_total = 0;  // of all kinds: whoever calls can see that one was
     std::array<std::uint64_t, drop_kinds> dropped{};
+    std::array<std::uint64_t, refused_kinds> refused{};
     std::uint64_t publishes_received = 0;
     std::uint64_t publishes_sent = 0;
     std::uint64_t retransmissions = 0;
@@ -42,6 +53,8 @@ struct Counters {
     /// Kept sessions that went while their clients were away: too many of one IP address, or to
     /// make room (Limits::kept_per_address, sessions and memory_mib).
     std::uint64_t sessions_forgotten = 0;
+
+    void count(Refused what) { ++refused[static_cast<std::size_t>(what)]; }
 };
 
 /// What is there now: counted when somebody asks, so that nothing is kept for it.

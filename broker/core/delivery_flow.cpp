@@ -147,6 +147,11 @@ bool DeliveryFlow::open_front(Session& session, Turn& turn) {
         open(session, Kind::releasing, delivery.msg_id, {});
         return send_open(session, true, turn);
     }
+    // It may have waited for long, and its client may read less than before.
+    if (!enforcement_.may_deliver(session, delivery.message->topic)) {
+        end_front(session, turn);
+        return false;
+    }
     WireTopic topic = plain_topic(session, delivery.message->topic);
     switch (prepare(session, topic, delivery.message->topic, turn)) {
         case Readiness::impossible:

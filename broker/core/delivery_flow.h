@@ -15,6 +15,7 @@
 
 #include <string_view>
 
+#include "broker/core/enforcement.h"
 #include "broker/core/outbox.h"
 #include "broker/core/session.h"
 #include "broker/core/subscriptions.h"
@@ -25,8 +26,12 @@ namespace romano::broker {
 
 class DeliveryFlow {
 public:
-    DeliveryFlow(Tables& tables, Outbox& outbox, Subscriptions& subscriptions)
-        : tables_(tables), outbox_(outbox), subscriptions_(subscriptions) {}
+    DeliveryFlow(Tables& tables, Outbox& outbox, Subscriptions& subscriptions,
+                 Enforcement& enforcement)
+        : tables_(tables),
+          outbox_(outbox),
+          subscriptions_(subscriptions),
+          enforcement_(enforcement) {}
 
     /// True when a message of this QoS can join the queue; drops the oldest of QoS 0 for it.
     bool make_room(Session& session);
@@ -109,6 +114,7 @@ private:
     Tables& tables_;
     Outbox& outbox_;
     Subscriptions& subscriptions_;
+    Enforcement& enforcement_;
 };
 
 }  // namespace romano::broker

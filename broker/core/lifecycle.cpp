@@ -67,7 +67,11 @@ void Lifecycle::erase(Session& session, Actions& out) {
 
 bool Lifecycle::move(Session& session, const Origin& place, Turn& turn) {
     if (session.reachable && session.is_at(place)) return false;
+    const SessionHeader& header = session.header;
+    const bool is_somebody_else = header.via.packets != place.via.packets ||
+                                  header.address.wireless_node_id != place.from.wireless_node_id;
     Session* previous = tables_.sessions.map(session, place, turn.now);
+    if (is_somebody_else) subscriptions_.enter_all(session);  // with the rights of that one
     if (previous == nullptr) return true;
     // Its place has a new owner; it runs into its keep-alive and is sent nothing (G7).
     previous->exchange = {};
@@ -114,7 +118,8 @@ void Lifecycle::lose(Session& session, Turn& turn) {
 
 void Lifecycle::depart_lost(Session& session, Turn& turn) {
     depart(session, SessionState::lost, turn);
-    if (!session.will || session.will->topic.empty()) {
+    const bool has_will = session.will && !session.will->topic.empty();
+    if (!has_will || !enforcement_.may_say_will(speaker_of(session), *session.will, turn)) {
         log_header(session, turn);
     } else {
         publish_will(session, turn);

@@ -8,6 +8,7 @@
 
 #include <string_view>
 
+#include "broker/core/enforcement.h"
 #include "broker/core/router.h"
 #include "broker/core/session.h"
 #include "broker/core/subscriptions.h"
@@ -17,8 +18,12 @@ namespace romano::broker {
 
 class Lifecycle {
 public:
-    Lifecycle(Tables& tables, Router& router, Subscriptions& subscriptions)
-        : tables_(tables), router_(router), subscriptions_(subscriptions) {}
+    Lifecycle(Tables& tables, Router& router, Subscriptions& subscriptions,
+              Enforcement& enforcement)
+        : tables_(tables),
+          router_(router),
+          subscriptions_(subscriptions),
+          enforcement_(enforcement) {}
 
     /// A new, empty session; null when there is no room, and none can be made.
     Session* create(std::string_view client_id, Turn& turn);
@@ -59,6 +64,7 @@ private:
     Tables& tables_;
     Router& router_;
     Subscriptions& subscriptions_;
+    Enforcement& enforcement_;
 };
 
 }  // namespace romano::broker

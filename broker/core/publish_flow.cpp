@@ -83,7 +83,11 @@ void PublishFlow::on_publish(Session& session, const mqttsn::Publish& message, T
         return;
     }
     const std::string_view topic = name_of(&session, message);
-    const ReturnCode code = judge(message, topic);
+    ReturnCode code = judge(message, topic);
+    if (code == ReturnCode::accepted &&
+        !enforcement_.may_publish(speaker_of(session), topic, message.data, turn)) {
+        code = ReturnCode::not_supported;
+    }
     if (code != ReturnCode::accepted) {
         outbox_.send(session, mqttsn::Puback{message.topic, message.msg_id, code}, Gate::open,
                      turn);
@@ -169,7 +173,8 @@ void PublishFlow::on_pubrel(Session& session, const mqttsn::Pubrel& message, Tur
     outbox_.send(session, mqttsn::Pubcomp{message.msg_id}, Gate::logged, turn);
 }
 
-void PublishFlow::on_connectionless(const mqttsn::Publish& message, Turn& turn) {
+void PublishFlow::on_connectionless(const Origin& origin, const mqttsn::Publish& message,
+                                    Turn& turn) {
     Bytes data = message.data;
     std::string_view topic;
     if (message.topic_type == TopicIdType::normal) {
@@ -185,6 +190,8 @@ void PublishFlow::on_connectionless(const mqttsn::Publish& message, Turn& turn) 
         topic = name_of(nullptr, message);
     }
     if (judge(message, topic) != ReturnCode::accepted) return;
+    const Speaker speaker{origin.via, origin.from.wireless_node_id, {}};
+    if (!enforcement_.may_publish(speaker, topic, data, turn)) return;
     router_.publish({topic, data, Qos::at_most_once, message.retain}, turn);
 }
 

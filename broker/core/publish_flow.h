@@ -4,6 +4,7 @@
 #include <string>
 #include <string_view>
 
+#include "broker/core/enforcement.h"
 #include "broker/core/outbox.h"
 #include "broker/core/router.h"
 #include "broker/core/session.h"
@@ -14,15 +15,15 @@ namespace romano::broker {
 
 class PublishFlow {
 public:
-    PublishFlow(Tables& tables, Outbox& outbox, Router& router)
-        : tables_(tables), outbox_(outbox), router_(router) {}
+    PublishFlow(Tables& tables, Outbox& outbox, Router& router, Enforcement& enforcement)
+        : tables_(tables), outbox_(outbox), router_(router), enforcement_(enforcement) {}
 
     void on_publish(Session& session, const mqttsn::Publish& message, Turn& turn);
     /// A late PUBACK or PUBREC is due.
     void answer_what_is_owed(Session& session, Turn& turn);
     void on_pubrel(Session& session, const mqttsn::Pubrel& message, Turn& turn);
     /// QoS -1, from anybody; never answered (6.8a).
-    void on_connectionless(const mqttsn::Publish& message, Turn& turn);
+    void on_connectionless(const Origin& origin, const mqttsn::Publish& message, Turn& turn);
 
 private:
     [[nodiscard]] mqttsn::ReturnCode judge(const mqttsn::Publish& message, std::string_view topic);
@@ -37,6 +38,7 @@ private:
     Tables& tables_;
     Outbox& outbox_;
     Router& router_;
+    Enforcement& enforcement_;
     std::string name_;
 };
 

@@ -77,6 +77,7 @@ void Router::find_receivers(const Publication& publication, const LogPosition& p
             was_ahead(session, position)) {
             return;
         }
+        if (grant.is_partial && !enforcement_.may_deliver(session, publication.topic)) return;
         session.matched_in = fan_out_;
         session.matched_at = static_cast<std::uint32_t>(receivers_.size());
         receivers_.push_back({&session, granted, grant.topic, false});
@@ -267,6 +268,7 @@ bool Router::send_retained_behind(Session& session, RetainedToCome& rest, Turn& 
     const Subscription& subscription = rest.subscription;
     const std::size_t most = (tables_.limits().queued_per_session + 1) / 2;
     const auto send = [&](const MessagePtr& message) {
+        if (!enforcement_.may_deliver(session, message->topic)) return true;
         const Qos qos = std::min(message->qos, subscription.granted);
         if (session.read_by_owner) {
             if (!message->origin.empty()) return true;

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "broker/core/delivery_flow.h"
+#include "broker/core/enforcement.h"
 #include "broker/core/outbox.h"
 #include "broker/core/tables.h"
 #include "romano/base/bytes.h"
@@ -27,8 +28,8 @@ struct Publication {
 
 class Router {
 public:
-    Router(Tables& tables, Outbox& outbox, DeliveryFlow& deliveries)
-        : tables_(tables), outbox_(outbox), deliveries_(deliveries) {}
+    Router(Tables& tables, Outbox& outbox, DeliveryFlow& deliveries, Enforcement& enforcement)
+        : tables_(tables), outbox_(outbox), deliveries_(deliveries), enforcement_(enforcement) {}
 
     /// Every publication of a client, a will and the uplink comes by here first: Retain goes off
     /// what is not to be kept (BrokerOptions::never_retained).
@@ -99,6 +100,7 @@ private:
     Tables& tables_;
     Outbox& outbox_;
     DeliveryFlow& deliveries_;
+    Enforcement& enforcement_;
     std::vector<Receiver> receivers_;  // of the message that was accepted last
     MessagePtr message_;               // made only when something must hold it
     std::uint64_t fan_out_ = 0;

@@ -35,6 +35,10 @@ void SubscribeFlow::on_register(Session& session, const mqttsn::Register& messag
         answer(mqttsn::no_topic_id, ReturnCode::not_supported);
         return;
     }
+    if (!enforcement_.may_register(speaker_of(session), message.topic_name, turn)) {
+        answer(mqttsn::no_topic_id, ReturnCode::not_supported);
+        return;
+    }
     const TopicId id = subscriptions_.bind(session, message.topic_name, true, turn);
     if (id == mqttsn::no_topic_id) {
         tables_.count(Drop::no_room);
@@ -70,7 +74,6 @@ ReturnCode SubscribeFlow::judge(const Session& session, const mqttsn::Subscribe&
 
 void SubscribeFlow::refuse(Session& session, const mqttsn::Subscribe& message, ReturnCode code,
                            Turn& turn) {
-    tables_.count(code == ReturnCode::congestion ? Drop::no_room : Drop::invalid_topic);
     const TopicId id =
         message.topic.type == TopicIdType::predefined ? message.topic.id : mqttsn::no_topic_id;
     outbox_.send(session, mqttsn::Suback{Qos::at_most_once, id, message.msg_id, code}, Gate::logged,
@@ -81,7 +84,12 @@ void SubscribeFlow::on_subscribe(Session& session, const mqttsn::Subscribe& mess
     const auto filter = filter_of(message.topic);
     const ReturnCode code = filter ? judge(session, message, *filter) : filter.error();
     if (code != ReturnCode::accepted) {
+        tables_.count(code == ReturnCode::congestion ? Drop::no_room : Drop::invalid_topic);
         refuse(session, message, code, turn);
+        return;
+    }
+    if (!enforcement_.may_subscribe(speaker_of(session), *filter, turn)) {
+        refuse(session, message, ReturnCode::not_supported, turn);
         return;
     }
     Subscription subscription{.filter = std::string{*filter},
@@ -97,6 +105,7 @@ void SubscribeFlow::on_subscribe(Session& session, const mqttsn::Subscribe& mess
         } else {
             id = subscriptions_.bind(session, *filter, true, turn);
             if (id == mqttsn::no_topic_id) {
+                tables_.count(Drop::no_room);
                 refuse(session, message, ReturnCode::congestion, turn);
                 return;
             }

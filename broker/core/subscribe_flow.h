@@ -4,6 +4,7 @@
 
 #include <string_view>
 
+#include "broker/core/enforcement.h"
 #include "broker/core/outbox.h"
 #include "broker/core/router.h"
 #include "broker/core/session.h"
@@ -16,8 +17,13 @@ namespace romano::broker {
 
 class SubscribeFlow {
 public:
-    SubscribeFlow(Tables& tables, Outbox& outbox, Router& router, Subscriptions& subscriptions)
-        : tables_(tables), outbox_(outbox), router_(router), subscriptions_(subscriptions) {}
+    SubscribeFlow(Tables& tables, Outbox& outbox, Router& router, Subscriptions& subscriptions,
+                  Enforcement& enforcement)
+        : tables_(tables),
+          outbox_(outbox),
+          router_(router),
+          subscriptions_(subscriptions),
+          enforcement_(enforcement) {}
 
     void on_register(Session& session, const mqttsn::Register& message, Turn& turn);
     void on_subscribe(Session& session, const mqttsn::Subscribe& message, Turn& turn);
@@ -36,6 +42,7 @@ private:
     Outbox& outbox_;
     Router& router_;
     Subscriptions& subscriptions_;
+    Enforcement& enforcement_;
 };
 
 }  // namespace romano::broker

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "broker/core/enforcement.h"
 #include "romano/base/bytes.h"
 #include "romano/mqttsn/topic.h"
 
@@ -10,9 +11,12 @@ namespace romano::broker {
 using mqttsn::TopicId;
 using mqttsn::TopicIdType;
 
-Grant Subscriptions::grant_of(const Session& session, const Subscription& subscription) {
+Grant Subscriptions::grant_of(const Session& session, const Subscription& subscription) const {
     Grant grant{subscription.granted, {subscription.type, mqttsn::no_topic_id}};
     const std::string& filter = subscription.filter;
+    const Permissions* permissions = tables_.permissions;
+    grant.is_partial = permissions != nullptr &&
+                       permissions->may_read_of(speaker_of(session), filter) != Extent::all;
     if (subscription.type == TopicIdType::predefined) {
         grant.topic.id = subscription.predefined_id;
     } else if (mqttsn::has_wildcard(filter)) {

@@ -29,7 +29,7 @@ public:
     void set_known(Session& session, mqttsn::TopicId id, bool known, Turn& turn);
 
 private:
-    [[nodiscard]] static Grant grant_of(const Session& session, const Subscription& subscription);
+    [[nodiscard]] Grant grant_of(const Session& session, const Subscription& subscription) const;
     void log_binding(const Session& session, mqttsn::TopicId id, const TopicRegistry::Topic& topic,
                      Turn& turn);
 

@@ -12,6 +12,7 @@
 #include "broker/core/limits.h"
 #include "broker/core/log_writer.h"
 #include "broker/core/notes.h"
+#include "broker/core/permissions.h"
 #include "broker/core/retained_store.h"
 #include "broker/core/session_table.h"
 #include "broker/core/topic_tree.h"
@@ -30,6 +31,8 @@ struct Turn {
 struct Grant {
     mqttsn::Qos qos = mqttsn::Qos::at_most_once;
     WireTopic topic;
+    bool is_partial =
+        false;  // of its topics the client may not read all: each message is asked for
 };
 
 using Subscribers = TopicTree<SessionNumber, Grant>;
@@ -53,9 +56,10 @@ struct Tables {
     Cursors cursors;
     Counters counters;
     Notes notes;
-    const Audience* peers = nullptr;  // null: they may want everything
-    bool congested = false;           // no new promises (BrokerCore::set_congested)
-    bool full = false;                // nothing more that stays (BrokerCore::set_full)
+    const Audience* peers = nullptr;           // null: they may want everything
+    const Permissions* permissions = nullptr;  // null: everybody may do everything
+    bool congested = false;                    // no new promises (BrokerCore::set_congested)
+    bool full = false;                         // nothing more that stays (BrokerCore::set_full)
 
     void count(Drop reason) { ++counters.dropped[static_cast<std::size_t>(reason)]; }
     [[nodiscard]] const Limits& limits() const { return options.limits; }

@@ -13,6 +13,9 @@ constexpr std::array<const char*, broker::drop_kinds> drop_names = {
     "too_large",       "queue_full",     "retries_exhausted", "refused_by_client", "encapsulation",
     "no_room",         "never_retained", "output_full"};
 
+constexpr std::array<const char*, broker::refused_kinds> refused_names = {
+    "publish", "register", "subscribe", "will", "delivery"};
+
 constexpr std::array<const char*, mqttsn::malformed_kinds> malformed_names = {
     "empty", "length", "reserved_type", "size", "reserved_value"};
 
@@ -45,6 +48,12 @@ void add_messages(Page& page, const broker::Counters& counters) {
         page.counter("romano_drops_total",
                      "What arrived and had no effect, or waited and was given up, by reason.",
                      counters.dropped[kind], {{"reason", drop_names[kind]}});
+    }
+    for (std::size_t deed = 0; deed < refused_names.size(); ++deed) {
+        page.counter("romano_rights_refusals_total",
+                     "What clients may not and was refused, by what it was; delivery: a message "
+                     "that its subscriber may not read.",
+                     counters.refused[deed], {{"deed", refused_names[deed]}});
     }
     page.counter("romano_publishes_received_total", "PUBLISH messages from clients.",
                  counters.publishes_received);

@@ -4,6 +4,7 @@
 #include <cstring>
 #include <utility>
 
+#include "broker/protection/protected_node.h"
 #include "romano/mqttsn/codec.h"
 #include "romano/mqttsn/decode.h"
 
@@ -18,19 +19,8 @@ using protection::SenderId;
 
 namespace {
 
-// No forwarder calls its nodes so; plain datagrams that do are dropped.
-constexpr std::string_view mark = "protected:";
-
 // In front of a message there is room for the header of its packet, and for that of its forwarder.
 constexpr std::size_t room_in_front = 256;
-
-std::string node_id_of(std::string_view client_id) {
-    return std::string{mark}.append(client_id);
-}
-
-bool is_sealed(const Endpoint& via) {
-    return via.packets == Endpoint::Packets::sealed;
-}
 
 /// Whose the message says that it is: CONNECT, and a sleeping client's PINGREQ (6.14).
 std::optional<std::string_view> named_client(const mqttsn::Frame& frame) {
@@ -78,7 +68,7 @@ struct ProtectedClients::Client {
            std::optional<Heard> heard)
         : id(who.client_id),
           key(who.key),
-          node_id(node_id_of(id)),
+          node_id(protected_node_id(id)),
           keys(protection::direction_keys(key)),
           sender(protection::sender_id(id)),
           end(std::in_place, keys, id, self, reserve, heard),
@@ -197,7 +187,7 @@ Bytes ProtectedClients::admit_plain(const Endpoint& via, const Endpoint& from, B
         const auto wrapped = mqttsn::decode_encapsulated(*frame);
         if (!wrapped) return datagram;
         const std::string_view node_id = as_text(wrapped->wireless_node_id);
-        if (node_id.starts_with(mark)) {
+        if (node_id.starts_with(protected_mark)) {
             ++counters_.needs_protection;
             return {};
         }
@@ -238,8 +228,8 @@ void ProtectedClients::seal(Actions& actions) {
         auto* send = std::get_if<Send>(&action);
         if (send == nullptr || !is_sealed(send->via)) continue;
         const std::string_view node_id = send->to.wireless_node_id;
-        if (!node_id.starts_with(mark)) continue;  // an answer to SEARCHGW
-        const auto found = by_id_.find(node_id.substr(mark.size()));
+        if (!node_id.starts_with(protected_mark)) continue;  // an answer to SEARCHGW
+        const auto found = by_id_.find(node_id.substr(protected_mark.size()));
         if (found == by_id_.end()) {
             ++counters_.keyless;
             send->via = {};

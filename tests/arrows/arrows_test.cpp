@@ -32,6 +32,9 @@ const std::map<std::string, Folders>& allowed() {
         {"romano/client", {"romano/base", "romano/mqttsn"}},
         {"broker/core", {"romano/base", "romano/mqttsn"}},
         {"broker/protection", {"romano/base", "romano/mqttsn", "romano/protection", "broker/core"}},
+        {"broker/rights",
+         {"romano/base", "romano/mqttsn", "romano/message", "romano/control", "romano/protection",
+          "broker/core", "broker/protection"}},
         {"broker/uplink", {"romano/base", "romano/mqttsn", "broker/core"}},
         {"romano/server", {"romano/base", "romano/message"}},
         {"broker/server", {"romano/base", "romano/mqttsn", "romano/server", "broker/core"}},
@@ -86,11 +89,11 @@ const std::map<std::string, Folders>& allowed() {
 // Folders whose code has no heap, clock, thread, file or socket of its own.
 const std::set<std::string>& cores() {
     static const std::set<std::string> folders = {
-        "romano/base",       "romano/mqttsn",   "romano/message", "romano/protection",
-        "romano/client",     "romano/node",     "romano/control", "romano/server",
-        "election",          "broker/core",     "broker/server",  "broker/uplink",
-        "broker/protection", "overlay/cluster", "overlay/member", "overlay/ros2",
-        "experiments/fleet", "experiments/mcap"};
+        "romano/base",       "romano/mqttsn",     "romano/message",  "romano/protection",
+        "romano/client",     "romano/node",       "romano/control",  "romano/server",
+        "election",          "broker/core",       "broker/server",   "broker/uplink",
+        "broker/protection", "broker/rights",     "overlay/cluster", "overlay/member",
+        "overlay/ros2",      "experiments/fleet", "experiments/mcap"};
     return folders;
 }
 
