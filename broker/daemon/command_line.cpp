@@ -51,6 +51,11 @@ void add_options(CLI::App& app, SettingTexts& texts) {
                    "Folder with the keys of protected clients (romano keys new); the broker writes "
                    "there, too. For all brokers of a cluster that has protected addresses")
         ->type_name("DIR");
+    app.add_option("--rights", texts.rights,
+                   "File that says who may publish and read what (romano rights usual prints one); "
+                   "read again at SIGHUP. For all brokers of a cluster the same (default: people "
+                   "with keys everything, robots their own, plain clients everything)")
+        ->type_name("FILE");
     app.add_option("--name", texts.name,
                    "The broker's name, unique in its cluster (default: HOST-ADDR:PORT; on all "
                    "addresses HOST-MAC:PORT, with a hardware address of the machine)")

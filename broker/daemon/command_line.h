@@ -15,6 +15,7 @@ namespace romano::daemon {
 struct SettingTexts {
     std::vector<std::string> listen = {};
     std::optional<std::string> keys = {};
+    std::optional<std::string> rights = {};
     std::optional<std::string> name = {};
     std::optional<std::string> domain = {};
     std::optional<std::string> interface = {};

@@ -29,6 +29,7 @@ LoneBroker::LoneBroker(boost::asio::io_context& io, const Settings& settings,
     : io_(io),
       name_(settings.name),
       protection_(open_protection(settings.keys)),
+      rights_(settings.rights),
       options_(options_of(settings)),
       core_(options_, random_seed()),
       server_(settings.name, options_.unix_time_at_zero),
@@ -36,6 +37,7 @@ LoneBroker::LoneBroker(boost::asio::io_context& io, const Settings& settings,
       core_timer_(io, [this] { on_core_wakeup(); }),
       status_timer_(io, [this] { on_status_wakeup(); }),
       heap_limit_(settings.limits.memory_mib) {
+    obey_rights();
     std::string where;
     for (const Endpoint& address : settings.listen) {
         Endpoint bound;
@@ -85,11 +87,20 @@ void LoneBroker::on_core_wakeup() {
 }
 
 void LoneBroker::on_status_wakeup() {
-    if (protection_) protection_->look();
+    if (protection_ && protection_->look()) obey_rights();
     publish_status();
     server_.on_tick(net::now(), core_, {}, actions_);
     on_batch_end();
     status_timer_.arm(net::now() + status_every);
+}
+
+void LoneBroker::obey_rights() {
+    core_.set_permissions(rights_.for_owners_of_keys(protection_.get()));
+}
+
+void LoneBroker::read_rights_again() {
+    rights_.read_again();
+    obey_rights();
 }
 
 void LoneBroker::publish_status() {
@@ -103,6 +114,7 @@ void LoneBroker::publish_status() {
         {"sessions", core_.session_count()},
         {"connected", core_.connected_count()},
         {"addresses", std::move(addresses)},
+        {"rights", rights_.digest()},
         {"view", {{"term", 0}, {"leader", name_}, {"count", 1}, {"members", {name_}}}},
         {"incarnation",
          options_.log.incarnation}}.dump();

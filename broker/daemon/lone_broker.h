@@ -13,6 +13,7 @@
 #include "broker/daemon/heap_limit.h"
 #include "broker/daemon/persistence.h"
 #include "broker/daemon/protection.h"
+#include "broker/daemon/rights_in_force.h"
 #include "broker/daemon/running_broker.h"
 #include "broker/net/core_timer.h"
 #include "broker/net/udp_service.h"
@@ -25,6 +26,7 @@ public:
     /// Throws Refusal.
     LoneBroker(boost::asio::io_context& io, const Settings& settings, const OnServing& on_serving);
     void leave() override;
+    void read_rights_again() override;
     void add_metrics(metrics::Page& page) const override;
 
 private:
@@ -33,12 +35,14 @@ private:
     void on_core_wakeup();
     void on_status_wakeup();
     [[nodiscard]] broker::BrokerOptions options_of(const Settings& settings);
+    void obey_rights();
     void publish_status();
     void send();
 
     boost::asio::io_context& io_;
     std::string name_;
     std::unique_ptr<Protection> protection_;  // null without --keys
+    RightsInForce rights_;
     std::optional<Persistence> persistence_;
     broker::BrokerOptions options_;
     broker::BrokerCore core_;

@@ -4,6 +4,7 @@
 #include <boost/asio/signal_set.hpp>
 #include <csignal>
 #include <exception>
+#include <functional>
 #include <iostream>
 #include <memory>
 #include <utility>
@@ -37,6 +38,15 @@ void run(const Settings& settings, const Program& program) {
         manager.ending();
         broker->leave();
     });
+    boost::asio::signal_set hangups(io, SIGHUP);
+    const std::function<void()> wait_for_hangup = [&] {
+        hangups.async_wait([&](const auto& error, int) {
+            if (error) return;
+            if (broker) broker->read_rights_again();
+            wait_for_hangup();
+        });
+    };
+    wait_for_hangup();
     MetricsEndpoint metrics(io, settings);
     broker = program.start(io, settings, [&](const std::string& where) {
         std::cout << "romano-broker " << settings.name << ": serving " << where << std::endl;

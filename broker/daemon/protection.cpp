@@ -27,14 +27,23 @@ fs::file_time_type changed_at(const fs::path& file) {
     return fs::last_write_time(file, none);
 }
 
-std::vector<broker::ProtectedClient> clients_in(const fs::path& table) {
+std::vector<broker::ProtectedClient> clients_of(const keys::ClientKeys& table) {
     std::vector<broker::ProtectedClient> clients;
-    for (const auto& [name, owner] : keys::read_table(table)) {
+    for (const auto& [name, owner] : table) {
         for (const std::string& id : keys::client_ids_of(name, owner.role)) {
             clients.push_back({id, keys::key_of(owner, id)});
         }
     }
     return clients;
+}
+
+std::vector<rights::KeyOwner> owners_of(const keys::ClientKeys& table) {
+    std::vector<rights::KeyOwner> owners;
+    for (const auto& [name, owner] : table) {
+        owners.push_back(
+            {name, owner.role == keys::Role::robot ? rights::Role::robot : rights::Role::person});
+    }
+    return owners;
 }
 
 }  // namespace
@@ -72,7 +81,9 @@ Protection::Protection(fs::path folder)
 void Protection::read_table() {
     const fs::path table = folder_ / keys::table_name;
     table_of_ = changed_at(table);
-    clients_.set_clients(clients_in(table),
+    const keys::ClientKeys keys = keys::read_table(table);
+    owners_ = owners_of(keys);
+    clients_.set_clients(clients_of(keys),
                          [this](const auto& sender) { return heard_.of(sender); });
 }
 
@@ -129,13 +140,15 @@ void Protection::end_storing() {
     }
 }
 
-void Protection::look() {
-    if (changed_at(folder_ / keys::table_name) == table_of_) return;
+bool Protection::look() {
+    if (changed_at(folder_ / keys::table_name) == table_of_) return false;
     try {
         read_table();
         spdlog::info("protected packets: {} clients have keys now", clients_.size());
+        return true;
     } catch (const keys::KeyError& error) {
         warn(std::string{error.what()} + "; the keys of before stay");
+        return false;
     }
 }
 

@@ -11,11 +11,13 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "broker/core/actions.h"
 #include "broker/daemon/heard_file.h"
 #include "broker/metrics/page.h"
 #include "broker/protection/protected_clients.h"
+#include "broker/rights/rights.h"
 #include "romano/keys/broker_record.h"
 #include "romano/keys/lock_file.h"
 
@@ -35,8 +37,10 @@ public:
                               broker::Actions& out);
     void seal(broker::Actions& actions);
 
-    /// From time to time: the table may have changed.
-    void look();
+    /// From time to time: the table may have changed. True when it has.
+    [[nodiscard]] bool look();
+    /// Of the keys in the table.
+    [[nodiscard]] const std::vector<rights::KeyOwner>& owners() const { return owners_; }
     void leave();
     void add_metrics(metrics::Page& page) const;
 
@@ -54,6 +58,7 @@ private:
     std::future<std::string> storing_;  // the record, and what went wrong: a disk takes its time
     HeardFile heard_;
     broker::ProtectedClients clients_;
+    std::vector<rights::KeyOwner> owners_;
     std::filesystem::file_time_type table_of_;
     std::string warned_of_;       // the last one, not to be said again
     std::uint64_t unstored_ = 0;  // datagrams that were dropped because the disk is full

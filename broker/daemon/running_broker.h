@@ -20,6 +20,8 @@ public:
     virtual ~RunningBroker() = default;
     /// An orderly stop; the io_context has nothing left to do soon afterwards.
     virtual void leave() = 0;
+    /// SIGHUP: the rights may have changed.
+    virtual void read_rights_again() = 0;
     /// What it counted, for --metrics.
     virtual void add_metrics(metrics::Page& page) const = 0;
 };

@@ -379,6 +379,7 @@ Settings check(const SettingTexts& texts) {
     Settings out;
     out.listen = check_listen(texts.listen);
     out.keys = check_keys(texts, out.listen);
+    out.rights = texts.rights;
     out.name = check_name(texts.name, plain(out.listen.front()));
     out.discovery_groups = check_groups(texts.discovery_group, out.listen);
     out.gateway_id = number_in<std::uint8_t>("gateway-id", texts.gateway_id, 1, 255);

@@ -53,7 +53,8 @@ struct Ros2Settings {
 struct Settings {
     std::string name;
     std::vector<Endpoint> listen;
-    std::optional<std::string> keys;  // the folder of protected clients
+    std::optional<std::string> keys;    // the folder of protected clients
+    std::optional<std::string> rights;  // a file
     std::vector<Endpoint> discovery_groups;
     std::uint8_t gateway_id = 1;
     std::chrono::seconds advertise_period{};  // 0: never

@@ -49,11 +49,11 @@ void add_messages(Page& page, const broker::Counters& counters) {
                      "What arrived and had no effect, or waited and was given up, by reason.",
                      counters.dropped[kind], {{"reason", drop_names[kind]}});
     }
-    for (std::size_t deed = 0; deed < refused_names.size(); ++deed) {
+    for (std::size_t what = 0; what < refused_names.size(); ++what) {
         page.counter("romano_rights_refusals_total",
                      "What clients may not and was refused, by what it was; delivery: a message "
                      "that its subscriber may not read.",
-                     counters.refused[deed], {{"deed", refused_names[deed]}});
+                     counters.refused[what], {{"reason", refused_names[what]}});
     }
     page.counter("romano_publishes_received_total", "PUBLISH messages from clients.",
                  counters.publishes_received);

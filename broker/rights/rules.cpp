@@ -182,7 +182,7 @@ topic readwrite #
 topic read $SYS/#
 topic read $ROMANO/#
 
-# What the MQTT broker of the uplink may publish here, and is sent, within the rules of --uplink-topic.
+# What may come over the uplink or from ROS 2, and go there, within the rules of those.
 group uplink
 topic readwrite #
 

@@ -36,7 +36,7 @@ using RuleList = std::vector<Rule>;
 inline constexpr std::string_view robots = "robots";
 inline constexpr std::string_view operators = "operators";
 inline constexpr std::string_view plain = "plain";    // who has no key, at plain addresses
-inline constexpr std::string_view uplink = "uplink";  // the MQTT broker of the uplink
+inline constexpr std::string_view uplink = "uplink";  // what comes over the uplink or from ROS 2
 
 struct Rules {
     RuleList everybody;  // who has a key

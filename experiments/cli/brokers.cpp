@@ -100,7 +100,10 @@ void print_json(const BrokerWatch& watch) {
     std::puts(list.dump(2).c_str());
 }
 
-void show_brokers(const BrokerOptions& options, bool as_json) {
+}  // namespace
+
+void see_brokers(const BrokerOptions& options,
+                 const std::function<void(const BrokerWatch&)>& show) {
     boost::asio::io_context io{1};
     Sockets sockets{io, options.packets()};
     BrokerWatch watch{sockets,
@@ -124,10 +127,8 @@ void show_brokers(const BrokerOptions& options, bool as_json) {
         throw CommandError("the broker at " + options.where() + " says nothing on " +
                            std::string{brokers_filter} + ": it is no romano-broker");
     }
-    as_json ? print_json(watch) : print_table(watch);
+    show(watch);
 }
-
-}  // namespace
 
 void add_brokers(CLI::App& program, int& exit_code) {
     auto options = std::make_shared<BrokerOptions>();
@@ -139,7 +140,7 @@ void add_brokers(CLI::App& program, int& exit_code) {
     command.add_flag("--json", *as_json, "Print what the broker says, as a JSON array");
     command.footer(brokers_examples);
     command.callback([options, as_json, &exit_code] {
-        show_brokers(*options, *as_json);
+        see_brokers(*options, *as_json ? print_json : print_table);
         exit_code = 0;
     });
 }

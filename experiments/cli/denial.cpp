@@ -11,7 +11,7 @@ std::string words_for(mqttsn::ReturnCode code) {
         case mqttsn::ReturnCode::invalid_topic_id:
             return "invalid topic id";
         case mqttsn::ReturnCode::not_supported:
-            return "not supported";
+            return "not supported, or not permitted (the broker's trace tells of rights)";
     }
     return "rejected";
 }

@@ -18,6 +18,7 @@
 #include "experiments/cli/record.h"
 #include "experiments/cli/replay.h"
 #include "experiments/cli/results.h"
+#include "experiments/cli/rights.h"
 #include "experiments/cli/robots.h"
 #include "experiments/cli/simulate.h"
 #include "experiments/cli/status.h"
@@ -49,6 +50,7 @@ int main(int argc, char** argv) {
     add_robot_commands(program, exit_code);
     add_control(program, exit_code);
     add_keys(program, exit_code);
+    add_rights(program, exit_code);
     add_apply(program, exit_code);
     add_sweep(program, exit_code);
     add_report(program, exit_code);

@@ -30,6 +30,7 @@ std::optional<BrokerStatus> parse_broker_status(std::string_view text) {
         read(object, "cannot_take", status.cannot_take);
         read(object, "incarnation", status.incarnation);
         read(object, "transport_octets_sent", status.transport_octets_sent);
+        read(object, "rights", status.rights);
         read(object, "disagrees", status.disagrees);
         if (const auto view = object.find("view"); view != object.end() && view->is_object()) {
             read(*view, "term", status.view_term);

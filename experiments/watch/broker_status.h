@@ -25,6 +25,7 @@ struct BrokerStatus {
     std::uint64_t incarnation = 0;       // higher at each start
     std::uint64_t view_term = 0;
     std::string view_leader;
+    std::string rights;  // their digest; empty: it is not known
     std::vector<std::string> view_members;
     std::uint64_t transport_octets_sent = 0;  // to its peers, since it started
     /// Settings that must agree and do not: the values by broker's name, by setting.

@@ -145,6 +145,8 @@ public:
     [[nodiscard]] election::Leadership leadership() const { return membership_.leadership(); }
     [[nodiscard]] Duration detection_time() const { return membership_.detection_time(); }
     [[nodiscard]] Times times() const { return membership_.times(); }
+    /// The rights of this broker's clients are these now: compared with the peers'.
+    void on_rights(const std::string& digest) { settings_.change("rights", digest); }
     [[nodiscard]] const SettingsComparison& settings() const { return settings_; }
     [[nodiscard]] const Membership& membership() const { return membership_; }
     [[nodiscard]] const ServiceAddresses& addresses() const { return addresses_; }

@@ -52,6 +52,7 @@ ClusterBroker::ClusterBroker(boost::asio::io_context& io, const Settings& settin
       settings_(settings),
       on_serving_(std::move(on_serving)),
       protection_(open_protection(settings.keys)),
+      rights_(settings.rights),
       ros2_rules_(settings.ros2 ? read_ros2_rules(settings.ros2->rules_file)
                                 : std::vector<ros2::Rule>{}),
       options_(member_options(settings)),
@@ -211,6 +212,7 @@ void ClusterBroker::wait_for_the_holders() {
 
 void ClusterBroker::start_member() {
     member_ = std::make_unique<overlay::Member>(options_, random_seed());
+    obey_rights();
     for (const Endpoint& address : options_.home_addresses) {
         const bool served = !contains(held_, address);
         member_->on_address(net::now(), address, served, actions_);
@@ -323,7 +325,7 @@ void ClusterBroker::warn_of_missing_keys(const cluster::Beacon& beacon) {
 }
 
 void ClusterBroker::look_around() {
-    if (protection_) protection_->look();
+    if (protection_ && protection_->look()) obey_rights();
     for (const Endpoint& address : homes_of_peers_) {
         member_->on_ability(address, can_serve(address));
     }
@@ -333,6 +335,15 @@ void ClusterBroker::look_around() {
         carry_out();
     }
     look_timer_.arm(net::now() + look_every);
+}
+
+void ClusterBroker::obey_rights() {
+    member_->set_rights(rights_.for_owners_of_keys(protection_.get()), rights_.digest());
+}
+
+void ClusterBroker::read_rights_again() {
+    rights_.read_again();
+    if (member_) obey_rights();
 }
 
 void ClusterBroker::carry_out() {

@@ -16,6 +16,7 @@
 #include "broker/daemon/bad_senders.h"
 #include "broker/daemon/heap_limit.h"
 #include "broker/daemon/protection.h"
+#include "broker/daemon/rights_in_force.h"
 #include "broker/daemon/running_broker.h"
 #include "broker/daemon/standstill.h"
 #include "broker/net/core_timer.h"
@@ -41,6 +42,7 @@ public:
     ClusterBroker(boost::asio::io_context& io, const Settings& settings, OnServing on_serving,
                   MakeUplink make_uplink = nullptr);
     void leave() override;
+    void read_rights_again() override;
     void add_metrics(metrics::Page& page) const override;
 
 private:
@@ -64,6 +66,7 @@ private:
     void on_core_wakeup();
     void on_home_of_peer(const Endpoint& address);
     void look_around();
+    void obey_rights();
 
     void carry_out();
     void tell_packets();
@@ -79,7 +82,8 @@ private:
     Settings settings_;
     OnServing on_serving_;
     std::unique_ptr<Protection> protection_;  // null without --keys
-    cluster::ViewNumber told_in_;             // all peers of that view were told of all clients
+    RightsInForce rights_;
+    cluster::ViewNumber told_in_;  // all peers of that view were told of all clients
     std::vector<ros2::Rule> ros2_rules_;
     overlay::MemberOptions options_;
     net::MovedAddresses moved_;

@@ -74,6 +74,11 @@ public:
         cluster_.on_transport_octets(sent, received);
     }
     void set_full(bool full) { broker_.set_full(full); }
+    void set_rights(const broker::Permissions* permissions, const std::string& digest) {
+        permissions_ = permissions;
+        broker_.set_permissions(permissions);
+        cluster_.on_rights(digest);
+    }
     [[nodiscard]] bool may_announce(const Endpoint& address) const {
         return !cut_off_.is_in_doubt() && !cluster_.is_silent(address);
     }
@@ -135,6 +140,7 @@ private:
     std::uint64_t seed_;
     LogId log_;
     BrokerCore broker_;
+    const broker::Permissions* permissions_ = nullptr;
     broker::CarriedServer server_;
     std::optional<CarriedUplink> uplink_;
     /// Came in a stall; the next one comes when this one is acknowledged.
@@ -336,6 +342,7 @@ void Member::State::restart(Instant now, MemberActions& out) {
     const auto retained = broker_.retained();
     broker_ = BrokerCore(broker_options(), seed_ + log_.incarnation);
     broker_.set_audience(cluster_.audience());
+    broker_.set_permissions(permissions_);
     if (uplink_) uplink_->abandon(out.uplink);
     late_message_.reset();
     for (const auto& message : retained) broker_.put_retained(message);
@@ -587,6 +594,9 @@ Instant Member::next_wakeup() const {
 }
 void Member::on_transport_octets(std::uint64_t sent, std::uint64_t received) {
     state_->on_transport_octets(sent, received);
+}
+void Member::set_rights(const broker::Permissions* permissions, const std::string& digest) {
+    state_->set_rights(permissions, digest);
 }
 void Member::set_full(bool full) {
     state_->set_full(full);

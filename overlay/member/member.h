@@ -100,6 +100,9 @@ public:
     /// What the transport has carried so far: told to people in $SYS/brokers/<name>.
     void on_transport_octets(std::uint64_t sent, std::uint64_t received);
 
+    /// See broker::BrokerCore::set_permissions. Peers compare the digest with theirs.
+    void set_rights(const broker::Permissions* permissions, const std::string& digest);
+
     /// See broker::BrokerCore::set_full; asked for again with each batch of datagrams.
     void set_full(bool full);
 

@@ -22,6 +22,14 @@ std::vector<cluster::Beacon> newest_beacons(const cluster::ClusterCore& cluster,
     return out;
 }
 
+std::string rights_of(const cluster::ClusterCore& cluster, const broker::LogId& self,
+                      const broker::LogId& log) {
+    const auto& settings = cluster.settings();
+    if (log.broker == self.broker) return settings.own_value("rights");
+    if (!cluster.membership().is_alive(log)) return {};
+    return settings.value_at(log.broker, "rights");
+}
+
 }  // namespace
 
 void StatusTeller::on_tick(Instant now, const cluster::ClusterCore& cluster,
@@ -60,6 +68,7 @@ void StatusTeller::tell(Instant now, const cluster::ClusterCore& cluster,
                      .member_names = members,
                      .leader_name = name_of(told_view_.leader),
                      .teller_name = beacons.front().name,
+                     .rights = rights_of(cluster, self, log),
                      .differences = cluster.membership().is_alive(log)
                                         ? cluster.settings().differences_with(log.broker)
                                         : std::vector<cluster::Difference>{}});

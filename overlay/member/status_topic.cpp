@@ -141,6 +141,7 @@ std::string to_json(const BrokerStatus& status) {
            field("incarnation", number(beacon.log.incarnation)) + ',' +
            field("transport_octets_sent", number(beacon.transport_octets_sent)) + ',' +
            field("transport_octets_received", number(beacon.transport_octets_received)) +
+           (status.rights.empty() ? std::string{} : ',' + field("rights", quoted(status.rights))) +
            (status.differences.empty() ? std::string{}
                                        : ',' + field("disagrees", differences_of(status))) +
            '}';

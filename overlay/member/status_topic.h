@@ -17,6 +17,7 @@ struct BrokerStatus {
     const std::vector<std::string>& member_names;  // of the view, in its order
     std::string leader_name;                       // of the view
     std::string teller_name = {};
+    std::string rights = {};                            // empty: not known
     std::vector<cluster::Difference> differences = {};  // from the teller's settings
 };
 

@@ -73,7 +73,7 @@ const std::map<std::string, Folders>& allowed() {
         // programs
         {"broker/daemon",
          {"romano/base", "romano/mqttsn", "romano/protection", "romano/keys", "election",
-          "broker/core", "broker/protection", "broker/server", "broker/uplink",
+          "broker/core", "broker/protection", "broker/rights", "broker/server", "broker/uplink",
           "broker/uplink/mqtt", "broker/net", "broker/metrics", "broker/store"}},
         {"overlay/daemon",
          {"romano/base", "election", "broker/core", "broker/uplink", "broker/uplink/mqtt",

@@ -10,11 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "romano/keys/key_folder.h"
-#include "tests/system/broker_fixture.h"
-#include "tests/system/metrics_page.h"
-#include "tests/system/test_client.h"
-#include "tests/temporary_folder.h"
+#include "tests/system/protected_fleet.h"
 
 namespace romano::system::protection_test {
 namespace {
@@ -23,55 +19,6 @@ using namespace std::chrono_literals;
 using mqttsn::Qos;
 using testing::HasSubstr;
 using Octets = std::vector<std::uint8_t>;
-
-struct ProtectedFleet : BrokerFixture {
-    ProtectedFleet() {
-        EXPECT_EQ(romano({"keys", "new", fleet.string(), "--broker", "r1", "--broker", "r2",
-                          "--robot", "abcd1234", "--robot", "00000007", "--operator", "anna"}),
-                  0)
-            << said;
-    }
-    int romano(const std::vector<std::string>& arguments) {
-        Process program(ROMANO_PROGRAM, arguments);
-        said = program.rest_of_output();
-        const int code = program.wait_for_exit();
-        said += program.errors();
-        return code;
-    }
-    int romano_at(int broker, std::vector<std::string> arguments) {
-        const std::string service = addresses.service(broker);
-        const auto colon = service.find(':');
-        arguments.insert(arguments.begin() + 1,
-                         {"-h", service.substr(0, colon), "-p", service.substr(colon + 1)});
-        return romano(arguments);
-    }
-    BrokerProcess& start_protected(int n, const std::vector<std::string>& more = {}) {
-        const std::string name = "r" + std::to_string(n);
-        std::vector<std::string> arguments{"--listen",  "protected://" + addresses.service(n),
-                                           "--name",    name,
-                                           "--keys",    keys.broker_folder(name),
-                                           "--metrics", addresses.service(n)};
-        arguments.insert(arguments.end(), more.begin(), more.end());
-        brokers.push_back(std::make_unique<BrokerProcess>(arguments));
-        brokers.back()->wait_until_serving();
-        return *brokers.back();
-    }
-    std::unique_ptr<TestClient> client_of(int broker, const std::string& name) {
-        const auto file =
-            keys.own_file(name, name == "anna" ? keys::Role::person : keys::Role::robot);
-        return std::make_unique<TestClient>(addresses.client(), addresses.service_endpoint(broker),
-                                            KeyFile{file});
-    }
-    bool counts(int broker, const std::string& reason, int at_least) {
-        return metrics_come_to_say(addresses.service_endpoint(broker),
-                                   "romano_protection_refusals_total", reason, at_least);
-    }
-
-    tests::TemporaryFolder folder;
-    std::filesystem::path fleet = folder / "fleet";
-    keys::KeyFolder keys{fleet};
-    std::string said;
-};
 
 TEST_F(ProtectedFleet, APersonMovesARobot) {
     EXPECT_THAT(said, HasSubstr("robot abcd1234: move"));
@@ -206,29 +153,16 @@ std::multiset<std::string> contents(const TestClient& client, Qos qos) {
     return out;
 }
 
-struct ProtectedCluster : ProtectedFleet, testing::WithParamInterface<Qos> {
-    void start_member(int n) {
-        start_protected(n, {"--domain", std::to_string(addresses.domain()), "--interface", "lo",
-                            "--rank", std::to_string(n), "--detection-timeout-ms", "300"});
-    }
-    void start_both() {
-        start_member(1);
-        start_member(2);
-        for (int n = 1; n <= 2; ++n) {
-            ASSERT_TRUE(metrics_come_to_say(addresses.service_endpoint(n),
-                                            "romano_cluster_view_members", "", 2));
-        }
-    }
-};
+struct ProtectedCluster : ProtectedFleet, testing::WithParamInterface<Qos> {};
 
 TEST_P(ProtectedCluster, AKilledBrokersClientGoesOnWithoutAConnectAndLosesNothing) {
     start_both();
     const auto subscriber = client_of(1, "abcd1234");
     const auto publisher = client_of(2, "anna");
     ASSERT_TRUE(subscriber->connect());
-    ASSERT_TRUE(subscriber->subscribe("robots/pose", GetParam()));
+    ASSERT_TRUE(subscriber->subscribe("robots/abcd1234/pose", GetParam()));
     ASSERT_TRUE(publisher->connect());
-    const auto topic = publisher->register_topic("robots/pose");
+    const auto topic = publisher->register_topic("robots/abcd1234/pose");
     ASSERT_TRUE(topic);
     const int begun = subscriber->sessions_begun;
     std::multiset<std::string> published;

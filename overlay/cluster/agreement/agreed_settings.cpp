@@ -18,12 +18,6 @@ std::uint32_t digest_of(std::string_view text) {
     return digest.value();
 }
 
-Setting setting(std::string name, std::string value) {
-    const std::uint32_t digest = digest_of(std::string_view{value});
-    return {
-        .name = std::move(name), .value = cut(std::move(value), longest_value), .digest = digest};
-}
-
 std::string text_of(const PredefinedTopics& predefined) {
     std::string text;
     for (const auto& [id, topic] : predefined) {
@@ -45,6 +39,12 @@ std::string milliseconds(Duration time) {
 
 }  // namespace
 
+Setting setting(std::string name, std::string value) {
+    const std::uint32_t digest = digest_of(std::string_view{value});
+    return {
+        .name = std::move(name), .value = cut(std::move(value), longest_value), .digest = digest};
+}
+
 std::string cut(std::string text, std::size_t most) {
     constexpr std::string_view mark = "...";
     if (text.size() <= most) return text;
@@ -63,6 +63,7 @@ std::vector<Setting> agreed_settings(const ClusterOptions& options,
             setting("elector", options.elector),
             setting("voters", text_of(options.voters)),
             setting("acks", options.acks == all_peers ? "all" : std::to_string(options.acks)),
+            setting("rights", {}),  // SettingsComparison::change()
             setting("version", options.version)};
 }
 

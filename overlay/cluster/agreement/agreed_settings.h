@@ -16,6 +16,7 @@ namespace romano::cluster {
 
 using PredefinedTopics = std::map<mqttsn::TopicId, std::string>;
 
+[[nodiscard]] Setting setting(std::string name, std::string value);
 [[nodiscard]] std::vector<Setting> agreed_settings(const ClusterOptions& options,
                                                    const PredefinedTopics& predefined);
 /// At most so many octets of it, and of UTF-8 whole characters.

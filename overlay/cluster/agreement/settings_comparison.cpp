@@ -52,6 +52,28 @@ void SettingsComparison::compare(Effects& effects, const std::string& name, Othe
     }
 }
 
+void SettingsComparison::change(const std::string& name, const std::string& value) {
+    const auto own = std::ranges::find(own_, name, &Setting::name);
+    const Setting changed = setting(name, value);
+    if (own->digest == changed.digest) return;
+    *own = changed;
+    digest_ = digest_of(own_);
+    others_.clear();
+}
+
+std::string SettingsComparison::own_value(const std::string& name) const {
+    return std::ranges::find(own_, name, &Setting::name)->value;
+}
+
+std::string SettingsComparison::value_at(BrokerId peer, const std::string& name) const {
+    const auto other = others_.find(peer);
+    if (other == others_.end()) return own_value(name);
+    if (!other->second.is_known) return {};
+    const auto& differences = other->second.differences;
+    const auto difference = std::ranges::find(differences, name, &Difference::setting);
+    return difference == differences.end() ? own_value(name) : difference->theirs;
+}
+
 std::vector<Difference> SettingsComparison::differences_with(BrokerId peer) const {
     const auto other = others_.find(peer);
     return other == others_.end() ? std::vector<Difference>{} : other->second.differences;

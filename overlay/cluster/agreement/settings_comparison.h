@@ -23,6 +23,9 @@ public:
     SettingsComparison(std::string name, std::vector<Setting> own)
         : name_(std::move(name)), own_(std::move(own)), digest_(digest_of(own_)) {}
 
+    /// Peers learn of it by the next beacon; what was known of theirs is compared anew.
+    void change(const std::string& name, const std::string& value);
+
     /// Of the own settings, for the beacon.
     [[nodiscard]] std::uint32_t digest() const { return digest_; }
     /// Of a peer that hears us.
@@ -31,6 +34,9 @@ public:
                  const SettingsTold& told);
     /// Empty when all agrees, for all that is known.
     [[nodiscard]] std::vector<Difference> differences_with(BrokerId peer) const;
+    [[nodiscard]] std::string own_value(const std::string& name) const;
+    /// Empty while it is not known.
+    [[nodiscard]] std::string value_at(BrokerId peer, const std::string& name) const;
 
 private:
     struct Other {
