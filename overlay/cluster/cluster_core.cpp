@@ -29,6 +29,21 @@ ClusterCore::ClusterCore(const ClusterOptions& options, const Identity& identity
 
 // --- inputs
 
+/// Who is in the view, and whose are addresses and sessions, is not decided before we know our
+/// place. What is asked for comes again.
+bool ClusterCore::is_for_later(Instant now, const ClusterMessage& message) const {
+    if (knows_its_place(now)) return false;
+    if (const auto* announcement = std::get_if<ViewAnnouncement>(&message)) {
+        return !view_change_.is_promised_anew(announcement->view);
+    }
+    return std::holds_alternative<ViewProposal>(message) ||
+           std::holds_alternative<ViewHoldings>(message) ||
+           std::holds_alternative<AddressOffer>(message) ||
+           std::holds_alternative<AddressBound>(message) ||
+           std::holds_alternative<SessionRequest>(message) ||
+           std::holds_alternative<SessionClaim>(message);
+}
+
 void ClusterCore::on_message(Effects& effects, const Envelope& envelope) {
     const BrokerId from = envelope.from.broker;
     if (from == own_.id().broker) {
@@ -37,7 +52,7 @@ void ClusterCore::on_message(Effects& effects, const Envelope& envelope) {
         }
         return;
     }
-    if (listening_.is_on() && asks_for_decision(envelope.message)) return;
+    if (is_for_later(effects.now, envelope.message)) return;
     std::visit([&](const auto& message) { on(effects, from, message); }, envelope.message);
     after_input(effects);
 }
@@ -46,14 +61,16 @@ void ClusterCore::on_tick(Effects& effects, const std::set<Endpoint>& pending_ou
     membership_.on_tick(effects.now);
     has_frozen_logs_ =
         std::ranges::any_of(logs_, [](const auto& log) { return log.second.is_frozen(); });
-    view_change_.on_tick(effects.now, surroundings(effects), effects.peers);
-    take_view(effects);
-    hand_back_.compare(effects, membership_, view(), addresses_);
-    hand_back_.carry_on(effects, membership_, view(), addresses_,
-                        {.pending_output = pending_output,
-                         .half_adopted = take_over_.half_adopted(),
-                         .inheriting = take_over_.inheriting()});
-    settlement_.carry_on(effects, logs(), membership_, hand_back_);
+    if (knows_its_place(effects.now)) {
+        view_change_.on_tick(effects.now, surroundings(effects), effects.peers);
+        take_view(effects);
+        hand_back_.compare(effects, membership_, view(), addresses_);
+        hand_back_.carry_on(effects, membership_, view(), addresses_,
+                            {.pending_output = pending_output,
+                             .half_adopted = take_over_.half_adopted(),
+                             .inheriting = take_over_.inheriting()});
+        settlement_.carry_on(effects, logs(), membership_, hand_back_);
+    }
     catch_up(effects);
     after_input(effects);
     if (effects.now < next_tick_) return;
@@ -94,7 +111,8 @@ Instant ClusterCore::next_wakeup() const {
         !take_over_.half_adopted().empty() ||
         std::ranges::any_of(logs_, [](const auto& log) { return log.second.next() != nullptr; });
     if (is_behind) return Instant::min();
-    return std::min({next_beat(), snapshots_.next_wakeup(), view_change_.next_wakeup()});
+    return std::min({next_tick_, membership_.next_wakeup(), snapshots_.next_wakeup(),
+                     view_change_.next_wakeup()});
 }
 
 void ClusterCore::seek_addresses(Effects& effects) {
@@ -142,7 +160,7 @@ void ClusterCore::after_input(Effects& effects) {
     for (const BrokerId lost : membership_.take_lost()) {
         effects.local.push_back(Notice{"lost " + membership_.name_of(lost)});
     }
-    if (listening_.is_on()) return;
+    heed_standstill(effects.now);
     take_view(effects);
     acquaintance_.carry_on(effects.now, logs_);
     membership_.send_ballots(effects.peers);
@@ -150,7 +168,7 @@ void ClusterCore::after_input(Effects& effects) {
     take_over_.carry_on(effects, logs(), membership_, view(), addresses_);
     last_words_.carry_on(effects, logs_, membership_, view());
     publish_order_.carry_on(effects, logs_, view());
-    heed_handoffs(effects);
+    if (!is_back()) heed_handoffs(effects);
     for (const auto& [from, address] : handoffs_.take_adopted()) {
         hand_back_.on_handed_over(from, address);
         // It may have been handed on while they were on their way: they follow it.
@@ -205,9 +223,7 @@ void ClusterCore::on_beacon(Effects& effects, const Beacon& beacon) {
         if (echo.of == own_.id())
             lease_.on_echo(beacon.log, echo.tick, beacon.view.number, beacon.vouched);
     }
-    if (peers_beacons_.knows_view_of(beacon.log.broker)) {
-        listening_.on_beacon(effects.now, own_.id(), beacon);
-    }
+    if (is_back() && leaves_out(beacon)) handoffs_.forget_waiting();
     if (membership_.is_alive(beacon.log)) {
         heed(beacon);
         if (heard == Membership::Heard::news) ended_.learn(view(), beacon.ended);
@@ -224,14 +240,10 @@ void ClusterCore::on(Effects& effects, BrokerId from, const SettingsTold& told) 
     settings_.on_told(effects, from, membership_.name_of(from), told);
 }
 
-void ClusterCore::listen_only(Duration away) {
-    listening_.begin(membership_, away, options_.beacon_every);
-}
-
 void ClusterCore::heed_news_of_peers(Effects& effects) {
+    if (!knows_its_place(effects.now)) return;
     hand_back_.compare(effects, membership_, view(), addresses_);
-    if (!listening_.is_on())
-        view_change_.on_tick(effects.now, surroundings(effects), effects.peers);
+    view_change_.on_tick(effects.now, surroundings(effects), effects.peers);
 }
 
 void ClusterCore::heed(const Beacon& beacon) {
@@ -302,6 +314,9 @@ void ClusterCore::on_view(Effects& effects, const ViewAnnouncement& announcement
             peer_sessions_.reset(member, log->second.mirror());
         }
     }
+    smaller_side_.on_view(effects.now, view(), [this](const LogId& member) {
+        return member.broker == own_.id().broker || membership_.has_ended(member);
+    });
     acquaintance_.on_view(effects.now, effects.times, own_.id(), view(), logs_);
     // Other members hand us what our earlier lives left at our address, if it has not been done
     // yet.
@@ -355,7 +370,30 @@ bool ClusterCore::leaves_out(const Beacon& beacon) const {
            !beacon.view.contains(own_.id());
 }
 
-bool ClusterCore::was_replaced() const {
+void ClusterCore::heed_standstill(Instant now) {
+    if (!is_back() || !may_speak(now)) return;
+    // Whoever hands sessions over gives up after ten detection times; then they live on there.
+    if (stood_still_for_ > times().waiting_handover_outlives()) handoffs_.forget_waiting();
+    stood_still_for_ = {};
+}
+
+/// After a standstill: once somebody was heard since, and everybody who was has said who is in its
+/// view and which logs have ended; or had the time for it.
+bool ClusterCore::knows_its_place(Instant now) const {
+    if (!is_back() || may_speak(now)) return true;
+    if (was_replaced(now)) return false;
+    if (lease_.has_waited(now)) return true;
+    bool has_heard = false;
+    for (const auto& [id, peer] : membership_.peers()) {
+        const bool is_fresh = !lease_.may_be_outdated(peer.beacon.log);
+        if (is_fresh ? !peers_beacons_.is_complete(id) : membership_.is_heard(id)) return false;
+        has_heard |= is_fresh;
+    }
+    return has_heard;
+}
+
+bool ClusterCore::was_replaced(Instant now) const {
+    if (!is_back() || may_speak(now)) return false;
     return std::ranges::any_of(membership_.peers(), [this](const auto& entry) {
         const Beacon& beacon = entry.second.beacon;
         if (const auto end = beacon.end_of(own_.id())) return *end >= watermark_.safe();
@@ -363,21 +401,13 @@ bool ClusterCore::was_replaced() const {
     });
 }
 
-void ClusterCore::resume(Instant now) {
-    // Whoever hands sessions over gives up when we are in its view no more, or after ten detection
-    // times; then they live on there.
-    const bool was_left_out = std::ranges::any_of(membership_.peers(), [this](const auto& entry) {
-        const Beacon& beacon = entry.second.beacon;
-        return beacon.end_of(own_.id()).has_value() || leaves_out(beacon);
-    });
-    if (was_left_out || listening_.longest_away() > times().waiting_handover_outlives()) {
-        handoffs_.forget_waiting();
-    }
-    listening_.end();
-    membership_.resume(now);
-    view_change_.resume();
-    roaming_.resume(now);
-    next_tick_ = now;
+bool ClusterCore::notice_standstill(Instant now) {
+    const auto away = lease_.notice_standstill(now);
+    if (!away) return false;
+    stood_still_for_ = std::max(stood_still_for_, *away);
+    view_change_.on_standstill();
+    roaming_.on_standstill(now);
+    return true;
 }
 
 Surroundings ClusterCore::surroundings(const Effects& effects) {
@@ -457,12 +487,14 @@ void ClusterCore::leave(Effects& effects) {
 
 void ClusterCore::restart(Effects& effects, LogId log) {
     own_ = OwnLog(log, options_.log_events_kept);
+    stood_still_for_ = {};
     membership_.restart();
     watermark_.restart();
     acknowledgements_.restart();
     lease_.restart(log);
     view_change_.restart(log);
     acquaintance_.restart();
+    smaller_side_.restart();
     take_over_.restart();
     last_words_.restart();
     missing_messages_.restart();
@@ -493,8 +525,9 @@ void ClusterCore::on(Effects& effects, BrokerId from, const SessionHandoff& part
     if (part.to != own_.id()) return;
     const Peer* giver = membership_.find(from);
     handoffs_.on_handoff(effects, from, part, giver != nullptr && is_foreign(*giver));
+    if (is_back()) return;
     heed_handoffs(effects);
-    if (!listening_.is_on()) handoffs_.on_turn(effects, logs());
+    handoffs_.on_turn(effects, logs());
 }
 
 void ClusterCore::heed_handoffs(const Effects& effects) {

@@ -12,6 +12,7 @@
 
 #include <algorithm>
 #include <map>
+#include <optional>
 #include <set>
 #include <span>
 #include <string>
@@ -26,6 +27,7 @@
 #include "overlay/cluster/agreement/membership.h"
 #include "overlay/cluster/agreement/namesake.h"
 #include "overlay/cluster/agreement/settings_comparison.h"
+#include "overlay/cluster/agreement/smaller_side.h"
 #include "overlay/cluster/agreement/view_change.h"
 #include "overlay/cluster/effects.h"
 #include "overlay/cluster/ownership/adoption.h"
@@ -46,7 +48,6 @@
 #include "overlay/cluster/replication/snapshot_sender.h"
 #include "overlay/cluster/replication/watermark.h"
 #include "overlay/cluster/speaking/lease.h"
-#include "overlay/cluster/speaking/listening.h"
 
 namespace romano::cluster {
 
@@ -78,10 +79,6 @@ public:
         octets_sent_ = sent;
         octets_received_ = received;
     }
-    /// The next beacon is due then, or the elector: who is much later than that stood still.
-    [[nodiscard]] Instant next_beat() const {
-        return std::min(next_tick_, membership_.next_wakeup());
-    }
     /// Instant::min(): there is more to be done than fits one turn.
     [[nodiscard]] Instant next_wakeup() const;
 
@@ -100,6 +97,8 @@ public:
     /// Clients may be spoken to: the members of the view vouch for it that this broker is in its
     /// place there.
     [[nodiscard]] bool may_speak(Instant now) const { return lease_.is_held(now); }
+    /// Others may have gone on for it.
+    [[nodiscard]] bool has_lost_lease(Instant now) const { return is_in_view() && !may_speak(now); }
     /// Who has no session here may be a robot that roams: its home's log is not read yet.
     [[nodiscard]] bool strangers_may_roam() const { return acquaintance_.may_roam(); }
     /// Datagrams from there to `via` shall wait: there is no view yet, or we have not met all who
@@ -126,18 +125,20 @@ public:
     [[nodiscard]] bool is_unheard(const Endpoint& address) const {
         return hand_back_.is_silent(address) || hand_back_.is_expecting(address);
     }
-    /// We may be the one that is lost to the others: nothing is said to clients until that is
-    /// known.
-    [[nodiscard]] bool may_be_deaf(Instant now) const { return membership_.may_be_deaf(now); }
     /// With acks_strict: there are fewer peers than must hold what is promised to clients.
     [[nodiscard]] bool is_short_of_peers() const;
+    /// Since then we are on the smaller side of a cut: whoever was not heard since may be heard by
+    /// the others.
+    [[nodiscard]] const std::optional<Instant>& on_smaller_side_since() const {
+        return smaller_side_.since();
+    }
     /// A peer says that it is home to the client.
     [[nodiscard]] bool is_homed_at_peer(const broker::ClientId& client) const {
         return peer_sessions_.homes().of(client).has_value();
     }
-    /// A newer view was made without us, and its members hold all that we promised to clients: when
-    /// they do not, we come back with our log, as in a heal.
-    [[nodiscard]] bool was_replaced() const;
+    /// While it stood still a newer view was made without us, and its members hold all that we
+    /// promised to clients: when they do not, we come back with our log, as in a heal.
+    [[nodiscard]] bool was_replaced(Instant now) const;
     [[nodiscard]] const View& view() const { return view_change_.view(); }
     [[nodiscard]] const ViewNumber& promised() const { return view_change_.promised(); }
     /// How far this broker says that it holds the log.
@@ -166,14 +167,9 @@ public:
     /// already the new, empty one.
     void restart(Effects& effects, LogId log);
     void leave(Effects& effects);
-    /// We were away for so long: listen to the peers, and say nothing before resume().
-    void listen_only(Duration away);
-    [[nodiscard]] Listening& listening() { return listening_; }
-    /// Peers that have not given us up yet wait while we listen.
-    void send_pulse(Outbox& out) const {
-        out.push_back({std::nullopt, Pulse{own_.id(), beacons_sent_}});
-    }
-    void resume(Instant now);
+    /// To be asked before each input: nothing was done for so long that others may have gone on
+    /// meanwhile. True once for each standstill.
+    bool notice_standstill(Instant now);
     void send_beacon(Effects& effects);
 
     void check_invariants(const broker::BrokerCore& broker) const;
@@ -206,6 +202,9 @@ private:
     void say(Effects& effects, const Beacon& beacon);
     void on_beacon(Effects& effects, const Beacon& beacon);
     void heed(const Beacon& beacon);
+    [[nodiscard]] bool is_back() const { return stood_still_for_ != Duration{}; }
+    [[nodiscard]] bool knows_its_place(Instant now) const;
+    [[nodiscard]] bool is_for_later(Instant now, const ClusterMessage& message) const;
     /// Who is there has changed, perhaps.
     void heed_news_of_peers(Effects& effects);
     /// The leader's claim counts from its messages too: they may come before its beacon.
@@ -235,6 +234,7 @@ private:
     void after_input(Effects& effects);
     void take_view(Effects& effects);
     void on_view(Effects& effects, const ViewAnnouncement& announcement);
+    void heed_standstill(Instant now);
     /// What was said from an address while it was silent went nowhere: says it again.
     void break_silence(Effects& effects);
     /// Tries again for addresses that should be served here and are served by nobody.
@@ -288,7 +288,10 @@ private:
     std::uint32_t predefined_;      // digest
     SettingsComparison settings_;
 
-    Listening listening_;
+    /// Back from a standstill: others may have gone on for us, and what we are asked or told may be
+    /// as old. Zero while there was a lease since.
+    Duration stood_still_for_{};
+    SmallerSide smaller_side_;
     Acquaintance acquaintance_;
     Namesake namesake_;
     Leaderless leaderless_;

@@ -17,7 +17,7 @@ void ClusterCore::append(Seq seq, LogEvent event) {
 
 Seq ClusterCore::safe(Instant now) {
     // Whoever says nothing promises nothing, though there may be no peer left to wait for.
-    if (listening_.is_on() || may_be_deaf(now) || !may_speak(now)) return watermark_.safe();
+    if (!may_speak(now)) return watermark_.safe();
     // In no view there are no clients: whoever promised them something alone is not replaced.
     if (!is_in_view() || view_change_.is_stranded(membership_, logs_)) return watermark_.safe();
     const auto& peers = live_peers();
@@ -125,7 +125,7 @@ void ClusterCore::on(Effects& effects, BrokerId from, const SnapshotPart& part) 
 void ClusterCore::catch_up(Effects& effects) {
     publish_order_.allow(options_.events_per_turn);
     take_over_.on_turn();
-    handoffs_.on_turn(effects, logs());
+    if (!is_back()) handoffs_.on_turn(effects, logs());
     for (auto& [id, log] : logs_) apply(effects, id, log, options_.events_per_turn);
 }
 

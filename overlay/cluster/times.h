@@ -70,8 +70,6 @@ struct Times {
 
     // --- silence that is not death
     [[nodiscard]] Duration clearly_heard_for() const { return detection / 2; }
-    [[nodiscard]] Duration doubt_lasts() const { return 2 * detection; }
-    [[nodiscard]] Duration losses_count_for() const { return 100 * detection; }
     [[nodiscard]] Duration waiting_handover_outlives() const { return 8 * detection; }
 
     // --- what people are told

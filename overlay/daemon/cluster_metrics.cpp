@@ -40,9 +40,6 @@ void add_cluster(metrics::Page& page, const overlay::MemberFacts& facts) {
           facts.waiting_input);
     page.counter("romano_cluster_held_datagrams_dropped_total",
                  "Answers that were dropped because too many waited.", facts.held_output_dropped);
-    page.counter("romano_cluster_late_datagrams_dropped_total",
-                 "Answers that were decided before a standstill, and not said after it.",
-                 facts.late_output_dropped);
     page.counter("romano_cluster_waiting_datagrams_dropped_total",
                  "Datagrams that were dropped because too many waited.",
                  facts.waiting_input_dropped);

@@ -8,9 +8,7 @@
 
 #include "broker/server/carried_server.h"
 #include "overlay/cluster/cluster_core.h"
-#include "overlay/cluster/speaking/cut_off.h"
 #include "overlay/cluster/speaking/held_output.h"
-#include "overlay/cluster/speaking/stall.h"
 #include "overlay/cluster/speaking/waiting_input.h"
 #include "overlay/member/carried_uplink.h"
 #include "overlay/member/status_teller.h"
@@ -20,10 +18,8 @@ namespace romano::overlay {
 using broker::BrokerCore;
 using broker::LogId;
 using cluster::ClusterCore;
-using cluster::CutOff;
 using cluster::Effects;
 using cluster::HeldOutput;
-using cluster::Stall;
 using cluster::WaitingInput;
 
 class Member::State {
@@ -40,9 +36,7 @@ public:
                     .home_addresses = options.home_addresses,
                     .link = {options.link, options.incarnation},
                     .predefined = options.broker.predefined_topics},
-                   seed + 1),
-          cut_off_(options.cluster.found_again_within),
-          stall_(options.cluster.beacon_every) {
+                   seed + 1) {
         broker_.set_audience(cluster_.audience());
         if (options.uplink) uplink_.emplace(*options.uplink, seed ^ options.incarnation);
     }
@@ -80,10 +74,10 @@ public:
         cluster_.on_rights(digest);
     }
     [[nodiscard]] bool may_announce(const Endpoint& address) const {
-        return !cut_off_.is_in_doubt() && !cluster_.is_silent(address);
+        return !cluster_.is_silent(address);
     }
     [[nodiscard]] bool may_speak(Instant now) const {
-        return !has_left_ && cluster_.is_in_view() && !says_nothing(now) && !stood_still(now);
+        return !has_left_ && cluster_.is_in_view() && cluster_.may_speak(now);
     }
     [[nodiscard]] bool may_speak_from(const Endpoint& address) const {
         return cluster_.addresses().is_serving(address) && !cluster_.is_unheard(address) &&
@@ -98,14 +92,9 @@ private:
         return {now, broker_, work_, out.peers, out.local, cluster_.times()};
     }
 
-    // --- after a stall (design section 3)
-    [[nodiscard]] bool stood_still(Instant now) const {
-        return stall_.is_noticed(now, cluster_.next_beat(), cluster_.detection_time());
-    }
-    void notice_stall(Instant now, MemberActions& out);
-    void end_stall(Instant now, MemberActions& out);
-    /// What was said before the stall, and has not left: somebody else may have gone on since.
-    void drop_late_output(MemberActions& out);
+    // --- while others may have gone on for us
+    void notice_standstill(Instant now, MemberActions& out);
+    [[nodiscard]] bool may_be_elsewhere(const broker::SessionHeader& client) const;
     void hold_output(MemberActions& out);
     void restart(Instant now, MemberActions& out);
 
@@ -113,18 +102,9 @@ private:
     void carry_out(Instant now, MemberActions& out);
     void absorb(Instant now, MemberActions& out);
     void send(Instant now, const broker::Send& send, broker::Seq safe, MemberActions& out);
-    void send_again(Instant now);
-    /// Others may speak for it by now: nothing is said, and what clients say waits.
-    [[nodiscard]] bool has_lost_lease(Instant now) const {
-        return cluster_.is_in_view() && !cluster_.may_speak(now);
-    }
-    [[nodiscard]] bool says_nothing(Instant now) const {
-        return stall_.is_on() || cluster_.may_be_deaf(now) || has_lost_lease(now);
-    }
     [[nodiscard]] bool must_wait(Instant now, const Endpoint& via, const Endpoint& from,
                                  Bytes datagram) {
-        return has_lost_lease(now) || cut_off_.must_wait(now, {via, from}) ||
-               cluster_.must_wait(via, from) ||
+        return cluster_.has_lost_lease(now) || cluster_.must_wait(via, from) ||
                (cluster_.strangers_may_roam() && !broker_.serves(via, from, datagram));
     }
     void serve_waiting(Instant now, MemberActions& out);
@@ -143,21 +123,18 @@ private:
     const broker::Permissions* permissions_ = nullptr;
     broker::CarriedServer server_;
     std::optional<CarriedUplink> uplink_;
-    /// Came in a stall; the next one comes when this one is acknowledged.
+    /// Came without a lease; the next one comes when this one is acknowledged.
     std::optional<std::pair<uplink::FromRemote, std::uint64_t>> late_message_;
     ClusterCore cluster_;
     broker::Actions work_;
     HeldOutput held_;
     WaitingInput waiting_;
-    CutOff cut_off_;
 
     bool has_left_ = false;
     std::uint64_t replacements_ = 0;
 
-    bool broker_waits_ = false;  // its timers, as of the last tick: the lease was lost
-    Stall stall_;
-    bool owes_output_ = false;  // what was to leave before a stall
-    std::uint64_t late_output_dropped_ = 0;
+    bool broker_waits_ = false;            // its timers, as of the last tick: the lease was lost
+    Instant fresh_from_ = Instant::min();  // what is read before came in a standstill
 
     StatusTeller status_;
 };
@@ -179,10 +156,10 @@ broker::BrokerOptions Member::State::broker_options() const {
 void Member::State::on_datagram(Instant now, const Endpoint& via, const Endpoint& from,
                                 Bytes datagram, MemberActions& out) {
     if (has_left_) return;
-    notice_stall(now, out);
+    notice_standstill(now, out);
     if (cluster_.is_deaf(via)) return;  // its sessions are with another broker by now
-    if (!stall_.is_on() && cluster_.may_be_deaf(now)) cut_off_.on_heard_in_doubt(now, {via, from});
-    if (stall_.is_on() || must_wait(now, via, from, datagram)) {
+    if (!cluster_.is_in_view() && now < fresh_from_) return;
+    if (must_wait(now, via, from, datagram)) {
         return waiting_.hold(via, from, datagram, true);
     }
     if (waiting_.holds(from)) {
@@ -199,10 +176,10 @@ void Member::State::on_datagram(Instant now, const Endpoint& via, const Endpoint
 
 void Member::State::on_peer_message(Instant now, const Envelope& envelope, MemberActions& out) {
     if (has_left_) return;
-    notice_stall(now, out);
+    notice_standstill(now, out);
     Effects acting = effects(now, out);
     cluster_.on_message(acting, envelope);
-    if (stall_.is_on() && cluster_.was_replaced()) restart(now, out);
+    if (cluster_.was_replaced(now)) restart(now, out);
     carry_out(now, out);
 }
 
@@ -217,7 +194,7 @@ void Member::State::on_address(Instant now, const Endpoint& address, bool served
 void Member::State::on_link(Instant now, const LogId& process, election::Link link,
                             MemberActions& out) {
     if (has_left_) return;
-    notice_stall(now, out);
+    notice_standstill(now, out);
     Effects acting = effects(now, out);
     cluster_.on_link(acting, process, link);
     carry_out(now, out);
@@ -225,7 +202,7 @@ void Member::State::on_link(Instant now, const LogId& process, election::Link li
 
 void Member::State::on_condition(Instant now, std::uint32_t reading, MemberActions& out) {
     if (has_left_) return;
-    notice_stall(now, out);
+    notice_standstill(now, out);
     Effects acting = effects(now, out);
     cluster_.on_condition(acting, reading);
     carry_out(now, out);
@@ -233,20 +210,14 @@ void Member::State::on_condition(Instant now, std::uint32_t reading, MemberActio
 
 void Member::State::on_tick(Instant now, MemberActions& out) {
     if (has_left_) return;
-    notice_stall(now, out);
-    if (stall_.is_on()) {
-        if (stall_.take_pulse(now)) cluster_.send_pulse(out.peers);
-        if (now < stall_.listen_until()) return;
-        end_stall(now, out);
-        if (stall_.is_on()) return;
-    }
+    notice_standstill(now, out);
     broker_.set_congested(cluster_.is_short_of_peers());
-    broker_waits_ = has_lost_lease(now);
+    broker_waits_ = cluster_.has_lost_lease(now);
     if (!broker_waits_) {
         broker_.on_tick(now, work_, [&](const broker::SessionHeader& client) {
             const Endpoint& from = client.address.endpoint;
             return waiting_.holds(from) || cluster_.is_unheard(client.via) ||
-                   cluster_.may_be_deaf(now) || cut_off_.may_be_elsewhere({client.via, from});
+                   may_be_elsewhere(client);
         });
     }
     if (options_.romano && cluster_.is_in_view()) {
@@ -262,7 +233,6 @@ void Member::State::on_tick(Instant now, MemberActions& out) {
 
 Instant Member::State::next_wakeup() const {
     if (has_left_) return never;
-    if (stall_.is_on()) return stall_.next_wakeup();
     // The server's turns come with the beacons'. So does the moment in which a lost lease is back.
     const Instant cluster = cluster_.next_wakeup();
     return broker_waits_ ? cluster : std::min(broker_.next_wakeup(), cluster);
@@ -275,19 +245,13 @@ void Member::State::leave(Instant now, MemberActions& out) {
     has_left_ = true;  // whatever it said now would call it back
 }
 
-// --- after a stall
+// --- while others may have gone on for us
 
+/// Waits until members echo again. Whoever was replaced meanwhile begins anew, and forgets it.
 void Member::State::before_sending(Instant now, MemberActions& out) {
-    if (has_left_) return;
-    if (stood_still(now)) {
-        drop_late_output(out);
-    } else if (has_lost_lease(now)) {
-        hold_output(out);
-    }
+    if (!has_left_ && cluster_.has_lost_lease(now)) hold_output(out);
 }
 
-/// A new member echoes nothing before its first heartbeats: what the turn decided that brought it
-/// waits so long. Whoever was replaced meanwhile begins anew, and forgets it.
 void Member::State::hold_output(MemberActions& out) {
     for (const broker::Action& action : out.clients.list()) {
         const auto* decided = std::get_if<broker::Send>(&action);
@@ -299,41 +263,27 @@ void Member::State::hold_output(MemberActions& out) {
     out.clients.clear();
 }
 
-void Member::State::drop_late_output(MemberActions& out) {
-    if (out.clients.list().empty()) return;
-    late_output_dropped_ += out.clients.list().size();
-    out.clients.clear();
-    owes_output_ = true;
-}
-
-void Member::State::notice_stall(Instant now, MemberActions& out) {
-    if (!stood_still(now)) return;
-    drop_late_output(out);
-    cluster_.listen_only(stall_.begin(now, cluster_.next_beat(), cluster_.detection_time()));
-    if (stall_.take_pulse(now)) cluster_.send_pulse(out.peers);
-}
-
-void Member::State::end_stall(Instant now, MemberActions& out) {
-    if (cluster_.was_replaced()) return restart(now, out);
-    // Also the later life of a member, or somebody who came since, may say what happened.
-    const bool is_alone = std::ranges::none_of(cluster_.membership().peers(),
-                                               [](const auto& peer) { return peer.second.alive; });
-    if (!stall_.is_over(now, cluster_.listening(), is_alone)) {
-        Effects acting = effects(now, out);
-        if (stall_.is_calling()) cluster_.send_beacon(acting);
-        return;
-    }
-    stall_.end();
-    cluster_.resume(now);
-    // Nobody replaces one that is in no view. What waits here was answered elsewhere, perhaps.
+/// One that is in no view does not know how long its clients have been served elsewhere, and what
+/// they said meanwhile was answered there: they say it again.
+void Member::State::notice_standstill(Instant now, MemberActions& out) {
+    if (!cluster_.notice_standstill(now)) return;
+    before_sending(now, out);
+    fresh_from_ = now + options_.cluster.beacon_every;
     if (!cluster_.is_in_view()) waiting_.clear();
+}
+
+/// The others may hear it, on whose side of a cut more are.
+bool Member::State::may_be_elsewhere(const broker::SessionHeader& client) const {
+    const auto& since = cluster_.on_smaller_side_since();
+    if (!since) return false;
+    const Duration unix_time = since->time_since_epoch() + options_.broker.unix_time_at_zero;
+    return client.last_heard.unix_ms() <
+           static_cast<std::uint64_t>(unix_time / std::chrono::milliseconds{1});
 }
 
 /// Others have our sessions and addresses: begin anew, empty, under a new log, and get them back.
 void Member::State::restart(Instant now, MemberActions& out) {
     out.local.push_back(Notice{"was replaced while it stood still: joins again"});
-    stall_.end();
-    owes_output_ = false;
     held_.clear();
     waiting_.clear();  // of sessions that have lived on elsewhere since
     work_.clear();
@@ -349,7 +299,6 @@ void Member::State::restart(Instant now, MemberActions& out) {
     status_.forget();
     Effects acting = effects(now, out);
     cluster_.restart(acting, log_);
-    cluster_.resume(now);
 }
 
 // --- the broker core's actions
@@ -357,12 +306,8 @@ void Member::State::restart(Instant now, MemberActions& out) {
 void Member::State::carry_out(Instant now, MemberActions& out) {
     absorb(now, out);
     serve_waiting(now, out);
-    if (says_nothing(now)) return;
+    if (cluster_.has_lost_lease(now)) return;
     broker_waits_ = false;
-    if (std::exchange(owes_output_, false)) {
-        send_again(now);
-        absorb(now, out);
-    }
     go_on_uplink(now, out);
     const auto fate_of = [this](const Endpoint& via) {
         if (cluster_.is_silent(via)) return HeldOutput::Fate::is_dropped;
@@ -372,14 +317,6 @@ void Member::State::carry_out(Instant now, MemberActions& out) {
 }
 
 void Member::State::absorb(Instant now, MemberActions& out) {
-    const auto has_ended = [this](const LogId& member) {
-        return member.broker == log_.broker || cluster_.membership().has_ended(member);
-    };
-    const auto is_heard = [this](const LogId& member) {
-        return cluster_.membership().is_alive(member);
-    };
-    const bool is_found = cut_off_.on_view(now, cluster_.view(), has_ended, is_heard);
-    if (is_found) send_again(now);
     server_.answer(now, broker_, work_);
     broker::Seq awaited = uplink_ ? uplink_->awaits() : 0;
     for (broker::Action& action : work_.list()) {
@@ -401,7 +338,7 @@ void Member::State::absorb(Instant now, MemberActions& out) {
         if (const auto* datagram = std::get_if<broker::Send>(&action)) {
             send(now, *datagram, safe, out);
         } else if (const auto* multicast = std::get_if<broker::Multicast>(&action)) {
-            if (says_nothing(now)) continue;
+            if (cluster_.has_lost_lease(now)) continue;
             const Bytes octets = work_.octets(*multicast);
             std::ranges::copy(octets, out.clients.reserve(octets.size()).begin());
             out.clients.push(broker::Multicast{.radius = multicast->radius,
@@ -412,21 +349,11 @@ void Member::State::absorb(Instant now, MemberActions& out) {
     work_.clear();
 }
 
-/// What is in flight to clients.
-void Member::State::send_again(Instant now) {
-    for (const Endpoint& address : cluster_.addresses().serving()) {
-        broker_.send_again(now, address, work_);
-    }
-}
-
 void Member::State::send(Instant now, const broker::Send& send, broker::Seq safe,
                          MemberActions& out) {
     if (send.to.endpoint == broker::owner_endpoint || cluster_.is_silent(send.via)) return;
     const Bytes octets = work_.octets(send);
-    const bool is_own = cluster_.addresses().is_home(send.via);
-    const auto from = is_own ? CutOff::Address::own : CutOff::Address::taken_over;
-    if (cut_off_.withholds(now, from, {send.via, send.to.endpoint}, octets)) return;
-    if (cluster_.is_taking(send.via) || says_nothing(now)) held_.detain(send.to);
+    if (cluster_.is_taking(send.via) || cluster_.has_lost_lease(now)) held_.detain(send.to);
     if (send.after > safe || held_.detains(send.to)) {
         held_.hold(send, octets);
         return;
@@ -439,7 +366,7 @@ void Member::State::send(Instant now, const broker::Send& send, broker::Seq safe
 }
 
 void Member::State::serve_waiting(Instant now, MemberActions& out) {
-    if (waiting_.empty() || stall_.is_on()) return;
+    if (waiting_.empty()) return;
     for (const auto& action : out.local) {
         if (const auto* left = std::get_if<GiveUpAddress>(&action)) waiting_.drop(left->address);
     }
@@ -464,7 +391,7 @@ void Member::State::serve_waiting(Instant now, MemberActions& out) {
 // --- the uplink
 
 void Member::State::tend_uplink(Instant now, MemberActions& out) {
-    if (!uplink_ || says_nothing(now)) return;
+    if (!uplink_ || cluster_.has_lost_lease(now)) return;
     if (const auto late = std::exchange(late_message_, std::nullopt)) {
         on_uplink_message(now, late->first, late->second, out);
     }
@@ -497,7 +424,7 @@ void Member::State::on_uplink_down() {
 void Member::State::on_uplink_answer(Instant now, const broker::LogPosition& position,
                                      uplink::Answer answer, MemberActions& out) {
     if (!uplink_ || has_left_) return;
-    notice_stall(now, out);
+    notice_standstill(now, out);
     uplink_->on_answer(now, position, answer, broker_, work_);
     carry_out(now, out);
 }
@@ -505,9 +432,9 @@ void Member::State::on_uplink_answer(Instant now, const broker::LogPosition& pos
 void Member::State::on_uplink_message(Instant now, const uplink::FromRemote& message,
                                       std::uint64_t token, MemberActions& out) {
     if (!uplink_ || has_left_) return;
-    notice_stall(now, out);
+    notice_standstill(now, out);
     if (!uplink_->core().holds_link()) return;
-    if (stall_.is_on() || has_lost_lease(now)) {  // who was away for so long may lead no more
+    if (cluster_.has_lost_lease(now)) {  // another one may lead by now
         if (token != 0) late_message_.emplace(message, token);
         return;
     }
@@ -529,7 +456,6 @@ MemberFacts Member::State::facts() const {
     out.replacements = replacements_;
     out.held_output = held_.size();
     out.held_output_dropped = held_.dropped();
-    out.late_output_dropped = late_output_dropped_;
     out.waiting_input = waiting_.size();
     out.waiting_input_dropped = waiting_.dropped();
     if (uplink_) out.uplink = uplink_->facts();

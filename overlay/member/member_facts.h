@@ -41,8 +41,7 @@ struct MemberFacts {
     std::uint64_t replacements = 0;   // times that we were replaced while we stood still
     std::size_t held_output = 0;      // datagrams that wait for peers
     std::uint64_t held_output_dropped = 0;
-    std::uint64_t late_output_dropped = 0;  // decided before a standstill
-    std::size_t waiting_input = 0;          // datagrams that wait for their sessions
+    std::size_t waiting_input = 0;  // datagrams that wait for their sessions
     std::uint64_t waiting_input_dropped = 0;
     std::vector<PeerFacts> peers;  // by name
     std::optional<UplinkFacts> uplink;

@@ -282,9 +282,9 @@ void HeartbeatReader::join_view(Peer& peer, const View& own_view) const {
     }
 }
 
-bool HeartbeatReader::knows_view_of(BrokerId broker) const {
+bool HeartbeatReader::is_complete(BrokerId broker) const {
     const auto found = peers_.find(broker);
-    return found != peers_.end() && found->second.beacon && !found->second.lacks_view;
+    return found != peers_.end() && !found->second.lacks_something();
 }
 
 bool HeartbeatReader::must_ask(Instant now, Duration again_after, BrokerId broker) {

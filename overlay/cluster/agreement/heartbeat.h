@@ -62,8 +62,8 @@ public:
     /// Something is lacking that only the particulars tell, and it was not asked for just now.
     [[nodiscard]] bool must_ask(Instant now, Duration again_after, BrokerId peer);
 
-    /// Who is in the view that the peer's beacon names is known.
-    [[nodiscard]] bool knows_view_of(BrokerId peer) const;
+    /// All that the peer's newest heartbeat speaks of is known.
+    [[nodiscard]] bool is_complete(BrokerId peer) const;
 
     static constexpr std::size_t peers_most = 1'000;  // beyond it, all are asked anew
     static constexpr std::size_t logs_most = 4'000;   // a peer; the rest counts as not held

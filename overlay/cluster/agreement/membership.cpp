@@ -84,7 +84,8 @@ Membership::Heard Membership::on_beacon(Instant now, const Beacon& beacon) {
     heard_->on_beacon(now, node);
     if (peer.hears(self_)) {
         linked_->on_beacon(now, node);
-        find_again(now, peer, linked_->is_alive(node));
+        peer.alive = linked_->is_alive(node);
+        if (peer.alive != was_alive) ++changes_;
         if (peer.alive) {
             peer.ended = false;
             elector_->on_claim(now, beacon.claim);
@@ -111,18 +112,10 @@ void Membership::on_pulse(Instant now, const Pulse& pulse) {
     if (peer.beacon.log != pulse.log || pulse.tick < peer.beacon.tick || peer.beacon.leaving)
         return;
     const election::NodeId node = node_of(pulse.log.broker);
-    const bool is_missed = now < missed_until_ && peer.lost_at && !peer.ended;
-    if (!is_missed && !heard_->is_alive(node)) return;
+    if (!heard_->is_alive(node)) return;
     peer.heard_at = now;
     heard_->on_beacon(now, node);
-    if (!peer.hears(self_) || (!is_missed && !linked_->is_alive(node))) return;
-    linked_->on_beacon(now, node);
-    if (is_missed) find_again(now, peer, linked_->is_alive(node));
-}
-
-void Membership::find_again(Instant now, Peer& peer, bool is_alive) {
-    if (std::exchange(peer.alive, is_alive) != is_alive) ++changes_;
-    if (is_alive && std::exchange(peer.lost_at, std::nullopt)) weigh_losses(now);
+    if (peer.hears(self_) && linked_->is_alive(node)) linked_->on_beacon(now, node);
 }
 
 void Membership::on_leader(Instant now, BrokerId leader, election::Term term) {
@@ -183,33 +176,9 @@ void Membership::bury_suspects(Instant now) {
         Peer& peer = peers_[broker_of(node)];
         peer.alive = false;
         ++changes_;
-        peer.lost_at = now;
         lost_.push_back(broker_of(node));
         elector_->on_suspect(now, node);
     }
-    weigh_losses(now);
-}
-
-void Membership::weigh_losses(Instant now) {
-    std::size_t left = 1;
-    std::size_t silent = 0;
-    Instant last_lost = Instant::min();
-    for (const auto& [id, peer] : peers_) {
-        if (peer.alive) ++left;
-        if (!peer.lost_at || peer.ended || now >= *peer.lost_at + times().losses_count_for())
-            continue;
-        ++silent;
-        last_lost = std::max(last_lost, *peer.lost_at);
-    }
-    lost_too_many_ = silent > left;
-    if (lost_too_many_) missed_until_ = last_lost + times().doubt_lasts();
-}
-
-void Membership::resume(Instant now) {
-    for (auto& [id, peer] : peers_) {
-        if (peer.lost_at) peer.lost_at = now;
-    }
-    weigh_losses(now);
 }
 
 void Membership::describe(Beacon& beacon) const {

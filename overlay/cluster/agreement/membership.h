@@ -34,7 +34,6 @@ struct Peer {
     bool alive = false;
     Instant heard_at{};  // its last beacon or pulse
     bool ended = false;  // it said goodbye, or its process is gone; it did not just fall silent
-    std::optional<Instant> lost_at = {};  // taken for dead then, and not alive since
     [[nodiscard]] bool is_home_of(const Endpoint& address) const;
     [[nodiscard]] bool is_serving(const Endpoint& address) const;
     /// It says so, and in this life: what is sent to it arrives.
@@ -54,8 +53,7 @@ public:
         news,     // others act on it
     };
     Heard on_beacon(Instant now, const Beacon& beacon);
-    /// A sign of life, and only of those who are alive: the next beacon tells the rest. Or of those
-    /// of whom we did not know whether they or we are deaf: they listen until they know what we do.
+    /// A sign of life, and only of those who are alive: the next beacon tells the rest.
     void on_pulse(Instant now, const Pulse& pulse);
     /// The leader's claim comes with its proposals too, and may come there before its beacon. Not
     /// in raft: terms are voted, and only beacons tell of them.
@@ -67,8 +65,6 @@ public:
     bool on_link(Instant now, const LogId& process, election::Link link);
     void on_ballot(Instant now, BrokerId from, const election::Ballot& ballot);
     void on_tick(Instant now);
-    /// After a stall, in which nobody could be heard: whoever may be deaf listens anew.
-    void resume(Instant now);
     /// Battery or load of this broker, from 0 to 100.
     void on_condition(Instant now, std::uint32_t reading);
     /// What the elector has to say since the last call.
@@ -90,13 +86,6 @@ public:
     [[nodiscard]] bool is_heard_clearly(const LogId& log, Instant now) const;
     /// That life of the broker is over for certain.
     [[nodiscard]] bool has_ended(const LogId& log) const;
-    /// We have just lost more by silence than we have left, ourselves included: perhaps not they
-    /// fell silent, but we are deaf. Those who fell silent some seconds ago count as well: that may
-    /// have been the beginning. True for two detection times after the last of them: when we
-    /// are, the others have replaced us by then.
-    [[nodiscard]] bool may_be_deaf(Instant now) const {
-        return lost_too_many_ && now < missed_until_;
-    }
     [[nodiscard]] election::Leadership leadership() const { return elector_->leadership(); }
     [[nodiscard]] bool leads() const;
     /// The peer's name, as its beacons say it; empty when unknown.
@@ -112,9 +101,7 @@ public:
 
 private:
     [[nodiscard]] bool is_news(const Peer& before, const Beacon& beacon) const;
-    void find_again(Instant now, Peer& peer, bool is_alive);
     void bury_suspects(Instant now);
-    void weigh_losses(Instant now);
     [[nodiscard]] bool was_heard_just_now(const Peer& peer, Instant now) const;
 
     ClusterOptions options_;
@@ -127,8 +114,6 @@ private:
     std::map<BrokerId, Peer> peers_;
     std::vector<BrokerId> lost_;
     std::uint64_t changes_ = 0;
-    bool lost_too_many_ = false;             // by silence: more than are left
-    Instant missed_until_ = Instant::min();  // since then: they may say that they live
 };
 
 }  // namespace romano::cluster

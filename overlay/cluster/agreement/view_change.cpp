@@ -70,10 +70,12 @@ void ViewChange::restart(LogId self) {
     appointed_.clear();
 }
 
-void ViewChange::resume() {
+/// Whoever waited for company has heard none meanwhile; and nobody refused an answer.
+void ViewChange::on_standstill() {
     led_since_ = never;
     proposal_.reset();
     refusing_.clear();
+    promised_before_ = promised_;
 }
 
 /// Everybody whom the view leaves out has no lease any more, for all that we know of it; until then
@@ -107,7 +109,7 @@ void ViewChange::lead(Instant now, Surroundings around, Outbox& out) {
         refusing_.clear();
         return;
     }
-    if (around.membership.may_be_deaf(now) || waits_for_company(now, around)) {
+    if (waits_for_company(now, around)) {
         proposal_.reset();
         return;
     }

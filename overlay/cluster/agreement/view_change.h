@@ -58,9 +58,12 @@ public:
     [[nodiscard]] bool is_stranded(const Membership& membership, const PeerLogs& logs) const;
     /// Goes on as another member: in no view until the leader takes it into one.
     void restart(LogId self);
-    /// After a stall. Whoever waited for company has heard none meanwhile; and nobody refused an
-    /// answer that could not have been heard.
-    void resume();
+    /// What was asked before is asked anew, by who leads then.
+    void on_standstill();
+    /// That view was promised, and not before the last standstill.
+    [[nodiscard]] bool is_promised_anew(const View& view) const {
+        return view.number == promised_ && promised_ > promised_before_;
+    }
     /// It waits until then for the lease of one that the next view leaves out.
     [[nodiscard]] Instant next_wakeup() const { return waits_until_; }
 
@@ -112,6 +115,7 @@ private:
     Instant waits_until_ = never;  // for a lease
     std::optional<View> wanted_;   // meanwhile
     ViewNumber promised_;  // the highest proposal that was answered; never below view_.number
+    ViewNumber promised_before_;  // the last standstill
 
     Instant led_since_ = never;
     std::optional<Proposal> proposal_;  // while leading

@@ -114,7 +114,7 @@ void Roaming::on_let_go(const Effects& effects, const broker::SessionHeader& ses
         {session.client_id, session.address, effects.now + effects.times.session_waited_for()});
 }
 
-void Roaming::resume(Instant now) {
+void Roaming::on_standstill(Instant now) {
     for (auto& [way, fetching] : fetching_) fetching.since = now;
 }
 

@@ -37,8 +37,7 @@ public:
     /// Looks again who is home to those whose sessions are awaited.
     void carry_on(Effects& effects, const Logs& logs, const Homes& homes,
                   const HandoffReceiver& arriving, const Membership& membership, const View& view);
-    /// After a stall.
-    void resume(Instant now);
+    void on_standstill(Instant now);
     [[nodiscard]] bool is_fetching(const Way& way) const { return fetching_.contains(way); }
     void restart() {
         fetching_.clear();

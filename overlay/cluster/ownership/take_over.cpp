@@ -12,15 +12,19 @@ namespace {
 
 constexpr std::size_t all = std::numeric_limits<std::size_t>::max();
 
-/// The address's own broker, when it is in the view and answers on the address already.
-std::optional<LogId> returned_owner(const Endpoint& address, BrokerId self,
+/// The member that answers on the address already: its own broker, when that is back, or an heir
+/// that an earlier life of it left the address to.
+std::optional<LogId> present_server(const Endpoint& address, BrokerId self,
                                     const Membership& membership, const View& view) {
+    std::optional<LogId> heir;
     for (const LogId& member : view.members) {
         if (member.broker == self || !membership.is_alive(member)) continue;
         const Peer& peer = *membership.find(member.broker);
-        if (peer.is_home_of(address) && peer.is_serving(address)) return member;
+        if (!peer.is_serving(address)) continue;
+        if (peer.is_home_of(address)) return member;
+        heir = member;
     }
-    return std::nullopt;
+    return heir;
 }
 
 /// It was removed, and yet we hear it: not everybody does. Beside it we would be silent
@@ -90,7 +94,9 @@ void TakeOver::carry_on(Effects& effects, const Logs& logs, const Membership& me
         if (is_still_serving(pending.assignment, membership)) return false;
         if (log->second.is_foreign()) return true;  // its leader is of a version that knows no such
         if (log->second.is_outdated() && !holds_all(logs, membership, view)) return false;
-        const auto owner = returned_owner(address, self_, membership, view);
+        const auto owner = addresses.is_serving(address)
+                               ? std::nullopt
+                               : present_server(address, self_, membership, view);
         if (owner && !membership.find(owner->broker)->hears(self_)) return false;
         const auto lacks = lacking(*log, logs, owner.has_value());
         if (lacks && !is_out_of_patience(effects, pending)) {

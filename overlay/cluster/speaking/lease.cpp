@@ -27,19 +27,21 @@ Lease::Lease(const LogId& self, Duration beacon_every, Duration detection_timeou
 // --- the own lease
 
 void Lease::on_beat(Instant now, std::uint64_t tick) {
-    if (!beats_.empty() && now >= beats_.back().stamped_at + term_) {
-        stood_still(now, now - beats_.back().stamped_at);
-    }
+    (void)notice_standstill(now);
+    acted_at_ = now;
     beats_.push_back({tick, now});
     while (now >= beats_.front().stamped_at + 3 * term_) beats_.pop_front();
 }
 
-void Lease::stood_still(Instant now, Duration away) {
+std::optional<Duration> Lease::notice_standstill(Instant now) {
+    if (acted_at_ == never || now < acted_at_ + term_) return std::nullopt;
+    const Duration away = now - std::exchange(acted_at_, now);
     missed_until_ = std::max(missed_until_, now + std::min(away, most_terms_missed * term_));
     const auto beats_away = static_cast<std::uint64_t>(away / beacon_every_);
     for (auto& [peer, heard] : heard_) {
         heard.late_tick = std::max(heard.late_tick, heard.tick + beats_away * 3 / 4);
     }
+    return away;
 }
 
 void Lease::on_echo(const LogId& by, std::uint64_t tick, const ViewNumber& installed,
@@ -124,6 +126,11 @@ void Lease::on_heard(Instant now, const LogId& peer, std::uint64_t tick) {
     if (tick > heard.tick) heard = {tick, now, heard.late_tick};
 }
 
+bool Lease::may_be_outdated(const LogId& peer) const {
+    const auto heard = heard_.find(peer);
+    return heard != heard_.end() && heard->second.tick < heard->second.late_tick;
+}
+
 std::vector<Echo> Lease::echoes() const {
     std::vector<Echo> all;
     for (const LogId& member : view_.members) {
@@ -168,10 +175,7 @@ Instant Lease::is_over_at(const View& next, const HasEnded& has_ended) const {
     Instant over = Instant::min();
     for (const LogId& member : view_.members) {
         if (member == self_ || next.contains(member)) continue;
-        const auto heard = heard_.find(member);
-        if (heard != heard_.end() && heard->second.tick < heard->second.late_tick) {
-            over = std::max(over, missed_until_);
-        }
+        if (may_be_outdated(member)) over = std::max(over, missed_until_);
         if (has_ended(member)) continue;
         const Instant heard_at = echoed_heard_at(member);
         if (heard_at != Instant::min()) over = std::max(over, heard_at + wait);

@@ -39,6 +39,9 @@ public:
     // --- the own lease
     /// The next heartbeat has that tick. Called before the heartbeat is sent.
     void on_beat(Instant now, std::uint64_t tick);
+    /// How long nothing was done, when that was a term or longer: others may have gone on
+    /// meanwhile. Said once for each standstill; to be asked before an input is looked at.
+    [[nodiscard]] std::optional<Duration> notice_standstill(Instant now);
     /// `by` heard that tick of ours, and says so in the view that it has installed. `vouched`: who
     /// echoed a tick of its own within a term, as it says.
     void on_echo(const LogId& by, std::uint64_t tick, const ViewNumber& installed,
@@ -47,6 +50,10 @@ public:
 
     // --- the leases of others
     void on_heard(Instant now, const LogId& peer, std::uint64_t tick);
+    /// What was heard of it so far may have waited since our last standstill began.
+    [[nodiscard]] bool may_be_outdated(const LogId& peer) const;
+    /// Long enough for whoever lives to be heard since our last standstill.
+    [[nodiscard]] bool has_waited(Instant now) const { return now >= missed_until_; }
     /// For the next heartbeat.
     [[nodiscard]] std::vector<Echo> echoes() const;
     [[nodiscard]] std::vector<BrokerId> vouched(Instant now) const;
@@ -90,7 +97,6 @@ private:
     [[nodiscard]] Instant echoed_heard_at(const LogId& peer) const;
     [[nodiscard]] bool keeps_less_than_half(const View& next) const;
     void take(const LogId& by, Echoed echo);
-    void stood_still(Instant now, Duration away);
 
     LogId self_;
     Duration beacon_every_;
@@ -104,6 +110,7 @@ private:
         Instant stamped_at{};
     };
     std::deque<Beat> beats_;          // the own ones that may still be echoed in time
+    Instant acted_at_ = never;        // the last heartbeat, or the end of the last standstill
     std::map<LogId, Echoed> echoed_;  // by members: the newest own tick
     std::map<LogId, Echoed> ahead_;   // by those who are in a later view than we are
     std::map<LogId, Heard> heard_;

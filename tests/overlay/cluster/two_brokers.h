@@ -96,6 +96,7 @@ struct Cluster : Owner {
                     .last_seq = last_seq,
                     .tick = ++ticks,
                     .hears = {self.broker},
+                    .echoes = {{self, core.beacon(broker).tick}},
                     .home_addresses = {theirs},
                     .serving = {theirs}});
         tick();

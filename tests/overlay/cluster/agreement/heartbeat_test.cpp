@@ -106,10 +106,10 @@ TEST_F(HeartbeatTest, OfAnotherViewIsUnderstoodWhenTheParticularsAreHere) {
     const Beacon* read = say();
     ASSERT_NE(read, nullptr) << "it lives";
     EXPECT_NE(read->view, beacon.view) << "who is in it is not known";
-    EXPECT_FALSE(reader.knows_view_of(peer.broker));
+    EXPECT_FALSE(reader.is_complete(peer.broker));
     ASSERT_TRUE(must_ask());
     expect_equal(tell());
-    EXPECT_TRUE(reader.knows_view_of(peer.broker));
+    EXPECT_TRUE(reader.is_complete(peer.broker));
     expect_equal(say());
 }
 

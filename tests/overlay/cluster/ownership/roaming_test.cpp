@@ -65,7 +65,7 @@ TEST_F(RoamingTest, P2_IsNoStrangerWhileItsSessionWaitsToBeAdopted) {
 
 TEST_F(RoamingTest, P2_TimeInWhichWeStoodStillDoesNotCount) {
     now += 2 * patience;
-    roaming.resume(now);
+    roaming.on_standstill(now);
     EXPECT_TRUE(is_waited_for_after(2 * patience));
     EXPECT_FALSE(is_waited_for_after(1ms));
 }

@@ -117,7 +117,7 @@ TEST(SessionHandoff, P3_WhatWasHandedToAFormerLifeIsNotAdopted) {
     EXPECT_EQ(hand_over(self), 1U);
 }
 
-/// "self" stood still, in a view with the peer, and is handed a session while it listens.
+/// "self" stood still, in a view with the peer, and is handed a session before the peer echoes.
 std::size_t adopted_after_a_stall(Duration away, bool was_left_out) {
     Cluster home;
     while (!home.core.leadership().leader) home.hear();
@@ -125,19 +125,21 @@ std::size_t adopted_after_a_stall(Duration away, bool was_left_out) {
         .view = {.number = {100, self.broker, 1}, .members = {self, peer}}};
     std::ranges::sort(announcement.view.members);
     home.take(announcement);
-    home.core.listen_only(away);
+    home.hear();
+    home.now += away;
+    EXPECT_TRUE(home.core.notice_standstill(home.now));
     SessionHandoff all{.to = self, .address = ours, .last = true};
     all.sessions.push_back(image(0, ours));
     home.take(std::move(all));
-    EXPECT_EQ(home.broker.session_count(), 0U) << "not while it listens";
+    EXPECT_EQ(home.broker.session_count(), 0U) << "not without a lease";
     if (was_left_out) {
         home.take(Beacon{.name = "peer",
                          .log = peer,
-                         .tick = home.ticks + 1,
+                         .tick = ++home.ticks,
                          .view = {.number = {100, self.broker, 2}, .members = {peer}}});
     }
-    home.core.resume(home.now);
     home.tick();
+    home.hear();
     return home.broker.session_count();
 }
 
@@ -172,13 +174,20 @@ TEST(SessionHandoff, P3_WhatWaitedAndWasCalledOffIsNotAdopted) {
 // They may have lived on elsewhere since; whoever asks asks again.
 TEST(SessionHandoff, P4_WhoMayHaveBeenReplacedGivesNoneAway) {
     Cluster home;
-    home.hear();
+    while (!home.core.leadership().leader) home.hear();
     (void)home.broker.adopt(home.now, image(0, ours), {}, home.clients);
     home.keep_log();
-    home.core.listen_only(100ms);
+    ViewAnnouncement announcement{
+        .view = {.number = {100, self.broker, 1}, .members = {self, peer}}};
+    std::ranges::sort(announcement.view.members);
+    home.take(announcement);
+    home.hear();
+    home.now += 100ms;
+    EXPECT_TRUE(home.core.notice_standstill(home.now));
     home.take(SessionRequest{client(0)});
     EXPECT_TRUE(home.take_sent<SessionHandoff>().empty());
-    home.core.resume(home.now);
+    home.tick();
+    home.hear();
     home.take(SessionRequest{client(0)});
     EXPECT_EQ(home.take_sent<SessionHandoff>().size(), 1U);
 }

@@ -54,6 +54,22 @@ TEST_F(TakeOverTest, AnHeirAdopts) {
     EXPECT_EQ(inherit(), 1U);
 }
 
+// An earlier life of the dead one left it the address; the heir, who holds what the later life
+// wrote, took it as well (simulator, faults `relapse`, seed 39).
+TEST_F(TakeOverTest, I1_WhereAMemberAnswersAlreadyNobodyElseTakesTheAddress) {
+    view.members.push_back(other);
+    Beacon server{.log = other, .tick = 1, .hears = {self.broker}};
+    server.serving = {theirs};
+    (void)membership.on_beacon(now, server);
+    EXPECT_EQ(inherit(), 0U);
+    EXPECT_FALSE(addresses.is_taking(theirs));
+    ASSERT_EQ(outbox.size(), 1U);
+    const auto* handed = std::get_if<SessionHandoff>(&outbox[0].message);
+    ASSERT_TRUE(handed != nullptr);
+    EXPECT_EQ(handed->to, other);
+    EXPECT_EQ(handed->sessions.size(), 1U);
+}
+
 TEST_F(TakeOverTest, ACopyThatOutranksTheDeadOnesStays) {
     peers.clear();
     put(dead, true);
