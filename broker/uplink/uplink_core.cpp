@@ -94,6 +94,18 @@ void UplinkCore::send_now(const broker::MessagePtr& message, std::vector<UplinkA
                                network_ + '/' + hex(unique_) + "/q" + hex(++counted_)});
 }
 
+void UplinkCore::send_retained(std::span<const broker::MessagePtr> retained,
+                               std::span<const Delivery> waiting, std::vector<UplinkAction>& out) {
+    for (const broker::MessagePtr& message : retained) {
+        const auto place = rules_.to_remote(message->topic, message->qos);
+        const bool waits = std::ranges::count(waiting, message->position, &Delivery::position) != 0;
+        if (!place || waits || !message->origin.empty()) continue;
+        ++counters_.sent;
+        out.emplace_back(
+            PublishUp{message, place->topic, place->qos, identity_of(message->position)});
+    }
+}
+
 void UplinkCore::on_answer(const LogPosition& position, Answer answer) {
     if (std::erase(on_their_way_, position) == 0) return;
     if (answer == Answer::done) {

@@ -31,6 +31,9 @@ struct UplinkOptions {
     /// Of QoS 2 a message leaves its session, safely, before it is sent: when the leader dies then,
     /// it may be lost and is never sent twice. For links whose other end knows no identities.
     bool takes_before_sending = false;
+    /// What is retained on these is sent whenever the link comes up: its other end keeps nothing
+    /// when a leader dies.
+    std::vector<std::string> retained_filters = {};
 };
 
 /// To the MQTT broker.
@@ -118,6 +121,9 @@ public:
               std::vector<UplinkAction>& out);
     /// A message of QoS 0: now or never.
     void send_now(const broker::MessagePtr& message, std::vector<UplinkAction>& out);
+    /// What is retained here, unless it waits or came in. The link's answer changes nothing.
+    void send_retained(std::span<const broker::MessagePtr> retained,
+                       std::span<const broker::Delivery> waiting, std::vector<UplinkAction>& out);
     /// What is not taken is sent again when all others that are on their way are answered.
     void on_answer(const broker::LogPosition& position, Answer answer);
 

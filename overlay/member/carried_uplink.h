@@ -25,6 +25,7 @@ public:
     CarriedUplink(const uplink::UplinkOptions& options, std::uint64_t unique)
         : client_id_(options.session),
           takes_before_sending_(options.takes_before_sending),
+          retained_filters_(options.retained_filters),
           core_(options, unique) {}
 
     [[nodiscard]] const uplink::UplinkCore& core() const { return core_; }
@@ -43,7 +44,14 @@ public:
         confirmed_ = 0;
     }
 
-    void on_up(bool resumed) { core_.on_up(resumed); }
+    void on_up(bool resumed, const broker::BrokerCore& broker,
+               std::vector<uplink::UplinkAction>& out) {
+        core_.on_up(resumed);
+        if (!core_.is_up()) return;
+        for (const std::string& filter : retained_filters_) {
+            core_.send_retained(broker.retained(filter), broker.unread(), out);
+        }
+    }
     void on_down() { core_.on_down(); }
     void on_answer(Instant now, const broker::LogPosition& position, uplink::Answer answer,
                    broker::BrokerCore& broker, broker::Actions& actions);
@@ -82,6 +90,7 @@ private:
 
     std::string client_id_;
     bool takes_before_sending_;
+    std::vector<std::string> retained_filters_;
     uplink::UplinkCore core_;
     cluster::ViewNumber view_;
     Instant view_since_{};

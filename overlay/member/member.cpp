@@ -413,7 +413,7 @@ void Member::State::go_on_uplink(Instant now, MemberActions& out) {
 
 void Member::State::on_uplink_up(Instant now, bool resumed, MemberActions& out) {
     if (!uplink_) return;
-    uplink_->on_up(resumed);
+    uplink_->on_up(resumed, broker_, out.uplink);
     carry_out(now, out);
 }
 

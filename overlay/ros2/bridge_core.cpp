@@ -39,7 +39,7 @@ bool BridgeCore::has_endpoint(const Rule& rule, const std::string& topic, const 
     out.emplace_back(MakeEndpoint{.topic = topic,
                                   .type = rule.type,
                                   .writes = writes,
-                                  .reliable = writes || rule.qos != mqttsn::Qos::at_most_once,
+                                  .reliable = rule.qos != mqttsn::Qos::at_most_once,
                                   .retained = rule.retained,
                                   .node = is_ros_name(node) ? node : bridge_node});
     return true;

@@ -33,7 +33,8 @@ struct MakeEndpoint {
     std::string topic;
     RosType type{};
     bool writes = false;
-    bool reliable = true;   // readers; writers always are: that suits every reader
+    bool reliable = true;   // of QoS 1 or 2; its publishers are reliable in any case, which suits
+                            // every subscription
     bool retained = false;  // transient-local
     std::string node;
 };

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <fstream>
+#include <functional>
 #include <map>
 #include <memory>
 #include <sstream>
@@ -23,9 +24,9 @@ namespace {
 using namespace std::chrono_literals;
 using mqttsn::Qos;
 using testing::ContainsRegex;
+using testing::Each;
 using testing::ElementsAre;
 using testing::HasSubstr;
-using testing::IsEmpty;
 using testing::Not;
 using testing::SizeIs;
 
@@ -62,16 +63,19 @@ class RosPeer {
 public:
     explicit RosPeer(const Lines& arguments) : process_(FAST_DDS_PEER, arguments) {}
 
-    /// Reads on until `count` lines begin with `words`; those.
+    /// Reads on until `count` lines begin with `words`; those, or as many empty ones.
     Lines wait_for(const std::string& words, std::size_t count = 1) {
-        const auto deadline = std::chrono::steady_clock::now() + 20s;
-        while (seen(words).size() < count && std::chrono::steady_clock::now() < deadline) {
-            std::string line = process_.next_line(500ms);
+        const bool came = read_until([&] { return seen(words).size() >= count; });
+        EXPECT_TRUE(came) << words << "\n" << testing::PrintToString(lines_);
+        return came ? seen(words) : Lines(count);
+    }
+    bool read_until(const std::function<bool()>& done, std::chrono::milliseconds limit = 20s) {
+        const auto deadline = std::chrono::steady_clock::now() + limit;
+        while (!done() && std::chrono::steady_clock::now() < deadline) {
+            std::string line = process_.next_line(100ms);
             if (!line.empty()) lines_.push_back(std::move(line));
         }
-        Lines found = seen(words);
-        EXPECT_GE(found.size(), count) << words << "\n" << testing::PrintToString(lines_);
-        return found;
+        return done();
     }
     /// Of what was read so far.
     [[nodiscard]] Lines seen(const std::string& words) const {
@@ -137,6 +141,18 @@ struct Ros2 : testing::Test {
         ASSERT_TRUE(robot.publish(*id, data, qos, retain));
     }
 
+    /// Again and again until the peer has heard it: each side finds the other in its own time, and
+    /// what is volatile and said before is lost.
+    static void publish_until(TestClient& robot, RosPeer& peer, const std::string& topic,
+                              const std::string& data, const std::string& heard) {
+        const auto has_heard = [&] { return !peer.seen(heard).empty(); };
+        for (int tries = 0; tries < 100 && !has_heard(); ++tries) {
+            publish(robot, topic, data);
+            peer.read_until(has_heard, 200ms);
+        }
+        EXPECT_TRUE(has_heard()) << heard;
+    }
+
     TestAddresses addresses;
     dds::TestDomain ros;
     tests::TemporaryFolder folder;
@@ -155,12 +171,16 @@ TEST_F(Ros2, FastDdsReadsEachTypeAsItWritesItItself) {
                             "sub", "Twist",           "/robot_a1/cmd_vel", "reliable",
                             "sub", "String",          "/robot_a1/text",    "reliable"});
     seen->wait_for("subscribed /robot_a1/", 6);
-    publish(*robot, "robots/a1/telemetry", location);
-    publish(*robot, "robots/a1/telemetry", battery_7500_mv);
-    publish(*robot, "robots/a1/telemetry", proximity_450_mm);
-    publish(*robot, "robots/a1/raw", octets({0, 1, 255}), Qos::exactly_once);
-    publish(*robot, "robots/a1/move", movement(4, 1));  // to the left
-    publish(*robot, "robots/a1/text", "hello", Qos::at_most_once);
+    const auto say = [&](const std::string& topic, const std::string& data,
+                         const std::string& heard) {
+        publish_until(*robot, *seen, "robots/a1/" + topic, data, "got /robot_a1/" + heard);
+    };
+    say("telemetry", location, "odom");
+    say("telemetry", battery_7500_mv, "battery");
+    say("telemetry", proximity_450_mm, "range");
+    say("raw", octets({0, 1, 255}), "raw");
+    say("move", movement(4, 1), "cmd_vel 0 0 0 0 0 1");  // to the left
+    say("text", "hello", "text");
 
     EXPECT_THAT(seen->wait_for("got /robot_a1/odom ")[0],
                 ContainsRegex("^got /robot_a1/odom [0-9]+ [0-9]+ odom a1 1 -0.5 0 0 0 0.707107 "
@@ -171,7 +191,6 @@ TEST_F(Ros2, FastDdsReadsEachTypeAsItWritesItItself) {
     EXPECT_THAT(seen->wait_for("got /robot_a1/range ")[0],
                 ContainsRegex("range [0-9]+ [0-9]+  0 0.5 0.25 4 0.45 0$"));
     EXPECT_EQ(seen->wait_for("got /robot_a1/raw ")[0], "got /robot_a1/raw [0 ] 0 [3 0 1 255 ]");
-    EXPECT_EQ(seen->wait_for("got /robot_a1/cmd_vel ")[0], "got /robot_a1/cmd_vel 0 0 0 0 0 1");
     EXPECT_EQ(seen->wait_for("got /robot_a1/text ")[0], "got /robot_a1/text hello");
     const Lines compared = seen->seen("bytes ");
     EXPECT_GE(compared.size(), 6u);
@@ -207,8 +226,7 @@ TEST_F(Ros2, HumbleHasItsOwnRangeAndGids) {
     const auto robot = client("robot");
     publish(*robot, "robots/a1/text", "hi");
     const auto seen = peer({"sub", "Range", "/robot_a1/range", "reliable"}, "humble");
-    seen->wait_for("subscribed /robot_a1/range");
-    publish(*robot, "robots/a1/telemetry", proximity_450_mm);
+    publish_until(*robot, *seen, "robots/a1/telemetry", proximity_450_mm, "got /robot_a1/range");
     EXPECT_THAT(seen->wait_for("got /robot_a1/range ")[0], testing::EndsWith(" 0 0.5 0.25 4 0.45"));
     EXPECT_THAT(seen->wait_for("bytes ")[0], testing::EndsWith(" same"));
     seen->wait_for("nodes /robot_a1/0/6");
@@ -232,49 +250,23 @@ in robots/+/text    /robot_+/text     std_msgs/msg/String            retained=ye
         for (int i = 0; i < 36; ++i) out += " 0";
         return out;
     }();
-    const auto seen =
-        peer({"pub",
-              "Twist",
-              "/robot_a1/cmd_vel",
-              "reliable",
-              "1",
-              "1",
-              "0.2 0 0 0 0 0",
-              "pub",
-              "Odometry",
-              "/robot_a1/odom",
-              "reliable",
-              "1",
-              "1",
-              "7 8 odom base 1 -0.5 0 0 0 0.70710678 0.70710678" + zeros + " 0.1 0 0 0 0 0",
-              "pub",
-              "BatteryState",
-              "/robot_a1/battery",
-              "reliable",
-              "1",
-              "1",
-              "7 8 x 7.5",
-              "pub",
-              "Range",
-              "/robot_a1/range",
-              "best-effort",
-              "5",
-              "100",
-              "7 8 x 0 0.5 0.25 4 0.45",
-              "pub",
-              "UInt8MultiArray",
-              "/robot_a1/raw",
-              "reliable",
-              "1",
-              "1",
-              "0 0 3 0 1 255",
-              "pub",
-              "String",
-              "/robot_a1/text",
-              "latched",
-              "1",
-              "1",
-              "hello"});
+    // What a volatile publisher says in the moment of its discovery may be lost, as in ROS 2.
+    const auto often = [](const std::string& type, const std::string& topic, const std::string& qos,
+                          const std::string& fields) {
+        return Lines{"pub", type, "/robot_a1/" + topic, qos, "20", "100", fields};
+    };
+    Lines wanted;
+    for (const Lines& one :
+         {often("Twist", "cmd_vel", "reliable", "0.2 0 0 0 0 0"),
+          often("Odometry", "odom", "reliable",
+                "7 8 odom base 1 -0.5 0 0 0 0.70710678 0.70710678" + zeros + " 0.1 0 0 0 0 0"),
+          often("BatteryState", "battery", "reliable", "7 8 x 7.5"),
+          often("Range", "range", "best-effort", "7 8 x 0 0.5 0.25 4 0.45"),
+          often("UInt8MultiArray", "raw", "reliable", "0 0 3 0 1 255"),
+          Lines{"pub", "String", "/robot_a1/text", "latched", "1", "1", "hello"}}) {
+        wanted.insert(wanted.end(), one.begin(), one.end());
+    }
+    const auto seen = peer(wanted);
     const auto got = [&](const std::string& topic) {
         Lines data;
         for (const auto& message : robot->received) {
@@ -282,15 +274,16 @@ in robots/+/text    /robot_+/text     std_msgs/msg/String            retained=ye
         }
         return data;
     };
-    EXPECT_TRUE(robot->run_until([&] {
-        return !got("move").empty() && got("place").size() == 2 && !got("battery").empty() &&
+    ASSERT_TRUE(robot->run_until([&] {
+        return !got("move").empty() && got("place").size() >= 2 && !got("battery").empty() &&
                !got("range").empty() && !got("raw").empty() && !got("text").empty();
     }));
-    EXPECT_THAT(got("move"), ElementsAre(movement(0, 100)));
-    EXPECT_THAT(got("place"), ElementsAre(speed_100_mm_s, location));
-    EXPECT_THAT(got("battery"), ElementsAre(battery_7500_mv));
-    EXPECT_THAT(got("range"), testing::Each(proximity_450_mm));
-    EXPECT_THAT(got("raw"), ElementsAre(octets({0, 1, 255})));
+    EXPECT_THAT(got("move"), Each(movement(0, 100)));
+    EXPECT_EQ(got("place").at(0), speed_100_mm_s);
+    EXPECT_EQ(got("place").at(1), location);
+    EXPECT_THAT(got("battery"), Each(battery_7500_mv));
+    EXPECT_THAT(got("range"), Each(proximity_450_mm));
+    EXPECT_THAT(got("raw"), Each(octets({0, 1, 255})));
     EXPECT_THAT(got("text"), ElementsAre("hello"));
     seen->wait_for("nodes /robot_a1/6/0");
 
@@ -310,20 +303,37 @@ TEST_F(Ros2, RetainedHereIsTransientLocalThere) {
               "got /site new");
 }
 
+TEST_F(Ros2, LateSubscriptionsGetWhatIsRetainedFromTheNextLeaderToo) {
+    for (const int n : {1, 2}) start(n, "out site /site std_msgs/msg/String retained=yes");
+    ASSERT_TRUE(wait_for_trace(*brokers[2], "ros2: bridged here")) << brokers[2]->errors();
+    publish(*client("robot"), "site", "kept", Qos::exactly_once, true);
+    EXPECT_EQ(peer({"sub", "String", "/site", "latched"})->wait_for("got /site")[0],
+              "got /site kept");
+    brokers[2]->kill_9();
+    ASSERT_TRUE(wait_for_trace(*brokers[1], "ros2: bridged here")) << brokers[1]->errors();
+    EXPECT_EQ(peer({"sub", "String", "/site", "latched"})->wait_for("got /site")[0],
+              "got /site kept");
+}
+
 TEST_F(Ros2, AMovementIsAVelocityUntilItsEnd) {
     BrokerProcess& broker = start(1, robots);
     ASSERT_TRUE(wait_for_trace(broker, "ros2: bridged here")) << broker.errors();
     const auto robot = client("robot");
     publish(*robot, "robots/a1/text", "hi");
     const auto seen = peer({"sub", "Twist", "/robot_a1/cmd_vel", "reliable"});
-    seen->wait_for("subscribed /robot_a1/cmd_vel");
-    publish(*robot, "robots/a1/move", movement(1, 100));  // back: 0.4 s
-    seen->wait_for("got /robot_a1/cmd_vel 0 0 0 0 0 0");
-    const Lines twists = seen->seen("got /robot_a1/cmd_vel");
-    EXPECT_GE(twists.size(), 3u) << "repeated meanwhile";
-    for (std::size_t i = 0; i + 1 < twists.size(); ++i) {
-        EXPECT_EQ(twists[i], "got /robot_a1/cmd_vel -0.25 0 0 0 0 0");
-    }
+    const std::string back = "got /robot_a1/cmd_vel -0.25 0 0 0 0 0";
+    const std::string stop = "got /robot_a1/cmd_vel 0 0 0 0 0 0";
+    publish_until(*robot, *seen, "robots/a1/move", movement(0, 0), stop);
+    publish(*robot, "robots/a1/move", movement(1, 100));  // 0.4 s
+    const auto twists = [&] { return seen->seen("got /robot_a1/cmd_vel"); };
+    EXPECT_TRUE(seen->read_until([&] {
+        const Lines all = twists();
+        return std::ranges::count(all, back) > 0 && all.back() == stop;
+    }));
+    Lines driven = twists();
+    driven.erase(driven.begin(), std::ranges::find(driven, back));
+    EXPECT_GE(driven.size(), 4u) << "repeated meanwhile";
+    EXPECT_EQ(std::ranges::count(driven, back), static_cast<int>(driven.size()) - 1);
 }
 
 TEST_F(Ros2, NothingComesBackToWhereItCameFrom) {
@@ -332,27 +342,29 @@ TEST_F(Ros2, NothingComesBackToWhereItCameFrom) {
     const auto robot = client("robot");
     ASSERT_TRUE(robot->subscribe("say", Qos::exactly_once));
     const auto seen = peer({"sub", "String", "/say", "reliable", "pub", "String", "/say",
-                            "reliable", "20", "50", "there%"});
+                            "reliable", "1000", "50", "there%"});
     seen->wait_for("subscribed /say", 2);  // to the broker's, and to its own
+    const auto heard = [&](const std::string& words) {
+        std::map<std::string, int> times;
+        for (const auto& message : robot->received) {
+            if (message.data.starts_with(words)) ++times[message.data];
+        }
+        return times;
+    };
+    ASSERT_TRUE(robot->run_until([&] { return heard("there").size() >= 3; }));
     for (int i = 1; i <= 10; ++i) {
         publish(*robot, "say", "here" + std::to_string(i), Qos::exactly_once);
     }
-    const auto heard = [&](const std::string& data) {
-        return std::ranges::count(robot->received, data, &ReceivedPublish::data);
-    };
-    EXPECT_TRUE(robot->run_until([&] { return heard("there20") > 0; }));
     seen->wait_for("got /say here10");
-    seen->wait_for("got /say there20");
-    for (int i = 1; i <= 10; ++i) {
-        EXPECT_EQ(heard("here" + std::to_string(i)), 1) << i;
-        const std::string line = "got /say here" + std::to_string(i);
-        EXPECT_EQ(std::ranges::count(seen->seen("got"), line), 1) << i;
-    }
-    for (int i = 1; i <= 20; ++i) {
-        EXPECT_LE(heard("there" + std::to_string(i)), 1) << i;
-        const std::string line = "got /say there" + std::to_string(i);
-        EXPECT_EQ(std::ranges::count(seen->seen("got"), line), 1) << i;
-    }
+    ASSERT_TRUE(robot->run_until([&] { return heard("here").size() >= 10; }));
+    // What comes now comes after whatever would have come back.
+    const std::size_t until_now = heard("there").size();
+    ASSERT_TRUE(robot->run_until([&] { return heard("there").size() >= until_now + 3; }));
+    EXPECT_THAT(heard("here"), SizeIs(10));
+    for (const auto& [data, times] : heard("")) EXPECT_EQ(times, 1) << data;
+    std::map<std::string, int> there;
+    for (const std::string& line : seen->seen("got /say ")) ++there[line];
+    for (const auto& [line, times] : there) EXPECT_EQ(times, 1) << line;
 }
 
 /// Numbered messages both ways while the leader is killed.
@@ -370,11 +382,12 @@ TEST_F(Ros2, TheNextLeaderGoesOnAndDoublesNothing) {
               "reliable", "sub", "Twist", "/robot_a1/cmd_vel", "reliable", "pub", "String",
               "/robot_a1/say", "reliable", "300", "20", "%"});
     seen->wait_for("subscribed /robot_a1/", 3);
+    publish_until(*robot, *seen, "robots/a1/text", "ready", "got /robot_a1/text ready");
     ASSERT_TRUE(robot->run_until([&] { return !robot->received.empty(); }));
     const auto text = robot->register_topic("robots/a1/text");
     const auto telemetry = robot->register_topic("robots/a1/telemetry");
     ASSERT_TRUE(text && telemetry);
-    constexpr int messages = 100;
+    constexpr int messages = 80;
     for (int i = 1; i <= messages; ++i) {
         if (i == messages / 3) brokers[3]->kill_9();
         ASSERT_TRUE(robot->publish(*telemetry, location, Qos::at_most_once));
@@ -390,7 +403,7 @@ TEST_F(Ros2, TheNextLeaderGoesOnAndDoublesNothing) {
         EXPECT_LE(times, 1) << i;
         if (times == 1) ++arrived;
     }
-    EXPECT_GE(arrived, messages - 3) << "but for what was just leaving the dead leader";
+    EXPECT_GE(arrived, messages - 10) << "but for what was just leaving the dead leader";
     EXPECT_GE(seen->seen("got /robot_a1/odom").size(), 50u);
     seen->wait_for("got /robot_a1/cmd_vel 0 0 0 0 0 0");  // nobody drives on for a dead leader
 
@@ -398,7 +411,35 @@ TEST_F(Ros2, TheNextLeaderGoesOnAndDoublesNothing) {
     std::map<std::string, int> times;
     for (const auto& message : robot->received) ++times[message.data];
     for (const auto& [number, count] : times) EXPECT_EQ(count, 1) << number;
-    EXPECT_GE(times.size(), 150u) << "what ROS 2 says while nobody leads is lost";
+    EXPECT_GE(times.size(), 50u) << "what ROS 2 says while nobody leads is lost";
+    std::cout << "of 300 from ROS 2 came " << times.size() << ", of " << messages << " to it "
+              << arrived << std::endl;
+}
+
+/// Its longest gap is what a robot's navigation sees of the leader's death; it is printed.
+TEST_F(Ros2, OdometryAt50HzFlowsOnWithTheNextLeader) {
+    for (const int n : {1, 2, 3}) start(n, robots);
+    ASSERT_TRUE(wait_for_trace(*brokers[3], "ros2: bridged here")) << brokers[3]->errors();
+    const auto robot = client("robot");
+    const auto telemetry = robot->register_topic("robots/a1/telemetry");
+    ASSERT_TRUE(telemetry);
+    ASSERT_TRUE(robot->publish(*telemetry, location, Qos::at_most_once));
+    const auto seen = peer({"sub", "Odometry", "/robot_a1/odom", "reliable"});
+    publish_until(*robot, *seen, "robots/a1/telemetry", location, "got /robot_a1/odom");
+    for (int i = 0; i < 200; ++i) {
+        if (i == 100) brokers[3]->kill_9();
+        ASSERT_TRUE(robot->publish(*telemetry, location, Qos::at_most_once));
+        robot->run_until([] { return false; }, 20ms);
+    }
+    long long longest = 0;
+    long long last = 0;
+    for (const std::string& line : seen->wait_for("at /robot_a1/odom", 150)) {
+        const long long at = std::stoll(line.substr(line.rfind(' ')));
+        if (last != 0) longest = std::max(longest, at - last);
+        last = at;
+    }
+    std::cout << "longest gap of Odometry: " << longest << " ms" << std::endl;
+    EXPECT_LT(longest, 5'000);
 }
 
 TEST_F(Ros2, ASideThatStandsStillHoldsNoRobotUp) {
@@ -408,7 +449,7 @@ TEST_F(Ros2, ASideThatStandsStillHoldsNoRobotUp) {
     const auto robot = client("robot");
     publish(*robot, "robots/a1/text", "hi");
     const auto seen = peer({"sub", "UInt8MultiArray", "/robot_a1/raw", "reliable"});
-    seen->wait_for("subscribed /robot_a1/raw");
+    publish_until(*robot, *seen, "robots/a1/raw", "?", "got /robot_a1/raw");
     seen->process().signal(SIGSTOP);
     const auto raw = robot->register_topic("robots/a1/raw");
     ASSERT_TRUE(raw);

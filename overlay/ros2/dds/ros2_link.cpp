@@ -36,6 +36,7 @@ uplink::UplinkOptions uplink_options(const std::vector<Rule>& rules) {
                               .session = "romano-ros2",
                               .takes_before_sending = true};
     for (const Rule& rule : rules) {
+        if (rule.out && rule.retained) out.retained_filters.push_back(rule.romano);
         out.rules.push_back({.pattern = rule.romano,
                              .out = rule.out,
                              .in = rule.in,

@@ -12,7 +12,10 @@
 namespace romano::ros2 {
 namespace {
 
-constexpr std::int32_t depth = 10;  // as ROS 2's default
+// ROS 2's default, and what a burst of QoS 1 or 2 may have on its way: more than the uplink's
+// window.
+constexpr std::int32_t usual_depth = 10;
+constexpr std::int32_t reliable_depth = 100;
 constexpr std::size_t most_origins = 20'000;
 
 struct ListenerDeleter {
@@ -48,9 +51,10 @@ dds::Entity participant_in(std::uint32_t domain) {
 }
 
 dds::Qos qos_of(const MakeEndpoint& endpoint, Release release) {
-    dds::Qos qos = endpoint.retained && endpoint.writes ? dds::reliable_for_late_readers(depth, 1)
-                   : endpoint.reliable                  ? dds::reliable(depth)
-                                                        : dds::best_effort(depth);
+    const std::int32_t depth = endpoint.reliable ? reliable_depth : usual_depth;
+    dds::Qos qos = endpoint.retained && endpoint.writes   ? dds::reliable_for_late_readers(depth, 1)
+                   : endpoint.reliable || endpoint.writes ? dds::reliable(depth)
+                                                          : dds::best_effort(depth);
     if (endpoint.retained) dds_qset_durability(qos.get(), DDS_DURABILITY_TRANSIENT_LOCAL);
     const dds_data_representation_id_t plain = DDS_DATA_REPRESENTATION_XCDR1;
     dds_qset_data_representation(qos.get(), 1, &plain);
@@ -225,13 +229,19 @@ void RosSide::take_from(dds_entity_t reader, const std::function<void(RosSample)
         const Origin& origin = origin_of(reader, info.publication_handle);
         if (origin.of_a_bridge) continue;
         on_sample({topic->second, message_in(samples[i], type, release_),
-                   "ros/" + origin.guid + '/' + std::to_string(info.source_timestamp)});
+                   "ros/" + origin.guid + '/' + name_of(info)});
     }
     dds_return_loan(reader, samples.data(), taken);
     if (static_cast<std::size_t>(taken) < most_at_once) return;
     const std::lock_guard lock(ready_->mutex);
     ready_->readers.insert(reader);
     more = true;
+}
+
+/// Of a sample among its writer's. Without a time stamp it cannot be known again.
+std::string RosSide::name_of(const dds_sample_info_t& info) {
+    if (info.source_timestamp > 0) return std::to_string(info.source_timestamp);
+    return 'x' + text_of(self_) + '-' + std::to_string(++without_stamp_);
 }
 
 const RosSide::Origin& RosSide::origin_of(dds_entity_t reader, dds_instance_handle_t writer) {

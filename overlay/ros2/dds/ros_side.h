@@ -83,6 +83,7 @@ private:
     };
 
     [[nodiscard]] const Origin& origin_of(dds_entity_t reader, dds_instance_handle_t writer);
+    [[nodiscard]] std::string name_of(const dds_sample_info_t& info);
     void take_from(dds_entity_t reader, const std::function<void(RosSample)>& on_sample,
                    bool& more);
 
@@ -98,6 +99,7 @@ private:
     std::map<std::string, Endpoint> readers_;
     std::map<dds_entity_t, std::string> topics_of_readers_;
     std::map<dds_instance_handle_t, Origin> origins_;
+    std::uint64_t without_stamp_ = 0;  // samples
 };
 
 }  // namespace romano::ros2

@@ -231,6 +231,38 @@ TEST_F(MemberThatTakesFirst, KeepsTheWindowToItsLink) {
     EXPECT_EQ(sent(1).size(), uplink::UplinkCore::window + 1);
 }
 
+class MemberThatRepeatsTheRetained : public MemberWithUplink {
+protected:
+    MemberThatRepeatsTheRetained() {
+        brokers.give_uplink({.network = "site-a",
+                             .rules = {uplink::parse_rule("fleet/#").value()},
+                             .takes_before_sending = true,
+                             .retained_filters = {"fleet/kept"}});
+    }
+};
+
+TEST_F(MemberThatRepeatsTheRetained, DoesSoOnceForEachNewLeader) {
+    start({1, 2, 3});
+    Robot& robot = publisher(1);
+    robot.publish("fleet/kept", "old", Qos::at_least_once, true);
+    robot.publish("fleet/kept", "new", Qos::exactly_once, true);
+    robot.publish("fleet/other", "no", Qos::at_least_once, true);
+    brokers.run_for(500ms);
+    brokers.uplink_up(3, false);
+    brokers.run_for(100ms);
+    EXPECT_THAT(texts(3), testing::UnorderedElementsAre("old", "new", "no")) << "they waited";
+    for (const auto& up : sent(3)) {
+        brokers.uplink_answers(3, up.message->position, uplink::Answer::done);
+    }
+    brokers.run_for(100ms);
+    brokers.kill(3);
+    brokers.run_for(3s);
+    ASSERT_TRUE(holds(2));
+    brokers.uplink_up(2, false);
+    brokers.run_for(100ms);
+    EXPECT_THAT(texts(2), ElementsAre("new"));
+}
+
 TEST_F(MemberWithUplink, WhatTheMqttBrokerDidNotTakeIsSentAgain) {
     start({1, 2});
     brokers.uplink_up(2, true);

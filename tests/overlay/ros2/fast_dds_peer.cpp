@@ -7,7 +7,8 @@
 // the message. Publishers begin once somebody subscribes. It prints a line for each thing that it
 // sees, until it is killed:
 //
-//     ready | matched TOPIC | subscribed TOPIC | got TOPIC FIELDS | bytes TOPIC same|HEX
+//     ready | matched TOPIC | subscribed TOPIC
+//     at TOPIC MILLISECONDS | bytes TOPIC same|HEX | got TOPIC FIELDS    (three for each message)
 //     writer TOPIC TYPE USER-DATA
 //     nodes none | nodes NAME/SUBSCRIPTIONS/PUBLISHERS...
 
@@ -55,6 +56,12 @@ void say(const std::string& line) {
     static std::mutex mutex;
     const std::lock_guard lock(mutex);
     std::cout << line << std::endl;
+}
+
+long long milliseconds() {
+    return std::chrono::duration_cast<std::chrono::milliseconds>(
+               std::chrono::steady_clock::now().time_since_epoch())
+        .count();
 }
 
 template <class T>
@@ -188,6 +195,7 @@ Kind kind(const std::string& dds_name) {
             [](const std::string& topic, const Octets& octets) {
                 Message message = decoded<Message>(octets);
                 const bool same = body_of(encoded(message)) == body_of(octets);
+                say("at " + topic + ' ' + std::to_string(milliseconds()));
                 say("bytes " + topic + ' ' + (same ? "same" : hex_of(octets)));
                 TextOut out;
                 out(message);
