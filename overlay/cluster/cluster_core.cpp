@@ -514,7 +514,9 @@ void ClusterCore::restart(Effects& effects, LogId log) {
 // --- sessions and addresses that move
 
 void ClusterCore::on(Effects& effects, BrokerId from, const AddressOffer& offer) {
-    hand_back_.on_offer(effects, from, offer, addresses_);
+    // Clients would wait here for those whom we have not met. It is offered again.
+    const bool may_serve = acquaintance_.has_met_all() && !strangers_may_roam();
+    if (may_serve && may_speak(effects.now)) hand_back_.on_offer(effects, from, offer, addresses_);
 }
 
 void ClusterCore::on(Effects& effects, BrokerId from, const AddressBound& bound) {

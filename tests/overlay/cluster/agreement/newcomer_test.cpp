@@ -29,8 +29,17 @@ protected:
         cluster.core.on_message(acting, {dead, LogBatch{dead, 1, {test::session("robot")}}});
         for (int beacon_time = 0; beacon_time < 20; ++beacon_time) hear_the_leader();
     }
+    /// Its home address is held by the peer, who offers it.
+    bool takes_what_is_offered() {
+        cluster.local.clear();
+        cluster.take(AddressOffer{ours});
+        return std::ranges::any_of(cluster.local, [](const LocalAction& action) {
+            return std::holds_alternative<TakeAddress>(action);
+        });
+    }
     void hear_the_leader() {
         Beacon leads{.name = "peer", .log = peer, .tick = ++ticks, .hears = {self.broker}};
+        leads.echoes = {{self, cluster.core.beacon(cluster.broker).tick}};
         leads.claim = {.rank = {.capability = 9, .id = node_of(peer.broker)},
                        .term = 5,
                        .leader = node_of(peer.broker)};
@@ -61,6 +70,23 @@ TEST_F(Newcomer, P3_KnowsOfNothingThatIsLeftOfALogFromBefore) {
 TEST_F(Newcomer, P2_KnowsWhatIsLeftOfAWriterThatHeardIt) {
     hear_the_dead({{self, 0}});
     EXPECT_THAT(answer().outdated, IsEmpty());
+}
+
+// P2: its clients were silent until it had met them (loops: 146 ms without a command).
+TEST_F(Newcomer, TakesNoAddressBackBeforeItHasMetAllMembers) {
+    const LogId third = test::log_of("third");
+    View view{.number = {.term = 5, .leader = peer.broker, .count = 1},
+              .members = {self, peer, third}};
+    std::ranges::sort(view.members);
+    cluster.take(ViewAnnouncement{.view = view});
+    hear_the_leader();
+    EXPECT_FALSE(takes_what_is_offered());
+    Beacon met{.name = "third", .log = third, .tick = 1, .hears = {self.broker}};
+    met.echoes = {{self, cluster.core.beacon(cluster.broker).tick}};
+    Effects acting = cluster.effects();
+    hear(cluster.core, acting, met);
+    hear_the_leader();
+    EXPECT_TRUE(takes_what_is_offered());
 }
 
 // What it promised alone would keep it from beginning anew when it is replaced.
