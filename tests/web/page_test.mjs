@@ -29,15 +29,18 @@ page.on('request', (request) => requested.push(request.url()));
 const row = page.locator('#robots tr', {hasText: robot});
 const home = row.locator('[data-column=Home]');
 const text = (selector) => page.locator(selector).innerText();
+/** The page draws what it is told in its next frame. */
+const becomes = (selector, hasText) => page.locator(selector, {hasText}).first().waitFor({state: 'attached'});
+const areRobotsListed = (count) => page.waitForFunction((all) => document.querySelectorAll('#robots tr').length === all, count);
 const shoot = (name) => shotFolder && page.screenshot({path: `${shotFolder}/${name}.png`, fullPage: true});
 
 async function theFleetIsShown() {
     await page.goto(url);
     await row.waitFor();
-    assert.match(await text('#summary'), /3 brokers · r\d leads/);
+    await becomes('#summary', /3 brokers · r\d leads/);
     assert.equal(await page.locator('#brokers li').count(), 3);
     await page.locator('#map-hint:empty').waitFor({state: 'attached'});  // so it has places to show
-    assert.match(await page.locator('#chart-delay svg').getAttribute('aria-label'), /Delay of an echo: now/);
+    await page.locator('#chart-delay svg[aria-label^="Delay of an echo: now"]').waitFor({state: 'attached'});
     say('the fleet is shown');
 }
 
@@ -80,11 +83,11 @@ async function aKeyboardIsEnough() {
     await page.locator('#stop-said', {hasText: /stop all, to \d+ robots\. The broker has/}).waitFor();
     await page.locator('#find').focus();
     await page.keyboard.type(robot);
-    assert.equal(await page.locator('#robots tr').count(), 1);
+    await areRobotsListed(1);
     await page.keyboard.press('Tab');
     await page.keyboard.press('Enter');
     await page.locator('#robot-title', {hasText: robot}).waitFor();
-    assert.equal(await page.evaluate(() => document.activeElement.id), 'robot-title', 'a reader hears where it is');
+    await page.locator('#robot-title:focus').waitFor();  // so a reader hears where it is
     await page.locator('#amount').fill('70mm');
     await page.keyboard.press('Enter');
     await page.locator('#robot-said', {hasText: 'move front 70mm'}).waitFor();
@@ -121,7 +124,7 @@ async function aNewHomeIsShownWhenTheOldOneDies() {
     say(`home is now ${await (await isElsewhere).jsonValue()}`);
     await page.locator('#time-line li[data-kind=take-over]', {hasText: `took over`}).waitFor();
     await page.locator('#brokers li.dead', {hasText: before}).waitFor();
-    assert.match(await page.locator('#announcer').textContent(), /died|took over|leads/);
+    await becomes('#announcer', /died|took over|leads/);
     say('the time line tells of the take-over');
 }
 
