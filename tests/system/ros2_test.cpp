@@ -1,5 +1,6 @@
-// The bridge to ROS 2 against Fast DDS: each type octet by octet both ways, nodes, latched topics,
-// movements, the death of the leader, a ROS side that stands still, settings that are not possible.
+// The bridge to ROS 2 against Fast DDS, and for a second reader an RTPS stack of npm: each type
+// octet by octet both ways, nodes, latched topics, movements, the death of the leader, a ROS side
+// that stands still, settings that are not possible.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -58,10 +59,10 @@ out robots/+/move      /robot_+/cmd_vel  geometry_msgs/msg/Twist     speed=0.25
 out robots/+/text      /robot_+/text     std_msgs/msg/String
 )";
 
-/// Fast DDS in ROS 2's domain, and what it has seen.
+/// Somebody else's program in ROS 2's domain, and what it has seen.
 class RosPeer {
 public:
-    explicit RosPeer(const Lines& arguments) : process_(FAST_DDS_PEER, arguments) {}
+    RosPeer(const std::string& program, const Lines& arguments) : process_(program, arguments) {}
 
     /// Reads on until `count` lines begin with `words`; those, or as many empty ones.
     Lines wait_for(const std::string& words, std::size_t count = 1) {
@@ -118,7 +119,7 @@ struct Ros2 : testing::Test {
     std::unique_ptr<RosPeer> peer(const Lines& more, const std::string& release = "iron") {
         Lines arguments{std::to_string(ros.id()), release};
         arguments.insert(arguments.end(), more.begin(), more.end());
-        return std::make_unique<RosPeer>(arguments);
+        return std::make_unique<RosPeer>(FAST_DDS_PEER, arguments);
     }
     std::unique_ptr<TestClient> client(const std::string& id, int broker = 1) {
         auto robot = std::make_unique<TestClient>(addresses.client(),
@@ -204,6 +205,50 @@ TEST_F(Ros2, FastDdsReadsEachTypeAsItWritesItItself) {
     odometry >> stamp;
     EXPECT_NEAR(static_cast<double>(stamp), static_cast<double>(now), 60) << "its time stamp";
 }
+
+#ifdef ROS2_READER
+TEST_F(Ros2, AnRtpsStackOfNpmReadsEachTypeToo) {
+    BrokerProcess& broker = start(1, R"(
+out robots/+/telemetry /robot_+/odom     nav_msgs/msg/Odometry       frame=odom child=+ retained=yes
+out robots/+/telemetry /robot_+/battery  sensor_msgs/msg/BatteryState full=8.5 empty=6.5 retained=yes
+out robots/+/telemetry /robot_+/range    sensor_msgs/msg/Range min=0.25 max=4 fov=0.5 retained=yes
+out robots/+/raw       /robot_+/raw      std_msgs/msg/UInt8MultiArray retained=yes
+out robots/+/move      /robot_+/cmd_vel  geometry_msgs/msg/Twist retained=yes
+out robots/+/text      /robot_+/text     std_msgs/msg/String retained=yes
+)");
+    ASSERT_TRUE(wait_for_trace(broker, "ros2: bridged here")) << broker.errors();
+    const auto robot = client("robot");
+    for (const std::string& data : {speed_100_mm_s, location, battery_7500_mv, proximity_450_mm}) {
+        publish(*robot, "robots/a1/telemetry", data);
+    }
+    publish(*robot, "robots/a1/raw", octets({0, 1, 255}));
+    publish(*robot, "robots/a1/move", movement(0, 60'000));
+    publish(*robot, "robots/a1/text", "hello");
+    ::setenv("ROS2_TEST_MODULES", ROS2_TEST_MODULES, 1);
+    RosPeer seen(
+        NODE_PROGRAM,
+        {ROS2_READER, std::to_string(ros.id()), "/robot_a1/odom=nav_msgs/msg/Odometry",
+         "/robot_a1/battery=sensor_msgs/msg/BatteryState", "/robot_a1/range=sensor_msgs/msg/Range",
+         "/robot_a1/raw=std_msgs/msg/UInt8MultiArray", "/robot_a1/cmd_vel=geometry_msgs/msg/Twist",
+         "/robot_a1/text=std_msgs/msg/String"});
+    const std::string odometry = seen.wait_for("read /robot_a1/odom")[0];
+    for (const char* part :
+         {R"("frame_id":"odom"},"child_frame_id":"a1")", R"("position":{"x":1,"y":-0.5,"z":0})",
+          R"("orientation":{"x":0,"y":0,"z":0.70710678)", R"("linear":{"x":0.1,"y":0,"z":0})"}) {
+        EXPECT_THAT(odometry, HasSubstr(part));
+    }
+    const std::string battery = seen.wait_for("read /robot_a1/battery")[0];
+    for (const char* part : {R"("voltage":7.5)", R"("percentage":0.5)", R"("present":true)"}) {
+        EXPECT_THAT(battery, HasSubstr(part));
+    }
+    EXPECT_THAT(seen.wait_for("read /robot_a1/range")[0],
+                HasSubstr(R"("field_of_view":0.5,"min_range":0.25,"max_range":4,"range":0.4)"));
+    EXPECT_THAT(seen.wait_for("read /robot_a1/raw")[0], HasSubstr(R"("data":[0,1,255])"));
+    EXPECT_THAT(seen.wait_for("read /robot_a1/cmd_vel")[0],
+                HasSubstr(R"("linear":{"x":0.2,"y":0,"z":0},"angular":{"x":0,"y":0,"z":0})"));
+    EXPECT_THAT(seen.wait_for("read /robot_a1/text")[0], HasSubstr(R"({"data":"hello"})"));
+}
+#endif
 
 TEST_F(Ros2, RobotsAreNodesWithTypeHashes) {
     BrokerProcess& broker = start(1, robots);

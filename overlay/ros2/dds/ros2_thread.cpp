@@ -17,6 +17,9 @@ using namespace std::chrono_literals;
 constexpr Duration between_tellings = 100ms;
 constexpr std::size_t most_warnings = 100;
 
+// A robot's endpoints take a millisecond; what is said meanwhile waits so long at most.
+constexpr std::size_t met_at_once = 5;
+
 }  // namespace
 
 Ros2Thread::Ros2Thread(boost::asio::io_context& io, const RosSettings& settings,
@@ -116,6 +119,7 @@ void Ros2Thread::run() {
         }
         commands.clear();
         look_at_writers();
+        const bool knows_more = meet_known();
         const bool more = side_.take([this](const RosSample& sample) {
             identity_ = sample.identity;
             core_.on_ros(sample.topic, sample.message, actions_);
@@ -126,7 +130,7 @@ void Ros2Thread::run() {
         tell_nodes();
         send_report();
         const std::lock_guard lock(mutex_);
-        ready_ = ready_ || more;
+        ready_ = ready_ || more || knows_more;
         facts_.is_open = is_open_;
         facts_.endpoints = core_.endpoints();
         facts_.counters = core_.counters();
@@ -161,6 +165,7 @@ void Ros2Thread::carry_out(const Command& command) {
     is_open_ = std::holds_alternative<Open>(command);
     core_.close();
     side_.close();
+    known_.clear();
     ++open_life_;
     report_ = {};
     if (!is_open_) {
@@ -169,13 +174,24 @@ void Ros2Thread::carry_out(const Command& command) {
         return;
     }
     core_.open(actions_);
-    for (const RosWriter& writer : side_.writers()) {
-        if (writer.of_a_bridge) core_.take_over(writer.topic, actions_);
-        meet(writer);
+    // Velocities first: nobody shall drive on for a dead leader.
+    for (RosWriter& writer : side_.writers()) {
+        const bool drives = writer.of_a_bridge && writer.type == name_of(RosType::twist);
+        known_.insert(drives ? known_.begin() : known_.end(), std::move(writer));
     }
     report_.is_up = true;
     tell_nodes_at_ = Instant::min();
     spdlog::info("ros2: bridged here");
+}
+
+bool Ros2Thread::meet_known() {
+    for (std::size_t i = 0; i < met_at_once && !known_.empty(); ++i) {
+        if (known_.front().of_a_bridge) core_.take_over(known_.front().topic, actions_);
+        meet(known_.front());
+        carry_out_actions();
+        known_.pop_front();
+    }
+    return !known_.empty();
 }
 
 void Ros2Thread::look_at_writers() {

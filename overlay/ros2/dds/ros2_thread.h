@@ -59,6 +59,8 @@ private:
     bool wait(std::deque<Command>& commands);
     void carry_out(const Command& command);
     void look_at_writers();
+    /// Some of those that were there when the bridge was opened; true when there are more.
+    bool meet_known();
     void meet(const RosWriter& writer);
     void carry_out_actions();
     void tell_nodes();
@@ -84,6 +86,7 @@ private:
     RosSide side_;  // its listeners use mutex_ and changed_
     bool is_open_ = false;
     std::uint64_t open_life_ = 0;
+    std::deque<RosWriter> known_;  // from before it was opened, not met yet
     Instant now_{};
     Instant tell_nodes_at_ = Instant::min();
     std::vector<BridgeAction> actions_;
