@@ -97,7 +97,7 @@ struct DdsTransportTest : testing::Test {
     }
 
     TestDomain id;
-    Domain domain{{id.id(), "lo"}};
+    Domain domain(DomainOptions{id.id(), "lo"});
     boost::asio::io_context io;
     boost::asio::executor_work_guard<boost::asio::io_context::executor_type> work{
         io.get_executor()};  // DDS posts from its own threads
@@ -326,8 +326,8 @@ TEST(Domain, RefusesAnInterfaceThatDoesNotExist) {
 
 TEST(Domain, CanBeOpenedAgainAfterItWasClosed) {
     const TestDomain id;
-    { const Domain domain({id.id(), "lo"}); }
-    const Domain domain({id.id(), "lo"});
+    { const Domain domain(DomainOptions{id.id(), "lo"}); }
+    const Domain domain(DomainOptions{id.id(), "lo"});
     EXPECT_NO_THROW((void)domain.make_participant());
 }
 
