@@ -13,15 +13,17 @@ namespace {
 
 constexpr const char* examples = R"(Examples:
   romano-broker
-      serves all IPv4 addresses of this machine at port 1883, alone
-  romano-broker --listen 192.168.1.5:1883 --listen [fd00::5]:1883 --predefined 1=robots/pose 2=robots/stop
+      serves programs of this machine at port 1883, alone
+  romano-broker --allow-plain
+      serves whoever reaches this machine: all its IPv4 addresses, without keys
+  romano-broker --allow-plain --listen 192.168.1.5:1883 --listen [fd00::5]:1883 --predefined 1=robots/pose 2=robots/stop
       serves two addresses; every client knows topic id 1 and 2
   romano-broker --listen 127.0.0.1:1883 --name r1 --domain 7 --interface lo --rank 3
   romano-broker --listen 127.0.0.2:1883 --name r2 --domain 7 --interface lo
       two brokers that are one: a client may talk to either, and each takes over from the other
   romano-broker --store /var/lib/romano/store.db
       alone; after a crash or a restart its clients' sessions and messages go on
-  romano-broker --listen 192.168.1.5:1883 --domain 7 --uplink mqtts://mqtt.example.org \
+  romano-broker --allow-plain --listen 192.168.1.5:1883 --domain 7 --uplink mqtts://mqtt.example.org \
       --uplink-network site-a --uplink-topic 'fleet/# both' --uplink-topic 'pose/# out 0 "" site-a/' \
       --uplink-username site-a --uplink-password-file /etc/romano/uplink-password
       whoever leads the cluster exchanges these topics with an MQTT broker
@@ -44,9 +46,12 @@ std::string one_line(std::string text) {
 
 void add_options(CLI::App& app, SettingTexts& texts) {
     app.add_option("--listen", texts.listen,
-                   "Serve clients at this address (repeatable; default 0.0.0.0:1883); "
-                   "protected://ADDR:PORT for clients with keys")
+                   "Serve clients at this address (repeatable; default 127.0.0.1:1883, with "
+                   "--allow-plain 0.0.0.0:1883); protected://ADDR:PORT for clients with keys")
         ->type_name("ADDR:PORT");
+    app.add_flag("--allow-plain", texts.allow_plain,
+                 "Serve plain clients at addresses that other machines reach: whoever can send a "
+                 "datagram there steers robots and reads everything");
     app.add_option("--keys", texts.keys,
                    "Folder with the keys of protected clients (romano keys new); the broker writes "
                    "there, too. For all brokers of a cluster that has protected addresses")

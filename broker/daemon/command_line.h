@@ -14,6 +14,7 @@ namespace romano::daemon {
 
 struct SettingTexts {
     std::vector<std::string> listen = {};
+    bool allow_plain = false;
     std::optional<std::string> keys = {};
     std::optional<std::string> rights = {};
     std::optional<std::string> name = {};

@@ -71,8 +71,19 @@ Endpoint plain(Endpoint endpoint) {
     return endpoint;
 }
 
-std::vector<Endpoint> check_listen(const std::vector<std::string>& texts) {
-    if (texts.empty()) return {*net::parse_endpoint("0.0.0.0:1883")};
+void refuse_plain(const Endpoint& endpoint) {
+    const std::string address = net::to_text(endpoint);
+    refuse_option("listen", address,
+                  "is plain, and whoever reaches it steers robots and reads everything; give "
+                  "--allow-plain if that may be, or protected://" +
+                      address + " with --keys, or an address that this machine alone reaches, " +
+                      "such as 127.0.0.1:1883");
+}
+
+std::vector<Endpoint> check_listen(const std::vector<std::string>& texts, bool allow_plain) {
+    if (texts.empty()) {
+        return {*net::parse_endpoint(allow_plain ? "0.0.0.0:1883" : "127.0.0.1:1883")};
+    }
     std::vector<Endpoint> out;
     for (const std::string& text : texts) {
         const auto parsed = net::parse_service_address(text);
@@ -84,6 +95,10 @@ std::vector<Endpoint> check_listen(const std::vector<std::string>& texts) {
         const auto is_same = [&](const Endpoint& other) { return plain(other) == plain(endpoint); };
         if (endpoint.port != 0 && std::ranges::any_of(out, is_same)) {
             refuse_option("listen", text, "is given twice; once is enough");
+        }
+        if (endpoint.packets == Endpoint::Packets::plain && !allow_plain &&
+            !net::is_loopback(endpoint)) {
+            refuse_plain(endpoint);
         }
         out.push_back(endpoint);
     }
@@ -377,10 +392,13 @@ Settings check(const SettingTexts& texts) {
     static constexpr std::array<std::string_view, 6> levels = {"trace", "debug", "info",
                                                                "warn",  "error", "off"};
     Settings out;
-    out.listen = check_listen(texts.listen);
+    out.listen = check_listen(texts.listen, texts.allow_plain);
+    out.allow_plain = texts.allow_plain;
     out.keys = check_keys(texts, out.listen);
     out.rights = texts.rights;
-    out.name = check_name(texts.name, plain(out.listen.front()));
+    // Brokers of many machines may serve the same default address.
+    const Endpoint all = *net::parse_endpoint("0.0.0.0:1883");
+    out.name = check_name(texts.name, texts.listen.empty() ? all : plain(out.listen.front()));
     out.discovery_groups = check_groups(texts.discovery_group, out.listen);
     out.gateway_id = number_in<std::uint8_t>("gateway-id", texts.gateway_id, 1, 255);
     out.advertise_period = check_advertise_period(texts, !out.discovery_groups.empty());

@@ -53,6 +53,7 @@ struct Ros2Settings {
 struct Settings {
     std::string name;
     std::vector<Endpoint> listen;
+    bool allow_plain = false;           // beyond loopback
     std::optional<std::string> keys;    // the folder of protected clients
     std::optional<std::string> rights;  // a file
     std::vector<Endpoint> discovery_groups;

@@ -1,6 +1,7 @@
 #include "broker/net/socket_address.h"
 
 #include <algorithm>
+#include <array>
 #include <cstring>
 
 namespace romano::net {
@@ -55,6 +56,13 @@ Endpoint to_endpoint(const in6_addr& address, std::uint16_t port, std::uint32_t 
 
 bool is_wildcard(const Endpoint& endpoint) {
     return std::ranges::all_of(endpoint.address, [](auto octet) { return octet == 0; });
+}
+
+bool is_loopback(const Endpoint& endpoint) {
+    if (endpoint.family == Endpoint::Family::ipv4) return endpoint.address[0] == 127;
+    std::array<std::uint8_t, 16> one{};
+    one.back() = 1;
+    return endpoint.family == Endpoint::Family::ipv6 && endpoint.address == one;
 }
 
 bool is_multicast(const Endpoint& endpoint) {

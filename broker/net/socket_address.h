@@ -32,6 +32,8 @@ struct SocketAddress {
 
 /// 0.0.0.0 or [::]: every address of the machine.
 [[nodiscard]] bool is_wildcard(const Endpoint& endpoint);
+/// 127.0.0.0/8 or [::1]: this machine alone reaches it.
+[[nodiscard]] bool is_loopback(const Endpoint& endpoint);
 [[nodiscard]] bool is_multicast(const Endpoint& endpoint);
 /// ff02::...: an IPv6 group that each link has its own of.
 [[nodiscard]] bool is_link_group(const Endpoint& endpoint);

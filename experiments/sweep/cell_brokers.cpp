@@ -51,7 +51,7 @@ CellBrokers::CellBrokers(const SweepSettings& settings, const Cell& cell, CellWo
 
 std::vector<std::string> CellBrokers::arguments_of(std::size_t number) const {
     std::vector<std::string> arguments = {"--name", brokers_[number].name, "--listen",
-                                          text_of(brokers_[number].address)};
+                                          text_of(brokers_[number].address), "--allow-plain"};
     arguments.insert(arguments.end(), settings_.broker_options.begin(),
                      settings_.broker_options.end());
     if (cell_.brokers == 1) return arguments;

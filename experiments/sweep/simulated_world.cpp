@@ -97,7 +97,8 @@ std::pair<std::string, std::string> status_of(const std::string& name, const bro
 void check_simulated_broker_options(const SweepSettings& settings) {
     const std::string setting = "`broker_options`: ";
     try {
-        std::vector<std::string> arguments{"--name", "b1", "--listen", "10.1.0.1:1883"};
+        std::vector<std::string> arguments{"--name", "b1", "--listen", "10.1.0.1:1883",
+                                           "--allow-plain"};
         arguments.insert(arguments.end(), settings.broker_options.begin(),
                          settings.broker_options.end());
         daemon::Settings alone = settings_of(arguments);

@@ -28,7 +28,7 @@ namespace {
 using namespace romano;
 
 constexpr const char* examples = R"(Examples:
-  romano-broker-robot --id abcd1234 --listen 192.168.1.5:1883 --domain 7
+  romano-broker-robot --id abcd1234 --allow-plain --listen 192.168.1.5:1883 --domain 7
       a robot that is one broker of the cluster on DDS domain 7
   romano-broker-robot --id 00000002 --listen 127.0.0.2:1883 --domain 7 --interface lo --telemetry pose
 

@@ -40,6 +40,10 @@ constexpr const char* missing_right =
     "missing; as a service switch address-takeover.conf on (it says how, in "
     "/usr/share/doc/romano-broker/examples), else start as root";
 
+constexpr const char* not_allowed =
+    "this one was not given what it takes: --allow-plain for plain addresses that other machines "
+    "reach, --keys for protected ones";
+
 bool contains(const std::vector<Endpoint>& list, const Endpoint& address) {
     return std::ranges::find(list, address) != list.end();
 }
@@ -305,12 +309,14 @@ void ClusterBroker::on_home_of_peer(const Endpoint& address) {
 }
 
 // What changes without telling us: interfaces, and the battery.
-bool ClusterBroker::has_keys_for(const Endpoint& address) const {
-    return protection_ || address.packets == Endpoint::Packets::plain;
+/// Also in a dead peer's place it speaks plain, or for clients with keys, only as it was told.
+bool ClusterBroker::may_serve(const Endpoint& address) const {
+    if (address.packets == Endpoint::Packets::sealed) return protection_ != nullptr;
+    return settings_.allow_plain || net::is_loopback(address);
 }
 
 bool ClusterBroker::can_serve(const Endpoint& address) const {
-    return has_keys_for(address) && net::MovedAddresses::can_serve(address);
+    return may_serve(address) && net::MovedAddresses::can_serve(address);
 }
 
 /// Once.
@@ -378,7 +384,7 @@ void ClusterBroker::tell_packets() {
 void ClusterBroker::carry_out_locally() {
     for (const auto& action : actions_.local) {
         if (const auto* take = std::get_if<overlay::TakeAddress>(&action)) {
-            const auto error = has_keys_for(take->address)
+            const auto error = may_serve(take->address)
                                    ? serve_moved(udp_, moved_, take->address)
                                    : make_error_code(boost::system::errc::permission_denied);
             if (error) {
@@ -408,8 +414,11 @@ void ClusterBroker::warn_of_not_serving(const Endpoint& address,
                                         const boost::system::error_code& error) {
     if (!not_served_.insert(address).second) return;
     const bool lacks_right = net::interface_towards(address) && !net::may_add_addresses();
+    const std::string why = !may_serve(address) ? not_allowed
+                            : lacks_right       ? missing_right
+                                                : error.message();
     spdlog::warn("cannot serve {}, clients must find another broker: {}", net::to_text(address),
-                 lacks_right ? missing_right : error.message());
+                 why);
 }
 
 void ClusterBroker::on_home_address_returned() {

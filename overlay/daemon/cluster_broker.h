@@ -70,7 +70,7 @@ private:
 
     void carry_out();
     void tell_packets();
-    [[nodiscard]] bool has_keys_for(const Endpoint& address) const;
+    [[nodiscard]] bool may_serve(const Endpoint& address) const;
     [[nodiscard]] bool can_serve(const Endpoint& address) const;
     void warn_of_missing_keys(const cluster::Beacon& beacon);
     void carry_out_locally();

@@ -62,8 +62,8 @@ protected:
         const Lan::On on(lan, host);
         const std::string number{where[where.find_last_of(':') - 1 - (uses_arp() ? 0 : 1)]};
         return std::make_unique<BrokerProcess>(std::vector<std::string>{
-            "--listen", where, "--name", "r" + number, "--domain", "7", "--interface", "eth0",
-            "--rank", number, "--detection-timeout-ms", "500"});
+            "--listen", where, "--allow-plain", "--name", "r" + number, "--domain", "7",
+            "--interface", "eth0", "--rank", number, "--detection-timeout-ms", "500"});
     }
     [[nodiscard]] std::unique_ptr<TestClient> client_of(int host, const std::string& id) const {
         const Lan::On on(lan, client_host);
@@ -85,10 +85,10 @@ protected:
             uses_arp() ? "10.60.0." + std::to_string(host) : "[fd60::" + std::to_string(host) + "]";
         return std::make_unique<Process>(
             "/usr/bin/setpriv",
-            std::vector<std::string>{"--bounding-set=-net_admin", ROMANO_BROKER, "--listen",
-                                     where + ":1883", "--name", "r" + std::to_string(host),
-                                     "--domain", "7", "--interface", "eth0",
-                                     "--detection-timeout-ms", "500"});
+            std::vector<std::string>{"--bounding-set=-net_admin", ROMANO_BROKER, "--allow-plain",
+                                     "--listen", where + ":1883", "--name",
+                                     "r" + std::to_string(host), "--domain", "7", "--interface",
+                                     "eth0", "--detection-timeout-ms", "500"});
     }
     static bool is_in_view_of_all(Process& broker) {
         return eventually(
@@ -200,11 +200,34 @@ TEST_P(AddressMove, OneWithoutTheRightToAddAddressesSaysSoAndIsNoHeir) {
     EXPECT_EQ(r2->errors().find("cannot serve"), std::string::npos) << r2->errors();
 }
 
+TEST_P(AddressMove, WhoMayNotServePlainClientsTakesNoPlainAddressOver) {
+    const auto r1 = start(1);
+    std::unique_ptr<BrokerProcess> r2;
+    {
+        const Lan::On on(lan, 2);
+        r2 = std::make_unique<BrokerProcess>(
+            std::vector<std::string>{"--listen", "127.0.0.1:1883", "--name", "r2", "--domain", "7",
+                                     "--interface", "eth0", "--detection-timeout-ms", "500"});
+    }
+    for (const auto& broker : {r1.get(), r2.get()}) {
+        broker->wait_until_serving();
+        ASSERT_TRUE(eventually([&] {
+            return broker->errors().find(" of 2, led by ") != std::string::npos;
+        })) << broker->errors();
+    }
+    r1->kill_9();
+    EXPECT_TRUE(eventually([&] {
+        return r2->errors().find("cannot serve " + service(1)) != std::string::npos;
+    })) << r2->errors();
+    EXPECT_NE(r2->errors().find("--allow-plain for plain addresses"), std::string::npos);
+    EXPECT_FALSE(lan.has_address(2, address(1)));
+}
+
 TEST_P(AddressMove, WithoutTheRightAnAddressOfItsOwnThatTheMachineLacksIsRefused) {
     const Lan::On on(lan, 1);
     Process broker("/usr/bin/setpriv",
-                   {"--bounding-set=-net_admin", ROMANO_BROKER, "--listen", service(1), "--name",
-                    "r1", "--domain", "7", "--interface", "eth0"});
+                   {"--bounding-set=-net_admin", ROMANO_BROKER, "--allow-plain", "--listen",
+                    service(1), "--name", "r1", "--domain", "7", "--interface", "eth0"});
     EXPECT_EQ(broker.wait_for_exit(), 2);
     EXPECT_NE(broker.errors().find("--listen '" + service(1) +
                                    "': is no address of this machine, "

@@ -72,7 +72,7 @@ TEST_F(LoneBroker, ServesIpv6) {
 }
 
 TEST_F(LoneBroker, AnswersFromTheAddressThatWasAskedWhenItServesAll) {
-    BrokerProcess broker({"--listen", "0.0.0.0:0"});
+    BrokerProcess broker({"--listen", "0.0.0.0:0", "--allow-plain"});
     const std::string line = broker.next_line();
     Endpoint at = addresses.service_endpoint(9);
     at.port = net::parse_endpoint(line.substr(line.rfind(' ') + 1)).value().port;

@@ -46,6 +46,7 @@ TEST(Refusal, NamesTheSettingAndTheValue) {
                                                          {"--discovery-group", "1.2.3.4:5"}};
     for (const auto& arguments : cases) {
         auto with_address = arguments;
+        with_address.emplace_back("--allow-plain");
         if (arguments[0] != "--listen") {
             with_address.insert(with_address.end(), {"--listen", "127.77.0.1:0"});
         }
@@ -53,6 +54,14 @@ TEST(Refusal, NamesTheSettingAndTheValue) {
             with_address.insert(with_address.end(), {"--domain", "7"});
         EXPECT_THAT(refusal(with_address),
                     AllOf(HasSubstr(arguments[0]), HasSubstr("'" + arguments[1] + "'")));
+    }
+}
+
+TEST(Refusal, OfAPlainAddressThatOthersReachUnlessItIsAllowedInPlainWords) {
+    for (const std::string address : {"10.255.255.1:1883", "0.0.0.0:0", "[::]:0"}) {
+        EXPECT_THAT(refusal({"--listen", "127.77.0.1:0", "--listen", address}),
+                    AllOf(HasSubstr("--listen '" + address + "': is plain"),
+                          HasSubstr("--allow-plain"), HasSubstr("protected://" + address)));
     }
 }
 

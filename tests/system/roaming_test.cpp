@@ -28,10 +28,10 @@ protected:
         if (!lan.why_not().empty()) GTEST_SKIP() << lan.why_not();
         for (int host = 1; host <= brokers_in_all; ++host) {
             const Lan::On on(lan, host);
-            brokers.push_back(std::make_unique<BrokerProcess>(
-                std::vector<std::string>{"--listen", service, "--name", "r" + std::to_string(host),
-                                         "--domain", "7", "--interface", "eth0", "--rank",
-                                         std::to_string(host), "--detection-timeout-ms", "500"}));
+            brokers.push_back(std::make_unique<BrokerProcess>(std::vector<std::string>{
+                "--listen", service, "--allow-plain", "--name", "r" + std::to_string(host),
+                "--domain", "7", "--interface", "eth0", "--rank", std::to_string(host),
+                "--detection-timeout-ms", "500"}));
             brokers.back()->wait_until_serving();
         }
         for (const auto& broker : brokers) ASSERT_TRUE(is_in_view_of_all(*broker));

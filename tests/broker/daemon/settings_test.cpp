@@ -30,10 +30,10 @@ auto names(const char* option, const char* value) {
                  testing::SizeIs(testing::Gt(20U)));
 }
 
-TEST(Settings, AloneOnAllAddressesWithoutAnySetting) {
+TEST(Settings, AloneForThisMachineWithoutAnySetting) {
     const Settings settings = check({});
     ASSERT_EQ(settings.listen.size(), 1U);
-    EXPECT_EQ(net::to_text(settings.listen.front()), "0.0.0.0:1883");
+    EXPECT_EQ(net::to_text(settings.listen.front()), "127.0.0.1:1883");
     EXPECT_FALSE(settings.cluster);
     EXPECT_FALSE(settings.name.empty());
     EXPECT_TRUE(settings.discovery_groups.empty());
@@ -173,6 +173,18 @@ TEST(Settings, RefusesWhatIsNoAddressToListenOn) {
     EXPECT_THAT(refusal({.listen = {"225.1.1.1:1883"}}), names("listen", "225.1.1.1:1883"));
     EXPECT_THAT(refusal({.listen = {"127.0.0.1:1", "127.0.0.1:1"}}),
                 names("listen", "127.0.0.1:1"));
+}
+
+TEST(Settings, PlainAddressesThatOthersReachNeedThePlainWordsForIt) {
+    for (const char* address :
+         {"192.168.1.5:1883", "0.0.0.0:1883", "[::]:1883", "[fd00::5]:1883"}) {
+        EXPECT_THAT(refusal({.listen = {address}}),
+                    AllOf(names("listen", address), HasSubstr("--allow-plain")));
+        EXPECT_EQ(check({.listen = {address}, .allow_plain = true}).listen.size(), 1U);
+    }
+    EXPECT_EQ(check({.listen = {"127.7.7.7:1", "[::1]:1"}}).listen.size(), 2U);
+    EXPECT_EQ(check({.listen = {"protected://192.168.1.5:1"}, .keys = "b1"}).listen.size(), 1U);
+    EXPECT_EQ(net::to_text(check({.allow_plain = true}).listen.front()), "0.0.0.0:1883");
 }
 
 TEST(Settings, AProtectedAddressNeedsKeysAndAPortOfItsOwn) {
