@@ -26,7 +26,8 @@ void beat(boost::asio::steady_timer& timer, dds::DdsTransport& transport) {
 int main(int argc, char** argv) try {
     if (argc != 2) return 2;
     boost::asio::io_context io;
-    const dds::Domain domain(dds::DomainOptions{static_cast<std::uint32_t>(std::atoi(argv[1])), "lo"});
+    const dds::Domain domain(
+        dds::DomainOptions{static_cast<std::uint32_t>(std::atoi(argv[1])), "lo"});
     const broker::LogId self{broker::broker_id_of("peer"), 1};
     using std::chrono_literals::operator""ms;
     dds::DdsTransport transport(io, domain, self, overlay::Pulses(10ms, 60ms));
