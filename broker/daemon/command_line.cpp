@@ -27,7 +27,7 @@ constexpr const char* examples = R"(Examples:
       --uplink-network site-a --uplink-topic 'fleet/# both' --uplink-topic 'pose/# out 0 "" site-a/' \
       --uplink-username site-a --uplink-password-file /etc/romano/uplink-password
       whoever leads the cluster exchanges these topics with an MQTT broker
-  romano-broker --listen 192.168.1.5:1883 --domain 7 --ros2-domain 0 --ros2-rules turtlebots.rules
+  romano-broker --allow-plain --listen 192.168.1.5:1883 --domain 7 --ros2-domain 0 --ros2-rules turtlebots.rules
       whoever leads the cluster bridges topics to ROS 2, and robots appear there as nodes
   romano-broker --listen protected://192.168.1.5:1883 --keys /var/lib/romano/keys
       serves robots and people who have a key, and nobody else

@@ -10,7 +10,7 @@ namespace romano::ros2 {
 using Actions = std::vector<BridgeAction>;
 
 void BridgeCore::open(Actions& out) {
-    close();
+    close(out);
     for (const Rule& rule : rules_) {
         if (has_wildcard(rule.ros)) continue;
         if (rule.out) has_endpoint(rule, rule.ros, {}, true, out);
@@ -18,13 +18,12 @@ void BridgeCore::open(Actions& out) {
     }
 }
 
-void BridgeCore::close() {
+void BridgeCore::close(Actions& out) {
+    while (!moving_.empty()) stop(std::string{moving_.begin()->first}, out);
     writers_.clear();
     readers_.clear();
     robots_.clear();
     speeds_.clear();
-    moving_.clear();
-    due_.clear();
 }
 
 // --- endpoints

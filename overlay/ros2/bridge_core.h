@@ -76,8 +76,8 @@ public:
 
     /// It holds the bridge from now on: the endpoints of rules without a wildcard.
     void open(std::vector<BridgeAction>& out);
-    /// Nothing of before counts any more.
-    void close();
+    /// What moves is stopped; nothing of before counts any more.
+    void close(std::vector<BridgeAction>& out);
 
     void on_romano(Instant now, const FromRomano& message, std::vector<BridgeAction>& out);
     void on_ros(const std::string& topic, const RosMessage& message,

@@ -379,6 +379,12 @@ TEST_F(Ros2, AMovementIsAVelocityUntilItsEnd) {
     driven.erase(driven.begin(), std::ranges::find(driven, back));
     EXPECT_GE(driven.size(), 4u) << "repeated meanwhile";
     EXPECT_EQ(std::ranges::count(driven, back), static_cast<int>(driven.size()) - 1);
+
+    publish(*robot, "robots/a1/move", movement(0, 60'000));
+    seen->wait_for("got /robot_a1/cmd_vel 0.25 0 0 0 0 0");
+    const std::size_t stops = seen->seen(stop).size();
+    broker.signal(SIGTERM);
+    seen->wait_for(stop, stops + 1);  // nobody drives on for a broker that has left
 }
 
 TEST_F(Ros2, NothingComesBackToWhereItCameFrom) {

@@ -135,6 +135,8 @@ void Ros2Thread::run() {
         facts_.endpoints = core_.endpoints();
         facts_.counters = core_.counters();
     }
+    core_.close(actions_);
+    carry_out_actions();
     side_.close();
     side_.nodes().tell();
 }
@@ -163,7 +165,8 @@ void Ros2Thread::carry_out(const Command& command) {
         return;
     }
     is_open_ = std::holds_alternative<Open>(command);
-    core_.close();
+    core_.close(actions_);
+    carry_out_actions();
     side_.close();
     known_.clear();
     ++open_life_;

@@ -163,9 +163,16 @@ TEST_F(Bridge, WhatADeadBridgeMayHaveSetInMotionIsStopped) {
     EXPECT_THAT(take<ToRos>(), IsEmpty());
 }
 
+TEST_F(Bridge, StopsWhatMovesWhenItCloses) {
+    say("a1/move", front(200));
+    EXPECT_THAT(velocities_until(0s), ElementsAre(0.1));
+    core.close(out);
+    EXPECT_THAT(velocities_until(2s), ElementsAre(0));
+}
+
 TEST_F(Bridge, ComesBackWithoutAnythingOfBefore) {
     say("a1/move", front(200));
-    core.close();
+    core.close(out);
     EXPECT_EQ(core.next_wakeup(), never);
     out.clear();
     core.open(out);
