@@ -4,12 +4,12 @@
 #include <boost/asio/signal_set.hpp>
 #include <csignal>
 #include <exception>
-#include <functional>
 #include <iostream>
 #include <memory>
 #include <utility>
 
 #include "broker/daemon/command_line.h"
+#include "broker/daemon/hangups.h"
 #include "broker/daemon/metrics_endpoint.h"
 #include "broker/daemon/realtime.h"
 #include "broker/daemon/refusal.h"
@@ -38,15 +38,9 @@ void run(const Settings& settings, const Program& program) {
         manager.ending();
         broker->leave();
     });
-    boost::asio::signal_set hangups(io, SIGHUP);
-    const std::function<void()> wait_for_hangup = [&] {
-        hangups.async_wait([&](const auto& error, int) {
-            if (error) return;
-            if (broker) broker->read_rights_again();
-            wait_for_hangup();
-        });
-    };
-    wait_for_hangup();
+    const Hangups hangups(io, [&] {
+        if (broker) broker->read_rights_again();
+    });
     MetricsEndpoint metrics(io, settings);
     broker = program.start(io, settings, [&](const std::string& where) {
         std::cout << "romano-broker " << settings.name << ": serving " << where << std::endl;

@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "broker/daemon/command_line.h"
+#include "broker/daemon/hangups.h"
 #include "broker/daemon/lone_broker.h"
 #include "broker/daemon/refusal.h"
 #include "broker/daemon/running_broker.h"
@@ -97,6 +98,9 @@ void run(const Settings& settings) {
         manager.ending();
         if (!robot) return broker->leave();
         robot->leave([&] { broker->leave(); });
+    });
+    const daemon::Hangups hangups(io, [&] {
+        if (broker) broker->read_rights_again();
     });
     broker = start_broker(io, settings.broker, [&](const std::string& where) {
         std::printf("romano-broker-robot %s: serving %s\n", settings.broker.name.c_str(),

@@ -300,6 +300,22 @@ TEST_F(Robots, WithoutARomanoServerNobodyIsEstablished) {
     EXPECT_THAT(robot.next_line(), HasSubstr("1 robots, 0 established"));
 }
 
+TEST_F(Robots, ARobotThatIsABrokerHeedsRightsAndReadsThemAgainAtSighup) {
+    const tests::TemporaryFolder folder;
+    const std::string file = folder / "rights";
+    std::ofstream(file) << "group plain\ntopic readwrite #\n";
+    Process carrier(ROMANO_BROKER_ROBOT,
+                    {"--id", "00000002", "--listen", addresses.service(2), "--rights", file});
+    ASSERT_NE(carrier.wait_for("00000002 established"), "");
+    EXPECT_EQ(romano(2, {"pub", "-t", "pose", "-m", "x", "-q", "1"}), 0) << said;
+    std::ofstream(file) << "group plain\ntopic read #\n";
+    carrier.signal(SIGHUP);
+    for (int i = 0; i < 100 && said.find("not permitted") == std::string::npos; ++i) {
+        romano(2, {"pub", "-t", "pose", "-m", "x", "-q", "1"});
+    }
+    EXPECT_THAT(said, HasSubstr("not permitted"));
+}
+
 TEST_F(Robots, ARobotThatIsABrokerServesItselfAndOthersAndOutlivesItsPeer) {
     start_member(1);
     Process carrier(
