@@ -1,6 +1,7 @@
 #include "experiments/sweep/slurm.h"
 
 #include "experiments/process/program.h"
+#include "experiments/process/shell_word.h"
 #include "experiments/sweep/sweep_file.h"
 #include "experiments/sweep/text_file.h"
 
@@ -8,14 +9,6 @@ namespace romano::experiments {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// For a shell: one word, whatever it contains.
-std::string quoted(const std::string& word) {
-    std::string text = "'";
-    for (const char letter : word)
-        text += letter == '\'' ? std::string{"'\\''"} : std::string{letter};
-    return text + "'";
-}
 
 fs::path shards_of(const SlurmJobs& jobs) {
     fs::path shards = jobs.output;
@@ -50,16 +43,18 @@ std::string array_script(const SlurmJobs& jobs) {
                          "\n#SBATCH --output=" + (shards_of(jobs) / "slurm-%a.txt").string() +
                          "\n#SBATCH --open-mode=append\n";
     for (const std::string& option : jobs.options) script += "#SBATCH " + option + "\n";
-    return script + "exec " + quoted(jobs.program.string()) + " sweep " +
-           quoted(jobs.file.string()) + " --broker " + quoted(jobs.broker_program.string()) +
+    return script + "exec " + shell_word(jobs.program.string()) + " sweep " +
+           shell_word(jobs.file.string()) + " --broker " +
+           shell_word(jobs.broker_program.string()) +
            " --retry-failed --shard \"$SLURM_ARRAY_TASK_ID/" + count + "\"\n";
 }
 
 std::string merge_script(const SlurmJobs& jobs) {
     const fs::path shards = shards_of(jobs);
     return "#!/bin/sh\n#SBATCH --job-name=romano-merge\n#SBATCH --output=" +
-           (shards / "slurm-merge.txt").string() + "\nexec " + quoted(jobs.program.string()) +
-           " merge " + quoted(jobs.output.string()) + " " + quoted(shards.string()) + "/*-of-*\n";
+           (shards / "slurm-merge.txt").string() + "\nexec " + shell_word(jobs.program.string()) +
+           " merge " + shell_word(jobs.output.string()) + " " + shell_word(shards.string()) +
+           "/*-of-*\n";
 }
 
 std::string submit(const SlurmJobs& jobs) {

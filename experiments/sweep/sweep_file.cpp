@@ -1,19 +1,15 @@
 #include "experiments/sweep/sweep_file.h"
 
-#include <toml++/toml.h>
-
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <fstream>
-#include <functional>
-#include <initializer_list>
 #include <optional>
 #include <span>
 #include <sstream>
 
 #include "election/elector.h"
 #include "election/failure_detector.h"
+#include "experiments/sweep/toml_table.h"
 
 namespace romano::experiments {
 namespace {
@@ -40,130 +36,11 @@ constexpr Most most_in(World world) {
     return world == World::simulated ? Most{100, 2000} : Most{32, 5000};
 }
 
-std::string listed(std::span<const std::string_view> names) {
-    std::string text;
-    for (const std::string_view name : names) {
-        if (!text.empty()) text += ", ";
-        text += name;
-    }
-    return text;
-}
-
-/// The value as the file has it: 12, "kill", [1, 2].
-std::string as_written(const toml::node& node) {
-    std::ostringstream text;
-    if (node.is_table() || node.is_array_of_tables()) return "a table";
-    if (const auto word = node.value_exact<std::string>()) return '"' + *word + '"';
-    node.visit([&text](const auto& value) { text << value; });
-    return text.str();
-}
-
 std::string seconds_text(Seconds seconds) {
     std::ostringstream text;
     text << seconds.count() << " s";
     return text.str();
 }
-
-/// Reads one table: every access names its key, so that the rest is unknown.
-class Table {
-public:
-    Table(const toml::table& table, const std::string& file, std::string section)
-        : table_(table), file_(file), section_(std::move(section)) {}
-
-    [[noreturn]] void refuse(const toml::node& node, const std::string& setting,
-                             const std::string& allowed) const {
-        throw SweepError(where(node.source()) + "`" + section_ + setting + " = " +
-                         as_written(node) + "`: " + allowed);
-    }
-
-    void allow_only(std::initializer_list<std::string_view> keys) const {
-        for (const auto& [key, node] : table_) {
-            if (std::ranges::find(keys, key.str()) != keys.end()) continue;
-            throw SweepError(where(key.source()) + "unknown setting `" + section_ +
-                             std::string{key.str()} + "`; known are " +
-                             listed({keys.begin(), keys.size()}));
-        }
-    }
-
-    [[nodiscard]] const toml::node* find(std::string_view key) const { return table_.get(key); }
-
-    std::int64_t integer(const std::string& key, std::int64_t fallback, std::int64_t low,
-                         std::int64_t high) const {
-        const toml::node* node = find(key);
-        return node == nullptr ? fallback : integer_in(*node, key, low, high);
-    }
-    std::int64_t integer_in(const toml::node& node, const std::string& key, std::int64_t low,
-                            std::int64_t high) const {
-        const auto value = node.value_exact<std::int64_t>();
-        if (!value || *value < low || *value > high) {
-            refuse(node, key,
-                   "a whole number from " + std::to_string(low) + " to " + std::to_string(high) +
-                       " is allowed");
-        }
-        return *value;
-    }
-    double number_in(const toml::node& node, const std::string& key, double low, double high,
-                     const char* allowed) const {
-        const auto value = node.value<double>();
-        if (!node.is_number() || !std::isfinite(*value) || *value < low || *value > high) {
-            refuse(node, key, allowed);
-        }
-        return *value;
-    }
-    Seconds seconds(const std::string& key, Seconds fallback) const {
-        const toml::node* node = find(key);
-        if (node == nullptr) return fallback;
-        return Seconds{number_in(*node, key, 0, 86400, "seconds from 0 to 86400 are allowed")};
-    }
-    std::vector<std::string> words(const std::string& key) const {
-        const toml::node* node = find(key);
-        if (node == nullptr) return {};
-        const toml::array* list = node->as_array();
-        if (list == nullptr) refuse(*node, key, "a list of texts is allowed");
-        std::vector<std::string> words;
-        for (const toml::node& item : *list) {
-            const auto value = item.value_exact<std::string>();
-            if (!value) refuse(item, key, "a list of texts is allowed");
-            words.push_back(*value);
-        }
-        return words;
-    }
-    std::string word(const std::string& key, const std::string& fallback) const {
-        const toml::node* node = find(key);
-        if (node == nullptr) return fallback;
-        const auto value = node->value_exact<std::string>();
-        if (!value || value->empty()) refuse(*node, key, "a text is allowed");
-        return *value;
-    }
-
-    /// Each value of an axis; a single value stands for a list of one.
-    template <typename Value>
-    std::vector<Value> axis(const std::string& key, Value fallback,
-                            const std::function<Value(const toml::node&)>& read) const {
-        const toml::node* node = find(key);
-        if (node == nullptr) return {fallback};
-        const toml::array* list = node->as_array();
-        if (list == nullptr) return {read(*node)};
-        if (list->empty()) refuse(*node, key, "at least one value is needed");
-        std::vector<Value> values;
-        for (const toml::node& item : *list) {
-            values.push_back(read(item));
-            if (std::ranges::count(values, values.back()) > 1) {
-                refuse(*node, key, "a value may stand there once");
-            }
-        }
-        return values;
-    }
-
-private:
-    [[nodiscard]] std::string where(const toml::source_region& source) const {
-        return file_ + ", line " + std::to_string(source.begin.line) + ": ";
-    }
-
-    const toml::table& table_;
-    const std::string& file_;
-    std::string section_;
-};
 
 struct Axes {
     std::vector<std::uint32_t> brokers;
@@ -178,14 +55,14 @@ struct Axes {
     std::vector<std::uint64_t> seed;
 };
 
-std::vector<std::uint32_t> counts(const Table& table, const std::string& key,
+std::vector<std::uint32_t> counts(const TomlTable& table, const std::string& key,
                                   std::uint32_t fallback, std::uint32_t low, std::uint32_t high) {
     return table.axis<std::uint32_t>(key, fallback, [&, low, high](const toml::node& node) {
         return static_cast<std::uint32_t>(table.integer_in(node, key, low, high));
     });
 }
 
-std::vector<std::string> words(const Table& table, const std::string& key,
+std::vector<std::string> words(const TomlTable& table, const std::string& key,
                                const std::string& fallback,
                                std::span<const std::string_view> allowed) {
     return table.axis<std::string>(key, fallback, [&table, &key, allowed](const toml::node& node) {
@@ -197,7 +74,7 @@ std::vector<std::string> words(const Table& table, const std::string& key,
     });
 }
 
-QosMix read_qos(const Table& table, const toml::node& node) {
+QosMix read_qos(const TomlTable& table, const toml::node& node) {
     std::optional<QosMix> mix;
     if (const auto level = node.value_exact<std::int64_t>()) {
         mix = parse_qos_mix(std::to_string(*level));
@@ -208,7 +85,7 @@ QosMix read_qos(const Table& table, const toml::node& node) {
     return *mix;
 }
 
-std::string read_acks(const Table& table, const toml::node& node, std::uint32_t most) {
+std::string read_acks(const TomlTable& table, const toml::node& node, std::uint32_t most) {
     if (node.value_exact<std::string>() == "all") return "all";
     if (!node.is_integer()) {
         table.refuse(node, "acks",
@@ -217,7 +94,7 @@ std::string read_acks(const Table& table, const toml::node& node, std::uint32_t 
     return std::to_string(table.integer_in(node, "acks", 0, most));
 }
 
-Axes read_axes(const Table& table, const Most& most) {
+Axes read_axes(const TomlTable& table, const Most& most) {
     table.allow_only({"brokers", "robots", "rate", "payload", "qos", "elector", "detector", "acks",
                       "fault", "seed"});
     Axes axes;
@@ -278,7 +155,7 @@ void append_cells(const Axes& axes, std::vector<Cell>& cells) {
     }
 }
 
-Pattern read_pattern(const Table& table) {
+Pattern read_pattern(const TomlTable& table) {
     const std::string word = table.word("pattern", "swarm");
     for (const auto& [pattern, name] : pattern_names) {
         if (name == word) return pattern;
@@ -286,7 +163,7 @@ Pattern read_pattern(const Table& table) {
     table.refuse(*table.find("pattern"), "pattern", "allowed are swarm, common, commands");
 }
 
-World read_world(const Table& table) {
+World read_world(const TomlTable& table) {
     const std::string word = table.word("world", "processes");
     for (const auto& [world, name] : world_names) {
         if (name == word) return world;
@@ -301,7 +178,7 @@ World read_world(const Table& table) {
 }
 
 /// A number of milliseconds, or the least and the most.
-void read_delay(const Table& table, const std::string& key, SimulatedLink& link) {
+void read_delay(const TomlTable& table, const std::string& key, SimulatedLink& link) {
     const toml::node* node = table.find(key);
     if (node == nullptr) return;
     constexpr const char* allowed =
@@ -316,7 +193,7 @@ void read_delay(const Table& table, const std::string& key, SimulatedLink& link)
     link.delay_max_ms = table.number_in((*both)[1], key, link.delay_min_ms, 10'000, allowed);
 }
 
-SimulatedLink read_link(const Table& table, const std::string& who) {
+SimulatedLink read_link(const TomlTable& table, const std::string& who) {
     SimulatedLink link;
     read_delay(table, who + "_delay_ms", link);
     const std::string loss = who + "_loss_percent";
@@ -327,7 +204,7 @@ SimulatedLink read_link(const Table& table, const std::string& who) {
 }
 
 /// What has no meaning in the other world would mislead.
-void refuse_what_is_of_another_world(const Table& table, World world) {
+void refuse_what_is_of_another_world(const TomlTable& table, World world) {
     constexpr std::array<std::string_view, 4> simulated = {
         "client_delay_ms", "client_loss_percent", "broker_delay_ms", "broker_loss_percent"};
     constexpr std::array<std::string_view, 3> processes = {"domain_base", "network", "port"};
@@ -350,7 +227,7 @@ constexpr std::array<std::string_view, 8> own_options = {"--name",      "--liste
                                                          "--interface", "--elector", "--detector",
                                                          "--acks",      "--voters"};
 
-std::vector<std::string> read_broker_options(const Table& table) {
+std::vector<std::string> read_broker_options(const TomlTable& table) {
     std::vector<std::string> options = table.words("broker_options");
     for (const std::string& option : options) {
         const std::string name = option.substr(0, option.find('='));
@@ -363,7 +240,7 @@ std::vector<std::string> read_broker_options(const Table& table) {
 }
 
 /// Two octets of a loopback network: "127.50".
-std::string read_network(const Table& table) {
+std::string read_network(const TomlTable& table) {
     if (table.find("network") == nullptr) return {};
     std::string network = table.word("network", "");
     int second = -1;
@@ -378,7 +255,7 @@ std::string read_network(const Table& table) {
     return network;
 }
 
-SweepSettings read_settings(const Table& table, const std::string& file_name) {
+SweepSettings read_settings(const TomlTable& table, const std::string& file_name) {
     table.allow_only({"name",
                       "world",
                       "pattern",
@@ -465,14 +342,8 @@ bool is_same_experiment(const Sweep& a, const Sweep& b) {
 }
 
 Sweep parse_sweep(std::string_view text, const std::string& file_name) {
-    toml::table document;
-    try {
-        document = toml::parse(text, file_name);
-    } catch (const toml::parse_error& error) {
-        throw SweepError(file_name + ", line " + std::to_string(error.source().begin.line) +
-                         ": no TOML: " + std::string{error.description()});
-    }
-    const Table table{document, file_name, ""};
+    const toml::table document = parse_toml(text, file_name);
+    const TomlTable table{document, file_name, ""};
     Sweep sweep{
         .settings = read_settings(table, file_name), .cells = {}, .text = std::string{text}};
 

@@ -8,18 +8,16 @@
 #include <chrono>
 #include <cstdint>
 #include <filesystem>
-#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "experiments/sweep/cell.h"
+#include "experiments/sweep/setting_error.h"
 
 namespace romano::experiments {
 
-struct SweepError : std::runtime_error {
-    using std::runtime_error::runtime_error;
-};
+using SweepError = SettingError;
 
 /// Who publishes what to whom.
 enum class Pattern : std::uint8_t {
