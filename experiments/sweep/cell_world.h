@@ -1,6 +1,7 @@
 // The world in which a cell runs: its time, its brokers, and room for robots. What a run does and
 // measures is the same in each (cell_run.h). There are real processes on this machine
-// (process_world.h) and a simulator in virtual time (simulated_world.h).
+// (process_world.h), the same on machines of a testbed (testbed/testbed_world.h), and a simulator
+// in virtual time (simulated_world.h).
 //
 // Brokers go by their numbers, from 0.
 #pragma once

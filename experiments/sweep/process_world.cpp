@@ -1,13 +1,7 @@
 #include "experiments/sweep/process_world.h"
 
-#include <algorithm>
-#include <array>
-#include <boost/asio/executor_work_guard.hpp>
 #include <chrono>
-#include <ctime>
 #include <utility>
-
-#include "broker/net/clock.h"
 
 namespace romano::experiments {
 namespace {
@@ -40,34 +34,6 @@ ProcessWorld::ProcessWorld(const SweepSettings& settings, const Cell& cell,
         lan_.emplace(static_cast<int>(cell.brokers) + 1);
         if (!lan_->why_not().empty()) throw RunFailed("fault `cut`: " + lan_->why_not());
     }
-}
-
-std::string ProcessWorld::date() const {
-    const std::time_t now = std::time(nullptr);
-    std::tm utc{};
-    ::gmtime_r(&now, &utc);
-    std::array<char, 32> text{};
-    std::strftime(text.data(), text.size(), "%Y-%m-%dT%H:%M:%SZ", &utc);
-    return text.data();
-}
-
-bool ProcessWorld::run_until(Instant deadline, const std::function<bool()>& done,
-                             const std::function<void()>& look) {
-    const auto end = net::to_steady_clock(deadline);
-    const auto stays = boost::asio::make_work_guard(io_);
-    io_.restart();
-    while (!done()) {
-        const Instant now = net::now();
-        if (now >= deadline) return false;
-        look();
-        io_.run_one_until(std::min(end, net::to_steady_clock(now + 20ms)));
-    }
-    return true;
-}
-
-void ProcessWorld::finish_moment() {
-    io_.restart();
-    io_.poll();
 }
 
 BrokerAddress ProcessWorld::address_of(std::size_t broker) const {

@@ -4,30 +4,24 @@
 // machine of its own (process/lan.h), and the robots on another.
 #pragma once
 
-#include <boost/asio/io_context.hpp>
 #include <memory>
 
 #include "experiments/process/broker_process.h"
 #include "experiments/process/lan.h"
 #include "experiments/robots/sockets.h"
-#include "experiments/sweep/cell_world.h"
 #include "experiments/sweep/place.h"
+#include "experiments/sweep/real_time_world.h"
 #include "experiments/sweep/sweep_file.h"
 
 namespace romano::experiments {
 
-class ProcessWorld final : public CellWorld {
+class ProcessWorld final : public RealTimeWorld {
 public:
     /// `network` is the sweep's own, such as "127.50". Throws RunFailed.
     ProcessWorld(const SweepSettings& settings, const Cell& cell, const std::string& network,
                  std::filesystem::path program);
 
     [[nodiscard]] Surroundings& surroundings() override { return robots_; }
-    [[nodiscard]] std::string date() const override;
-    bool run_until(Instant deadline, const std::function<bool()>& done,
-                   const std::function<void()>& look) override;
-    void finish_moment() override;
-
     [[nodiscard]] BrokerAddress address_of(std::size_t broker) const override;
     void start(std::size_t broker, const BrokerLife& life) override;
     void kill(std::size_t broker) override { brokers_[broker]->kill(); }
@@ -64,8 +58,7 @@ private:
     std::uint16_t port_;
     std::string subnet_;  // of the brokers' addresses: "127.50.2."
     std::filesystem::path program_;
-    boost::asio::io_context io_{1};
-    RobotSockets robots_{*this, io_};
+    RobotSockets robots_{*this, io()};
     std::optional<DomainPlace> domain_;  // one broker needs none
     std::optional<Lan> lan_;
     std::vector<std::unique_ptr<BrokerProcess>> brokers_;
