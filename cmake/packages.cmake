@@ -29,6 +29,7 @@ manual(romano-broker broker "MQTT-SN broker, alone or as one of a cluster")
 manual(romano-broker-member broker "what romano-broker becomes in a cluster")
 manual(romano-broker-uplink broker "what romano-broker becomes with an uplink")
 manual(romano-broker-robot broker "robot and broker in one")
+manual(romano-host broker "machine of a ROMANO testbed")
 manual(romano-robot robot "ROMANO robot that finds its broker by itself")
 manual(romano-radio robot "radio of a robot whose controller is another chip")
 manual(romano tools "commands for ROMANO brokers and robots")
@@ -36,7 +37,7 @@ get_property(manuals GLOBAL PROPERTY romano_manuals)
 add_custom_target(packaged_configuration ALL DEPENDS ${package_build}/broker.toml ${manuals})
 
 # What a broker becomes when it has a domain or an uplink is no command of people's, and stands beside it all the same.
-install(TARGETS romano-broker romano-broker-member romano-broker-uplink romano-broker-robot
+install(TARGETS romano-broker romano-broker-member romano-broker-uplink romano-broker-robot romano-host
         RUNTIME DESTINATION bin COMPONENT broker)
 install(FILES ${package_build}/broker.toml DESTINATION /etc/romano COMPONENT broker)
 install(FILES broker/daemon/package/romano-broker.service
@@ -61,6 +62,8 @@ install(FILES experiments/README.md DESTINATION share/doc/romano-tools RENAME ex
         COMPONENT tools)
 install(FILES experiments/web/README.md DESTINATION share/doc/romano-tools RENAME web.md COMPONENT tools)
 install(FILES experiments/recording/README.md DESTINATION share/doc/romano-tools RENAME recording.md COMPONENT tools)
+install(FILES experiments/TESTBED.md DESTINATION share/doc/romano-tools COMPONENT tools)
+install(FILES experiments/testbed/hosts.toml DESTINATION share/doc/romano-tools/examples COMPONENT tools)
 install(FILES experiments/demo.toml DESTINATION share/doc/romano-tools/examples COMPONENT tools)
 install(DIRECTORY experiments/sweeps DESTINATION share/doc/romano-tools/examples COMPONENT tools
         FILES_MATCHING PATTERN "*.toml")

@@ -24,6 +24,7 @@
 #include "experiments/cli/status.h"
 #include "experiments/cli/sub.h"
 #include "experiments/cli/sweep.h"
+#include "experiments/cli/testbed.h"
 #include "experiments/cli/web.h"
 #include "experiments/sweep/build_info.h"
 
@@ -53,6 +54,7 @@ int main(int argc, char** argv) {
     add_rights(program, exit_code);
     add_apply(program, exit_code);
     add_sweep(program, exit_code);
+    add_testbed(program, exit_code);
     add_report(program, exit_code);
     add_merge(program, exit_code);
     add_compare(program, exit_code);

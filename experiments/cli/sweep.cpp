@@ -22,6 +22,7 @@ constexpr const char* sweep_examples = R"(Examples:
   romano sweep experiments/demo.toml --cell 7 --replace  (in the place of its earlier run)
   romano sweep experiments/demo.toml --shard 2/3   (every third cell, for the second of three machines)
   romano sweep experiments/demo.toml --slurm 8 --slurm-option=--partition=short   (as a job array)
+  romano sweep experiments/demo.toml --hosts hosts.toml  (on machines of your own: romano testbed --help)
 Sweeps may run side by side: each takes a loopback network and DDS domains that are free.
 What a sweep file may say: experiments/README.md.
 Exit code: 0; 1 when a run failed; 2 when nothing was run; 130 when interrupted.
@@ -32,6 +33,7 @@ struct SweepOptions {
     std::uint32_t cell = 0;
     unsigned jobs = 1;
     std::string shard;
+    std::string hosts;
     std::uint32_t slurm_shards = 0;
     std::vector<std::string> slurm_options;
     bool list = false;
@@ -81,11 +83,13 @@ void add_sweep(CLI::App& program, int& exit_code) {
                   "Run the cells again whose runs failed, too")
         ->excludes(cell)
         ->excludes(fresh);
-    command
-        .add_option("--shard", options->shard,
-                    "Run the I-th of N parts only, into OUTPUT-shards/I-of-N; then: romano merge")
-        ->type_name("I/N")
-        ->excludes(cell);
+    CLI::Option* shard =
+        command
+            .add_option(
+                "--shard", options->shard,
+                "Run the I-th of N parts only, into OUTPUT-shards/I-of-N; then: romano merge")
+            ->type_name("I/N")
+            ->excludes(cell);
     CLI::Option* slurm =
         command
             .add_option("--slurm", options->slurm_shards,
@@ -105,8 +109,18 @@ void add_sweep(CLI::App& program, int& exit_code) {
                             ->type_name("N")
                             ->check(CLI::Range(1U, 1024U));
     command.add_flag("--list", options->list, "List the cells and run nothing");
-    command.add_option("--broker", options->request.broker_program,
-                       "The broker's program (default: romano-broker beside this program)");
+    CLI::Option* hosts =
+        command
+            .add_option("--hosts", options->hosts,
+                        "Run the brokers on the machines of this file, into OUTPUT-on-NAME; the "
+                        "robots here")
+            ->type_name("HOSTS")
+            ->excludes(slurm)
+            ->excludes(shard);
+    command
+        .add_option("--broker", options->request.broker_program,
+                    "The broker's program (default: romano-broker beside this program)")
+        ->excludes(hosts);
     command.footer(sweep_examples);
     command.callback([options, cell, jobs, &exit_code] {
         SweepRequest& request = options->request;
@@ -120,6 +134,7 @@ void add_sweep(CLI::App& program, int& exit_code) {
         if (!options->shard.empty()) request.shard = shard_in(options->shard);
         if (cell->count() > 0) request.only_cell = options->cell;
         if (jobs->count() > 0) request.jobs = options->jobs;
+        if (!options->hosts.empty()) request.hosts = options->hosts;
         if (request.broker_program.empty()) {
             request.broker_program =
                 std::filesystem::read_symlink("/proc/self/exe").parent_path() / "romano-broker";

@@ -7,7 +7,9 @@
 #include <csignal>
 #include <cstdio>
 #include <ctime>
+#include <functional>
 #include <iterator>
+#include <memory>
 #include <utility>
 #include <vector>
 
@@ -23,6 +25,7 @@
 #include "experiments/sweep/simulated_world.h"
 #include "experiments/sweep/telling.h"
 #include "experiments/sweep/text_file.h"
+#include "experiments/testbed/testbed_world.h"
 
 namespace romano::experiments {
 namespace {
@@ -114,6 +117,7 @@ bool is_to_run(const Cell& cell, const SweepRequest& request, const ResultsFolde
 /// Parts have results of their own: machines that share a folder run side by side.
 std::filesystem::path output_of(const Sweep& sweep, const SweepRequest& request) {
     std::filesystem::path output = sweep.settings.output;
+    if (request.hosts) output = output_on(output, *request.hosts);
     if (request.only_cell && !request.replace) {
         return output / ("cell-" + std::to_string(*request.only_cell) + "-again");
     }
@@ -129,6 +133,10 @@ void check_program(const std::filesystem::path& program) {
                      "` is no program; build romano-broker, or name it with --broker");
 }
 
+void tell_about_hosts(const std::string& what) {
+    std::fprintf(stderr, "%s\n", what.c_str());
+}
+
 NetworkPlace claim_network_of(const SweepSettings& settings) {
     if (auto place = claim_network(settings.network)) return std::move(*place);
     if (settings.network.empty()) throw SweepError("no loopback network is free; set `network`");
@@ -136,16 +144,14 @@ NetworkPlace claim_network_of(const SweepSettings& settings) {
                      "\"`: another sweep is using it; leave it out, and a free one is taken");
 }
 
-/// Real cells one after the other: they share the machine's processor. False when interrupted.
-bool run_processes(const Sweep& sweep, const std::vector<Cell>& cells, const NetworkPlace& place,
-                   const std::filesystem::path& program, ResultsFolder& results, ProgressBar& bar) {
+using MakeWorld = std::function<std::unique_ptr<CellWorld>(const Cell& cell)>;
+
+/// Real cells one after the other: they share processors. False when interrupted.
+bool run_in_turn(const Sweep& sweep, const std::vector<Cell>& cells, const MakeWorld& make_world,
+                 ResultsFolder& results, ProgressBar& bar) {
     for (const Cell& cell : cells) {
         const CellSurroundings surroundings{
-            .make_world =
-                [&](const Cell& of) {
-                    return std::make_unique<ProcessWorld>(sweep.settings, of, place.network,
-                                                          program);
-                },
+            .make_world = make_world,
             .results = results,
             .on_progress =
                 [&bar, &cell](double share, std::string_view doing) {
@@ -164,17 +170,14 @@ bool run_processes(const Sweep& sweep, const std::vector<Cell>& cells, const Net
 }
 
 /// Simulated cells on all cores. False when interrupted.
-bool run_simulated(const Sweep& sweep, const std::vector<Cell>& cells, unsigned at_once,
-                   ResultsFolder& results, ProgressBar& bar) {
+bool run_at_once(const Sweep& sweep, const std::vector<Cell>& cells, const MakeWorld& make_world,
+                 unsigned at_once, ResultsFolder& results, ProgressBar& bar) {
     const CellProcesses processes{
         .at_once = at_once,
         .run =
             [&](const Cell& cell, const CellProcesses::Tell& tell) {
                 const CellSurroundings surroundings{
-                    .make_world =
-                        [&](const Cell& of) {
-                            return std::make_unique<SimulatedWorld>(sweep.settings, of);
-                        },
+                    .make_world = make_world,
                     .results = results,
                     .on_progress = tell,
                     .is_interrupted = [] { return interrupted != 0; }};
@@ -199,26 +202,49 @@ int run_sweep(const SweepRequest& request) {
     if (request.only_cell && !request.replace) sweep.cells = cells;
     sweep.settings.output = output_of(sweep, request);
     const bool is_simulated = sweep.settings.world == World::simulated;
-    std::optional<NetworkPlace> place;
+    if (request.jobs && !is_simulated) {
+        throw SweepError(
+            "--jobs " + std::to_string(*request.jobs) +
+            ": only cells of `world = \"simulated\"` run at once; real ones would take "
+            "each other's processor");
+    }
+    std::optional<NetworkPlace> network;
+    std::optional<TestbedPlace> testbed;
+    MakeWorld make_world;
+    std::string broker_version;
     if (is_simulated) {
-        check_simulated_broker_options(sweep.settings);
-    } else {
-        if (request.jobs) {
-            throw SweepError("--jobs " + std::to_string(*request.jobs) +
-                             ": only cells of `world = \"simulated\"` run at once; real ones "
-                             "would take each other's processor");
+        if (request.hosts) {
+            throw SweepError(
+                "--hosts: the sweep file says `world = \"simulated\"`, which needs no "
+                "hosts; leave one of them out");
         }
+        check_simulated_broker_options(sweep.settings);
+        make_world = [&](const Cell& cell) {
+            return std::make_unique<SimulatedWorld>(sweep.settings, cell);
+        };
+    } else if (request.hosts) {
+        testbed.emplace(*request.hosts, sweep.settings, cells, tell_about_hosts);
+        broker_version = testbed->broker_version();
+        make_world = [&](const Cell& cell) {
+            return std::make_unique<TestbedWorld>(sweep.settings, cell, *testbed);
+        };
+    } else {
         check_program(request.broker_program);
-        place = claim_network_of(sweep.settings);
+        network = claim_network_of(sweep.settings);
+        broker_version = version_of(request.broker_program);
+        make_world = [&](const Cell& cell) {
+            return std::make_unique<ProcessWorld>(sweep.settings, cell, network->network,
+                                                  request.broker_program);
+        };
     }
     ResultsFolder results{sweep.settings.output, sweep,
                           request.fresh || (request.only_cell && !request.replace)};
-    const Manifest manifest{
-        .build = build_info(),
-        .machine = this_machine(),
-        .started_utc = utc_now_for_people(),
-        .sweep_file = std::filesystem::absolute(request.file).string(),
-        .broker_version = is_simulated ? "" : version_of(request.broker_program)};
+    if (testbed) testbed->leave_word(results.path(), request.fresh);
+    const Manifest manifest{.build = build_info(),
+                            .machine = this_machine(),
+                            .started_utc = utc_now_for_people(),
+                            .sweep_file = std::filesystem::absolute(request.file).string(),
+                            .broker_version = broker_version};
     write_text(results.path() / "manifest.json", to_json(manifest, sweep));
 
     listen_for_interrupts();
@@ -234,10 +260,10 @@ int run_sweep(const SweepRequest& request) {
     {
         ProgressBar bar{stdout, cells.size(), done_before};
         stopped = is_simulated
-                      ? !run_simulated(sweep, to_run,
-                                       request.jobs.value_or(std::max(manifest.machine.cores, 1U)),
-                                       results, bar)
-                      : !run_processes(sweep, to_run, *place, request.broker_program, results, bar);
+                      ? !run_at_once(sweep, to_run, make_world,
+                                     request.jobs.value_or(std::max(manifest.machine.cores, 1U)),
+                                     results, bar)
+                      : !run_in_turn(sweep, to_run, make_world, results, bar);
     }
 
     const int exit_code = tell(sweep, manifest, results.rows(), results.path());

@@ -259,7 +259,8 @@ TEST(SweepFiles, OfThisRepositoryAreValid) {
     int files = 0;
     for (const auto& entry : std::filesystem::recursive_directory_iterator(
              std::string{ROMANO_SOURCE_DIR} + "/experiments")) {
-        if (entry.path().extension() != ".toml") continue;
+        if (entry.path().extension() != ".toml" || entry.path().filename() == "hosts.toml")
+            continue;
         ++files;
         EXPECT_NO_THROW((void)read_sweep(entry.path())) << entry.path();
     }
