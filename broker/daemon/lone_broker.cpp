@@ -116,8 +116,11 @@ void LoneBroker::publish_status() {
         {"addresses", std::move(addresses)},
         {"rights", rights_.digest()},
         {"view", {{"term", 0}, {"leader", name_}, {"count", 1}, {"members", {name_}}}},
-        {"incarnation",
-         options_.log.incarnation}}.dump();
+        {"incarnation", options_.log.incarnation},
+        {"longest_turn_us",
+         std::chrono::duration_cast<std::chrono::microseconds>(
+             net::TurnClock::of(io_).longest(net::now()))
+             .count()}}.dump();
     if (status == last_status_) return;
     last_status_ = status;
     core_.set_system_topic(net::now(), "$SYS/brokers/" + name_, as_octets(status), actions_);
@@ -141,6 +144,7 @@ void LoneBroker::add_metrics(metrics::Page& page) const {
     metrics::add_datagrams(page, udp_.counters());
     heap_limit_.add_metrics(page);
     metrics::add_wakeups(page, core_timer_);
+    metrics::add_turns(page, net::TurnClock::of(io_), net::now());
     if (persistence_) persistence_->add_metrics(page);
     if (protection_) protection_->add_metrics(page);
 }

@@ -13,7 +13,8 @@
 namespace romano::daemon {
 
 MetricsEndpoint::MetricsEndpoint(boost::asio::io_context& io, const Settings& settings)
-    : name_(settings.name),
+    : turns_(net::TurnClock::of(io)),
+      name_(settings.name),
       start_(std::chrono::duration<double>(net::unix_time()).count()),
       server_(io, [this] { return page(); }) {
     if (!settings.metrics) return;
@@ -26,7 +27,8 @@ MetricsEndpoint::MetricsEndpoint(boost::asio::io_context& io, const Settings& se
     spdlog::info("metrics: http://{}/metrics", net::to_text(at));
 }
 
-std::string MetricsEndpoint::page() const {
+std::string MetricsEndpoint::page() {
+    turns_.begin(net::now());
     metrics::Page page;
     metrics::add_process(page, name_, ROMANO_VERSION, start_);
     if (broker_ != nullptr) broker_->add_metrics(page);

@@ -6,6 +6,7 @@
 
 #include "broker/daemon/running_broker.h"
 #include "broker/metrics/http_server.h"
+#include "broker/net/turn_clock.h"
 
 namespace romano::daemon {
 
@@ -17,8 +18,9 @@ public:
     void tell_of(const RunningBroker& broker) { broker_ = &broker; }
 
 private:
-    [[nodiscard]] std::string page() const;
+    [[nodiscard]] std::string page();
 
+    net::TurnClock& turns_;
     std::string name_;
     double start_;
     const RunningBroker* broker_ = nullptr;

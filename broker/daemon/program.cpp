@@ -16,6 +16,7 @@
 #include "broker/daemon/settings.h"
 #include "broker/daemon/trace.h"
 #include "broker/net/service_manager.h"
+#include "broker/net/turn_clock.h"
 
 namespace romano::daemon {
 namespace {
@@ -47,7 +48,7 @@ void run(const Settings& settings, const Program& program) {
         manager.serving("serving " + where);
     });
     metrics.tell_of(*broker);
-    io.run();
+    net::run_in_turns(io);
 }
 
 }  // namespace

@@ -117,4 +117,12 @@ void add_wakeups(Page& page, const net::CoreTimer& timer) {
                    timer.delays());
 }
 
+void add_turns(Page& page, const net::TurnClock& turns, Instant now) {
+    page.gauge(
+        "romano_longest_turn_seconds",
+        "The longest that the broker did one thing and nothing else, in the last half minute "
+        "to minute.",
+        std::chrono::duration<double>(turns.longest(now)).count());
+}
+
 }  // namespace romano::metrics

@@ -7,7 +7,7 @@
 namespace romano::net {
 
 CoreTimer::CoreTimer(boost::asio::io_context& io, std::function<void()> on_wakeup)
-    : timer_(io), on_wakeup_(std::move(on_wakeup)) {}
+    : turns_(TurnClock::of(io)), timer_(io), on_wakeup_(std::move(on_wakeup)) {}
 
 void CoreTimer::arm(Instant deadline) {
     if (deadline >= armed_for_) return;
@@ -27,6 +27,7 @@ void CoreTimer::wait() {
         // A wait that was replaced just as it ended may bring an old wake-up: wait on.
         const Instant woken = now();
         if (woken < armed_for_) return;
+        turns_.begin(woken);
         const Instant deadline = std::exchange(armed_for_, never);
         const bool at_once = deadline == Instant::min();
         delays_.add(at_once ? Duration{0} : woken - deadline, 1);

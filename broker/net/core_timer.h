@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "broker/net/latency_histogram.h"
+#include "broker/net/turn_clock.h"
 #include "romano/base/time.h"
 
 namespace romano::net {
@@ -29,6 +30,7 @@ public:
 private:
     void wait();
 
+    TurnClock& turns_;
     boost::asio::steady_timer timer_;
     std::function<void()> on_wakeup_;
     Instant armed_for_ = never;

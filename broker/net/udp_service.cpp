@@ -21,7 +21,10 @@ public:
 };
 
 UdpService::UdpService(boost::asio::io_context& io, DatagramHandler& handler)
-    : io_(io), handler_(handler), batch_(std::make_unique<ReceiveBatch>()) {}
+    : io_(io),
+      turns_(TurnClock::of(io)),
+      handler_(handler),
+      batch_(std::make_unique<ReceiveBatch>()) {}
 
 UdpService::~UdpService() {
     for (const auto& channel : services_) channel->closed = true;
@@ -102,6 +105,7 @@ void UdpService::wait(const std::shared_ptr<Channel>& channel) {
         [this, weak = std::weak_ptr(channel)](const boost::system::error_code& error) {
             const auto ready = weak.lock();
             if (error || !ready || ready->closed) return;
+            turns_.begin(now());
             read(ready);
             if (!ready->closed) wait(ready);
         });

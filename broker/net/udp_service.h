@@ -15,6 +15,7 @@
 #include "broker/net/net_counters.h"
 #include "broker/net/receive_batch.h"
 #include "broker/net/service_socket.h"
+#include "broker/net/turn_clock.h"
 #include "romano/base/bytes.h"
 #include "romano/base/endpoint.h"
 
@@ -74,6 +75,7 @@ private:
     void flush();
 
     boost::asio::io_context& io_;
+    TurnClock& turns_;
     DatagramHandler& handler_;
     std::unique_ptr<ReceiveBatch> batch_;
     std::vector<std::shared_ptr<Channel>> services_;

@@ -1,6 +1,7 @@
 #include "experiments/cli/brokers.h"
 
 #include <algorithm>
+#include <array>
 #include <boost/asio/io_context.hpp>
 #include <chrono>
 #include <cstdio>
@@ -43,6 +44,14 @@ std::string joined(const std::vector<std::string>& words) {
     return text;
 }
 
+/// The longest that the broker did one thing and nothing else, of late.
+std::string turn_text(std::uint64_t microseconds) {
+    std::array<char, 32> text{};
+    (void)std::snprintf(text.data(), text.size(), "%.2f ms",
+                        static_cast<double>(microseconds) / 1e3);
+    return text.data();
+}
+
 /// What must be the same at all brokers, and is not.
 void print_disagreements(const BrokerWatch& watch) {
     for (const auto& [name, seen] : watch.brokers()) {
@@ -65,18 +74,28 @@ void print_inability(const BrokerWatch& watch) {
     }
 }
 
+/// Whose packets do not reach whom: broken or one-way links.
+void print_deafness(const BrokerWatch& watch) {
+    for (const auto& [name, seen] : watch.brokers()) {
+        if (!seen.status.alive || seen.status.does_not_hear.empty()) continue;
+        std::printf("\n%s does not hear %s\n", name.c_str(),
+                    joined(seen.status.does_not_hear).c_str());
+    }
+}
+
 void print_table(const BrokerWatch& watch) {
-    SummaryTable table{
-        .head = {"broker", "state", "role", "rank", "sessions", "connected", "addresses"},
-        .units = {},
-        .rows = {}};
+    SummaryTable table{.head = {"broker", "state", "role", "rank", "sessions", "connected",
+                                "longest turn", "addresses"},
+                       .units = {},
+                       .rows = {}};
     const BrokerStatus* newest = nullptr;
     for (const auto& [name, seen] : watch.brokers()) {
         const BrokerStatus& status = seen.status;
-        table.rows.push_back({status.name, status.alive ? "alive" : "dead",
-                              status.alive && status.leader ? "leader" : "",
-                              std::to_string(status.rank), std::to_string(status.sessions),
-                              std::to_string(status.connected), joined(status.addresses)});
+        table.rows.push_back(
+            {status.name, status.alive ? "alive" : "dead",
+             status.alive && status.leader ? "leader" : "", std::to_string(status.rank),
+             std::to_string(status.sessions), std::to_string(status.connected),
+             status.alive ? turn_text(status.longest_turn_us) : "", joined(status.addresses)});
         if (status.alive && (newest == nullptr || status.view_term > newest->view_term)) {
             newest = &status;
         }
@@ -88,6 +107,7 @@ void print_table(const BrokerWatch& watch) {
                     newest->view_leader.empty() ? "nobody" : newest->view_leader.c_str(),
                     joined(newest->view_members).c_str());
     }
+    print_deafness(watch);
     print_inability(watch);
     print_disagreements(watch);
 }

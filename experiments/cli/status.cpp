@@ -142,6 +142,12 @@ private:
             line("handling", "half of the datagrams " + within(now_, name, 0.5) + ", 99 % " +
                                  within(now_, name, 0.99) + ", since the start");
         }
+        if (now_.has("romano_longest_turn_seconds")) {
+            std::ostringstream text;
+            text << now_.value("romano_longest_turn_seconds") * 1e3
+                 << " ms did it one thing and nothing else at most, in the last minute";
+            line("turn", text.str());
+        }
     }
 
     void drops() {

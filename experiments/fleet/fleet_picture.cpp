@@ -34,6 +34,7 @@ BrokerStatus shortened(BrokerStatus status) {
     status.view_leader = shown_text(status.view_leader);
     shorten(status.addresses, most_addresses);
     shorten(status.view_members, most_members);
+    shorten(status.does_not_hear, most_members);
     status.disagrees.clear();
     return status;
 }

@@ -53,7 +53,9 @@ Json broker_json(const FleetPicture& picture, const SeenBroker& broker) {
              {"sessions", status.sessions},
              {"connected", status.connected},
              {"addresses", status.addresses},
-             {"cannot_take", status.cannot_take}};
+             {"cannot_take", status.cannot_take},
+             {"longest_turn_ms", static_cast<double>(status.longest_turn_us) / 1e3},
+             {"does_not_hear", status.does_not_hear}};
     if (broker.to_peers_octets_per_s) {
         out["to_peers_octets_per_s"] = std::llround(*broker.to_peers_octets_per_s);
     }
@@ -72,9 +74,13 @@ Json path_json(const SeenRobot& robot) {
 
 Json robot_json(const FleetPicture& picture, const SeenRobot& robot) {
     const server::NodeEntry& entry = robot.entry;
-    Json out{{"robot", entry.id.text()}, {"state", server::name_of(entry.state)},
-             {"home", robot.home},       {"form", server::name_of(entry.form)},
-             {"client", entry.client},   {"messages_per_s", robot.messages_per_s}};
+    Json out{{"robot", entry.id.text()},
+             {"state", server::name_of(entry.state)},
+             {"home", robot.home},
+             {"form", server::name_of(entry.form)},
+             {"client", entry.client},
+             {"messages_per_s", robot.messages_per_s},
+             {"told_per_s", robot.told_per_s}};
     const std::uint64_t heard = robot.heartbeat ? picture.unix_ms(*robot.heartbeat) : 0;
     if (const auto beat = std::max(heard, entry.heartbeat_unix_ms); beat != 0) {
         out["heartbeat_unix_ms"] = beat;

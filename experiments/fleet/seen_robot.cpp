@@ -51,12 +51,15 @@ void SeenRobot::on_heard(Instant now, std::string_view topic, Bytes data) {
 }
 
 void SeenRobot::on_said(Instant now, std::string_view topic, Bytes data) {
+    ++told_now_;
     keep(now, true, topic, data);
 }
 
 bool SeenRobot::on_second() {
-    const std::uint32_t before = std::exchange(messages_per_s, std::exchange(messages_now_, 0));
-    return before != messages_per_s;
+    const std::uint32_t sent_before =
+        std::exchange(messages_per_s, std::exchange(messages_now_, 0));
+    const std::uint32_t told_before = std::exchange(told_per_s, std::exchange(told_now_, 0));
+    return sent_before != messages_per_s || told_before != told_per_s;
 }
 
 std::optional<Duration> SeenRobot::longest_silence(Instant now) const {

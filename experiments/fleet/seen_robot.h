@@ -56,8 +56,9 @@ public:
     std::optional<Place> place;
     Instant placed_at{};  // when it said so
     std::optional<std::uint16_t> battery_mv;
-    std::uint32_t messages_per_s = 0;
-    std::deque<Place> path;  // the oldest first; not each step
+    std::uint32_t messages_per_s = 0;  // that it sent
+    std::uint32_t told_per_s = 0;      // on its own topic
+    std::deque<Place> path;            // the oldest first; not each step
     /// The oldest first: of what it says the last on each topic, of what it is told each other
     /// text.
     std::deque<RobotMessage> messages;
@@ -67,6 +68,7 @@ private:
     void move_to(const Place& next);
 
     std::uint32_t messages_now_ = 0;
+    std::uint32_t told_now_ = 0;
     Duration worst_gap_{0};
     Instant worst_gap_at_{};
 };

@@ -31,6 +31,8 @@ std::optional<BrokerStatus> parse_broker_status(std::string_view text) {
         read(object, "incarnation", status.incarnation);
         read(object, "transport_octets_sent", status.transport_octets_sent);
         read(object, "rights", status.rights);
+        read(object, "longest_turn_us", status.longest_turn_us);
+        read(object, "does_not_hear", status.does_not_hear);
         read(object, "disagrees", status.disagrees);
         if (const auto view = object.find("view"); view != object.end() && view->is_object()) {
             read(*view, "term", status.view_term);

@@ -28,6 +28,8 @@ struct BrokerStatus {
     std::string rights;  // their digest; empty: it is not known
     std::vector<std::string> view_members;
     std::uint64_t transport_octets_sent = 0;  // to its peers, since it started
+    std::uint64_t longest_turn_us = 0;        // of the last half minute to minute
+    std::vector<std::string> does_not_hear;   // living members of the view
     /// Settings that must agree and do not: the values by broker's name, by setting.
     std::map<std::string, std::map<std::string, std::string>> disagrees;
 };

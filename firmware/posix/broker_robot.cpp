@@ -113,7 +113,7 @@ void run(const Settings& settings) {
                 std::fflush(stdout);
             });
     });
-    io.run();
+    net::run_in_turns(io);
 }
 
 Settings read(int argc, char** argv) {

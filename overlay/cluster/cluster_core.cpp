@@ -448,6 +448,7 @@ Beacon ClusterCore::beacon(const broker::BrokerCore& broker) const {
                   .cannot_take = static_cast<std::uint32_t>(addresses_.cannot_take().size()),
                   .transport_octets_sent = octets_sent_,
                   .transport_octets_received = octets_received_,
+                  .longest_turn_us = longest_turn_us_,
                   .link = link_,
                   .settings = settings_.digest(),
                   .predefined = predefined_};

@@ -11,6 +11,9 @@
 #pragma once
 
 #include <algorithm>
+#include <chrono>
+#include <cstdint>
+#include <limits>
 #include <map>
 #include <optional>
 #include <set>
@@ -78,6 +81,11 @@ public:
     void on_transport_octets(std::uint64_t sent, std::uint64_t received) {
         octets_sent_ = sent;
         octets_received_ = received;
+    }
+    void on_longest_turn(std::chrono::microseconds longest) {
+        constexpr std::int64_t most = std::numeric_limits<std::uint32_t>::max();
+        longest_turn_us_ =
+            static_cast<std::uint32_t>(std::min<std::int64_t>(longest.count(), most));
     }
     /// Instant::min(): there is more to be done than fits one turn.
     [[nodiscard]] Instant next_wakeup() const;
@@ -303,6 +311,7 @@ private:
     std::uint64_t beacons_sent_ = 0;
     std::uint64_t octets_sent_ = 0;
     std::uint64_t octets_received_ = 0;
+    std::uint32_t longest_turn_us_ = 0;
     election::Leadership last_leadership_;  // as the last beacon said
     ViewNumber last_view_;
 };

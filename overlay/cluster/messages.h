@@ -93,7 +93,8 @@ struct Beacon {
     std::uint32_t cannot_take = 0;  // so many of the peers' home addresses, were they to die
     std::uint64_t transport_octets_sent = 0;  // between brokers, since the start
     std::uint64_t transport_octets_received = 0;
-    bool leaving = false;  // the last beacon of an orderly stop
+    std::uint32_t longest_turn_us = 0;  // that its shell was busy at a stretch, of late
+    bool leaving = false;               // the last beacon of an orderly stop
     LinkAddress link{};
     std::uint32_t settings = 0;  // digest of what all brokers must agree on (settings_comparison.h)
     std::uint32_t predefined = 0;  // of the predefined topics; 0: there are none
@@ -128,6 +129,7 @@ struct Heartbeat {
     std::uint32_t connected = 0;
     std::uint64_t transport_octets_sent = 0;  // 0: not said this time
     std::uint64_t transport_octets_received = 0;
+    std::uint32_t longest_turn_us = 0;
     bool leaving = false;
 };
 /// The other part, to whoever asks because the digest is new to it, and to all peers when it

@@ -61,6 +61,7 @@ ClusterBroker::ClusterBroker(boost::asio::io_context& io, const Settings& settin
                                 : std::vector<ros2::Rule>{}),
       options_(member_options(settings)),
       moved_(io, [this](const Endpoint& a) { return !member_ || member_->may_announce(a); }),
+      turns_(net::TurnClock::of(io)),
       udp_(io, *this),
       timer_(io, [this] { on_core_wakeup(); }),
       look_timer_(io, [this] { look_around(); }),
@@ -246,6 +247,7 @@ void ClusterBroker::on_batch_end() {
 }
 
 void ClusterBroker::on_peer_message(const overlay::Envelope& envelope) {
+    turns_.begin(net::now());
     if (const auto* told = std::get_if<cluster::Particulars>(&envelope.message)) {
         on_particulars(told->beacon);
     } else if (std::holds_alternative<cluster::Heartbeat>(envelope.message)) {
@@ -285,10 +287,13 @@ void ClusterBroker::on_peers_drained() {
     if (!member_) return;
     const auto& counters = transport_->counters();
     member_->on_transport_octets(counters.sent_octets, counters.received_octets);
+    member_->on_longest_turn(
+        std::chrono::duration_cast<std::chrono::microseconds>(turns_.longest(net::now())));
     carry_out();
 }
 
 void ClusterBroker::on_link(const broker::LogId& process, election::Link link) {
+    turns_.begin(net::now());
     if (!member_) return;
     member_->on_link(net::now(), process, link, actions_);
     carry_out();
@@ -447,6 +452,7 @@ void ClusterBroker::add_metrics(metrics::Page& page) const {
     metrics::add_datagrams(page, udp_.counters());
     heap_limit_.add_metrics(page);
     metrics::add_wakeups(page, timer_);
+    metrics::add_turns(page, turns_, net::now());
     add_transport(page, *transport_);
     if (!member_) return;
     metrics::add_messages(page, member_->broker().counters());

@@ -87,6 +87,7 @@ private:
     std::vector<ros2::Rule> ros2_rules_;
     overlay::MemberOptions options_;
     net::MovedAddresses moved_;
+    net::TurnClock& turns_;
     net::UdpService udp_;  // its sockets are closed before their addresses go
     std::unique_ptr<dds::Domain> domain_;
     std::unique_ptr<dds::DdsTransport> transport_;

@@ -128,6 +128,7 @@ struct MessageWriter {
         to.set_connected(m.connected);
         to.set_transport_octets_sent(m.transport_octets_sent);
         to.set_transport_octets_received(m.transport_octets_received);
+        to.set_longest_turn_us(m.longest_turn_us);
         to.set_leaving(m.leaving);
     }
     void operator()(const cluster::ParticularsRequest&) const { out.mutable_particulars_request(); }
@@ -155,6 +156,7 @@ struct MessageWriter {
         to.set_cannot_take(m.cannot_take);
         to.set_transport_octets_sent(m.transport_octets_sent);
         to.set_transport_octets_received(m.transport_octets_received);
+        to.set_longest_turn_us(m.longest_turn_us);
         to.set_leaving(m.leaving);
         to_proto(m.link.endpoint, *to.mutable_link());
         to.set_link_process(m.link.process);
@@ -294,6 +296,7 @@ MaybeMessage read_heartbeat(const Heartbeat& in) {
     out.connected = in.connected();
     out.transport_octets_sent = in.transport_octets_sent();
     out.transport_octets_received = in.transport_octets_received();
+    out.longest_turn_us = in.longest_turn_us();
     out.leaving = in.leaving();
     return out;
 }
@@ -317,6 +320,7 @@ MaybeMessage read_particulars(const Beacon& in) {
     out.cannot_take = in.cannot_take();
     out.transport_octets_sent = in.transport_octets_sent();
     out.transport_octets_received = in.transport_octets_received();
+    out.longest_turn_us = in.longest_turn_us();
     out.leaving = in.leaving();
     out.settings = in.settings();
     out.predefined = in.predefined();

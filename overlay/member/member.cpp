@@ -67,6 +67,7 @@ public:
     void on_transport_octets(std::uint64_t sent, std::uint64_t received) {
         cluster_.on_transport_octets(sent, received);
     }
+    void on_longest_turn(std::chrono::microseconds longest) { cluster_.on_longest_turn(longest); }
     void set_full(bool full) { broker_.set_full(full); }
     void set_rights(const broker::Permissions* permissions, const std::string& digest) {
         permissions_ = permissions;
@@ -525,6 +526,9 @@ void Member::on_transport_octets(std::uint64_t sent, std::uint64_t received) {
 }
 void Member::set_rights(const broker::Permissions* permissions, const std::string& digest) {
     state_->set_rights(permissions, digest);
+}
+void Member::on_longest_turn(std::chrono::microseconds longest) {
+    state_->on_longest_turn(longest);
 }
 void Member::set_full(bool full) {
     state_->set_full(full);

@@ -99,6 +99,8 @@ public:
 
     /// What the transport has carried so far: told to people in $SYS/brokers/<name>.
     void on_transport_octets(std::uint64_t sent, std::uint64_t received);
+    /// How long the shell was busy at a stretch, of late: told there, too.
+    void on_longest_turn(std::chrono::microseconds longest);
 
     /// See broker::BrokerCore::set_permissions. Peers compare the digest with theirs.
     void set_rights(const broker::Permissions* permissions, const std::string& digest);

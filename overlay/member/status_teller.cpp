@@ -57,18 +57,32 @@ void StatusTeller::tell(Instant now, const cluster::ClusterCore& cluster,
     for (const broker::LogId& member : cluster.view().members) {
         members.push_back(name_of(member.broker));
     }
+    const auto is_alive = [&](const broker::LogId& log) {
+        return log.broker == self.broker || cluster.membership().is_alive(log);
+    };
+    const auto not_heard_by = [&](const cluster::Beacon& beacon) {
+        std::vector<std::string> names;
+        if (!is_alive(beacon.log)) return names;
+        for (const broker::LogId& member : cluster.view().members) {
+            const bool is_itself = member.broker == beacon.log.broker;
+            if (is_itself || !is_alive(member) || beacon.hears_from(member.broker)) continue;
+            names.push_back(name_of(member.broker));
+        }
+        return names;
+    };
     for (const auto& beacon : beacons) {
         const broker::LogId& log = beacon.log;
         const std::string topic = status_topic(beacon.name);
         std::string text =
             to_json({.beacon = beacon,
-                     .alive = log.broker == self.broker || cluster.membership().is_alive(log),
+                     .alive = is_alive(log),
                      .leads = told_leadership_.leader == cluster::node_of(log.broker),
                      .view = cluster.view(),
                      .member_names = members,
                      .leader_name = name_of(told_view_.leader),
                      .teller_name = beacons.front().name,
                      .rights = rights_of(cluster, self, log),
+                     .does_not_hear = not_heard_by(beacon),
                      .differences = cluster.membership().is_alive(log)
                                         ? cluster.settings().differences_with(log.broker)
                                         : std::vector<cluster::Difference>{}});

@@ -140,7 +140,12 @@ std::string to_json(const BrokerStatus& status) {
            field("cannot_take", number(beacon.cannot_take)) + ',' + field("view", view) + ',' +
            field("incarnation", number(beacon.log.incarnation)) + ',' +
            field("transport_octets_sent", number(beacon.transport_octets_sent)) + ',' +
-           field("transport_octets_received", number(beacon.transport_octets_received)) +
+           field("transport_octets_received", number(beacon.transport_octets_received)) + ',' +
+           field("longest_turn_us", number(beacon.longest_turn_us)) +
+           (status.does_not_hear.empty()
+                ? std::string{}
+                : ',' + field("does_not_hear", list_of(status.does_not_hear,
+                                                       [](const auto& name) { return name; }))) +
            (status.rights.empty() ? std::string{} : ',' + field("rights", quoted(status.rights))) +
            (status.differences.empty() ? std::string{}
                                        : ',' + field("disagrees", differences_of(status))) +

@@ -18,6 +18,7 @@ struct BrokerStatus {
     std::string leader_name;                       // of the view
     std::string teller_name = {};
     std::string rights = {};                            // empty: not known
+    std::vector<std::string> does_not_hear = {};        // living members of the view, by name
     std::vector<cluster::Difference> differences = {};  // from the teller's settings
 };
 

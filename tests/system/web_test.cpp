@@ -5,6 +5,7 @@
 #include <signal.h>
 #include <stdlib.h>
 
+#include <algorithm>
 #include <array>
 #include <boost/asio/buffer.hpp>
 #include <boost/asio/io_context.hpp>
@@ -126,6 +127,12 @@ TEST_F(Web, ShowsTheNewHomeOfAKilledBrokersRobotsWithinASecond) {
                seen.at("cluster").at("members").size() == 3;
     })) << state();
     ASSERT_EQ(home_of("00000001"), "r2");
+    EXPECT_TRUE(comes([&] {
+        const json seen = state();
+        return std::ranges::all_of(seen.at("brokers"), [](const json& broker) {
+            return broker.at("longest_turn_ms") > 0 && broker.at("does_not_hear").empty();
+        });
+    })) << state();
     const auto killed_at = Clock::now();
     brokers[1]->kill_9();
     ASSERT_TRUE(comes([&] { return home_of("00000001") != "r2" && home_of("00000002") != "r2"; }));
@@ -305,7 +312,7 @@ TEST_F(WebOfARecording, InARealBrowser) {
     ::setenv("CHROMIUM", CHROMIUM_PROGRAM, 1);
     Process page(NODE_PROGRAM, {RECORDING_PAGE_TEST, url, robot_id, heir});
     for (const char* seen : {"the end shows what happened", "the beginning knows nothing of it",
-                             "it plays and is paused"}) {
+                             "it says who talks to whom", "it plays and is paused"}) {
         ASSERT_NE(page.wait_for(seen, 60s), "") << seen << ": " << page.errors();
     }
     EXPECT_EQ(page.wait_for_exit(), 0) << page.errors();

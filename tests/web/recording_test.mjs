@@ -45,6 +45,14 @@ async function aKeyGoesToAPlace() {
     await page.waitForFunction(() => document.querySelectorAll('#brokers li.dead').length === 0);
     await page.waitForFunction(() => document.querySelectorAll('#time-line li[data-kind=broker-died]').length === 0);
     say('the beginning knows nothing of it');
+    await page.locator('#speed').selectOption('1');
+    if (await play.textContent() === 'Play') await play.click();
+    const talks = page.locator('#talks tr', {hasText: /^r2/});
+    await talks.locator('[data-column=Hears]', {hasText: 'all 2 others'}).waitFor();
+    await page.waitForFunction(() => [...document.querySelectorAll('#talks tr')].some((tr) =>
+        tr.textContent.startsWith('r2') && parseFloat(tr.querySelector('[data-column="Its robots say"]').textContent) > 0));
+    await page.locator('#brokers li', {hasText: /Longest turn\s*[\d.]+ ms/}).first().waitFor();
+    say('it says who talks to whom');
 }
 
 async function itPlaysFastAndIsPaused() {

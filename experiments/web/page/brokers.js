@@ -1,6 +1,6 @@
 // A card for each broker.
 
-import {age, byId, count, make, octets, put} from './text.js';
+import {age, byId, count, make, milliseconds, octets, put} from './text.js';
 
 const cards = new Map();
 
@@ -12,12 +12,14 @@ function makeCard() {
     card.robotsWord = make('span', {});
     card.sessions = make('dd', {});
     card.peers = make('dd', {});
+    card.turn = make('dd', {title: 'The longest that it did one thing and nothing else, in the last half minute to minute'});
     card.addresses = make('dd', {class: 'mono'});
     card.warning = make('p', {class: 'warning'});
     card.node.append(
         make('h3', {}, card.name, card.badge),
         make('p', {class: 'big'}, card.robots, ' ', card.robotsWord),
         make('dl', {}, make('dt', {}, 'Sessions'), card.sessions, make('dt', {}, 'To peers'), card.peers,
+             make('dt', {}, 'Longest turn'), card.turn,
              make('dt', {}, 'Serves'), card.addresses),
         card.warning);
     return card;
@@ -48,6 +50,7 @@ export function showBrokers(model) {
         put(card.sessions, broker.alive ? `${broker.sessions}, ${broker.connected} connected` : 'none');
         put(card.peers, broker.to_peers_octets_per_s === undefined || !broker.alive
             ? '–' : octets(broker.to_peers_octets_per_s));
+        put(card.turn, broker.alive && broker.longest_turn_ms > 0 ? milliseconds(broker.longest_turn_ms) : '–');
         put(card.addresses, broker.addresses.length > 0 ? broker.addresses.join(' ') : '–');
         put(card.warning, broker.alive && broker.cannot_take > 0
             ? `It cannot take over ${count(broker.cannot_take, 'address', 'addresses')} of others (see its log).` : '');

@@ -8,6 +8,7 @@ import {FleetMap} from './map.js';
 import {Chart} from './chart.js';
 import {announced, forgetTimeLine, showTimeLine} from './time_line.js';
 import {RobotPage, isRobotId} from './robot_page.js';
+import {showTalks} from './talks.js';
 import {RecordingBar} from './recording.js';
 
 const model = new Model();
@@ -54,6 +55,7 @@ function show() {
         showBrokers(model);
         showRobots(model);
         showTimeLine(model);
+        showTalks(model);
     }
     showRows(model, urgentRobots);
     urgentRobots.clear();

@@ -80,6 +80,7 @@ Heartbeat HeartbeatWriter::write(const Beacon& beacon) {
     if (beacon.tick % octets_told_every == 0) {
         out.transport_octets_sent = beacon.transport_octets_sent;
         out.transport_octets_received = beacon.transport_octets_received;
+        out.longest_turn_us = beacon.longest_turn_us;
     }
     const std::uint32_t before = std::exchange(particulars_, out.particulars);
     has_news_ = before != 0 && before != out.particulars;
@@ -240,6 +241,7 @@ const Beacon* HeartbeatReader::join(Peer& peer, const View& own_view) const {
     if (said.transport_octets_sent != 0) {
         beacon.transport_octets_sent = said.transport_octets_sent;
         beacon.transport_octets_received = said.transport_octets_received;
+        beacon.longest_turn_us = said.longest_turn_us;
     }
     beacon.leaving = said.leaving;
     join_view(peer, own_view);

@@ -13,7 +13,7 @@ TEST(BrokerStatus, ReadsWhatABrokerPublishes) {
         "name": "b1", "alive": true, "leader": true, "rank": 7, "sessions": 12, "connected": 11,
         "addresses": ["127.0.0.1:1883", "[::1]:1883"], "cannot_take": 2, "incarnation": 1767225600000000000,
         "view": {"term": 3, "leader": "b1", "count": 2, "members": ["b1", "b2"]},
-        "transport_octets_sent": 123456,
+        "transport_octets_sent": 123456, "longest_turn_us": 1500, "does_not_hear": ["r3"],
         "disagrees": {"predefined": {"b1": "1=robots/pose", "b2": "1=robots/stop"}}})");
     ASSERT_TRUE(status);
     EXPECT_EQ(status->name, "b1");
@@ -28,6 +28,8 @@ TEST(BrokerStatus, ReadsWhatABrokerPublishes) {
     EXPECT_EQ(status->view_term, 3u);
     EXPECT_THAT(status->view_members, ElementsAre("b1", "b2"));
     EXPECT_EQ(status->transport_octets_sent, 123456u);
+    EXPECT_EQ(status->longest_turn_us, 1500u);
+    EXPECT_EQ(status->does_not_hear, std::vector<std::string>{"r3"});
     EXPECT_EQ(status->disagrees.at("predefined").at("b2"), "1=robots/stop");
 }
 

@@ -210,6 +210,7 @@ cluster::Beacon beacon(Random& r) {
     out.cannot_take = r.next();
     out.transport_octets_sent = wide(r);
     out.transport_octets_received = wide(r);
+    out.longest_turn_us = r.next();
     out.leaving = flag(r);
     out.link = {endpoint(r), wide(r)};
     out.settings = r.next();
@@ -241,6 +242,7 @@ cluster::Heartbeat heartbeat(Random& r) {
     out.connected = r.next();
     out.transport_octets_sent = wide(r);
     out.transport_octets_received = wide(r);
+    out.longest_turn_us = r.next();
     out.leaving = flag(r);
     return out;
 }

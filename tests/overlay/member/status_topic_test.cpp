@@ -30,6 +30,7 @@ TEST(StatusTopic, IsAJsonObjectWithQuotesAndControlsEscaped) {
     cluster::Beacon beacon{.name = "r\"1\\\n", .log = {{}, 7}};
     beacon.sessions = 3;
     beacon.cannot_take = 2;
+    beacon.longest_turn_us = 1500;
     const cluster::View view{.number = {.term = 2, .leader = {}, .count = 4}, .members = {}};
     const std::vector<std::string> names{"a", "b"};
     const std::string json = to_json({.beacon = beacon,
@@ -44,8 +45,22 @@ TEST(StatusTopic, IsAJsonObjectWithQuotesAndControlsEscaped) {
     EXPECT_THAT(json, HasSubstr(R"("cannot_take":2)"));
     EXPECT_THAT(json, HasSubstr(R"("view":{"term":2,"leader":"a","count":4,"members":["a","b"]})"));
     EXPECT_THAT(json, HasSubstr(R"("incarnation":7)"));
+    EXPECT_THAT(json, HasSubstr(R"("longest_turn_us":1500)"));
+    EXPECT_THAT(json, testing::Not(HasSubstr("does_not_hear")));
     EXPECT_EQ(json.front(), '{');
     EXPECT_EQ(json.back(), '}');
+}
+
+TEST(StatusTopic, SaysWhomABrokerDoesNotHear) {
+    const cluster::Beacon beacon{.name = "r2"};
+    const cluster::View view;
+    const std::vector<std::string> names;
+    EXPECT_THAT(to_json({.beacon = beacon,
+                         .view = view,
+                         .member_names = names,
+                         .leader_name = "",
+                         .does_not_hear = {"r1", "r\"3"}}),
+                HasSubstr(R"("does_not_hear":["r1","r\"3"])"));
 }
 
 TEST(StatusTopic, SaysWhichSettingsDisagreeAndWhoHasWhat) {
