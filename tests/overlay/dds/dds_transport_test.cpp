@@ -97,7 +97,7 @@ struct DdsTransportTest : testing::Test {
     }
 
     TestDomain id;
-    Domain domain(DomainOptions{id.id(), "lo"});
+    Domain domain{DomainOptions{id.id(), "lo"}};
     boost::asio::io_context io;
     boost::asio::executor_work_guard<boost::asio::io_context::executor_type> work{
         io.get_executor()};  // DDS posts from its own threads
@@ -321,7 +321,7 @@ TEST_F(DdsTransportTest, AStoppedPeerBlocksNoWrite) {
 
 TEST(Domain, RefusesAnInterfaceThatDoesNotExist) {
     const TestDomain id;
-    EXPECT_THROW((void)Domain({id.id(), "no-such-if"}).make_participant(), DdsError);
+    EXPECT_THROW((void)Domain(DomainOptions{id.id(), "no-such-if"}).make_participant(), DdsError);
 }
 
 TEST(Domain, CanBeOpenedAgainAfterItWasClosed) {
