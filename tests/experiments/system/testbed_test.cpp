@@ -67,7 +67,9 @@ protected:
             << (folder_ / "user_key.pub").string()
             << "\nStrictModes no\nUsePAM no\nPermitRootLogin prohibit-password\nPidFile none\n"
             // The shell of a user who is slow to greet would be most of this test's time.
-            << "Subsystem sftp internal-sftp\nSetEnv SHLVL=2\n";
+            << "Subsystem sftp internal-sftp\nSetEnv SHLVL=2\n"
+            // Its network goes with the test, and nobody would tell a session that its client has.
+            << "ClientAliveInterval 2\nClientAliveCountMax 3\n";
         for (int machine = 1; machine <= machines; ++machine) start_sshd(machine);
         write_hosts();
         give_programs(1);
