@@ -32,7 +32,7 @@ constexpr const char* record_examples = R"(Examples:
   romano record poses.mcap --topics 'robots/+/pose' --qos 0
 
 The file is MCAP: Foxglove, PlotJuggler and the mcap tools open it. What stands in it is there
-after a kill or a power failure too, but for the last second.
+after a kill too, but for the last second.
 )";
 
 struct RecordOptions {
