@@ -32,8 +32,8 @@ constexpr double leader_mm_s = 200;
 constexpr double most_leader_deg_s = 15;
 constexpr Duration bends_each = 8s;  // to the left and to the right
 constexpr std::uint16_t period_ms = 20;
-constexpr std::array places{Place{-300, 300}, Place{-300, -300}, Place{-600, 600},
-                            Place{-600, -600}};
+constexpr std::array places{WedgePlace{-300, 300}, WedgePlace{-300, -300}, WedgePlace{-600, 600},
+                            WedgePlace{-600, -600}};
 constexpr Duration drives_before = 6s;
 constexpr Duration looked_at = 5s;
 constexpr Duration course_before = 1s;
@@ -116,35 +116,35 @@ public:
         std::ranges::copy(speed, room.begin());
         return speed.size();
     }
-    void give_place(const RomanoId& follower, const Place& place) {
+    void give_place(const RomanoId& follower, const WedgePlace& place) {
         places_.emplace(follower, place);
     }
 
 private:
-    std::map<RomanoId, Place> places_;
+    std::map<RomanoId, WedgePlace> places_;
 };
 
 }  // namespace
 
-Pose place_at(const Pose& leader, const Place& place) {
+Pose place_at(const Pose& leader, const WedgePlace& place) {
     const Vector beside = turned(place.ahead_mm, place.left_mm, leader.heading_deg);
     return {leader.x_mm + beside.x, leader.y_mm + beside.y, leader.heading_deg};
 }
 
-Speed speed_to_place(const Pose& leader, const Speed& speed, const Place& place,
+Speed speed_to_place(const Pose& leader, const Speed& speed, const WedgePlace& place,
                      const Pose& follower) {
     const double turn = speed.deg_s * std::numbers::pi / 180;
     // How the point of the leader's plane that far ahead and to the left moves, as the leader sees
     // it.
-    const auto moves_at = [&](const Place& at) {
+    const auto moves_at = [&](const WedgePlace& at) {
         return Vector{speed.mm_s - turn * at.left_mm, turn * at.ahead_mm};
     };
     // A cart looks where its axle moves to: so the point ahead of it is there.
     const Vector moves = moves_at(place);
     const double size = std::hypot(moves.x, moves.y);
     const Vector looks = size > 0 ? Vector{moves.x / size, moves.y / size} : Vector{1, 0};
-    const Place ahead{place.ahead_mm + ahead_of_axle_mm * looks.x,
-                      place.left_mm + ahead_of_axle_mm * looks.y};
+    const WedgePlace ahead{place.ahead_mm + ahead_of_axle_mm * looks.x,
+                           place.left_mm + ahead_of_axle_mm * looks.y};
     const Pose wanted = place_at(leader, ahead);
     const Pose is = place_at(follower, {ahead_of_axle_mm, 0});
     const Vector seen_by_leader = moves_at(ahead);
@@ -162,7 +162,7 @@ FormationRun formation(std::size_t brokers, BrokerFault fault, std::uint64_t see
     LoopRobot leads(world, 1, FaultyBrokers::first(), leader);
     std::vector<std::unique_ptr<Rover>> rovers;
     std::vector<std::unique_ptr<LoopRobot>> followers;
-    for (const Place& place : places) {
+    for (const WedgePlace& place : places) {
         const auto number = static_cast<std::uint32_t>(2 + followers.size());
         rovers.push_back(std::make_unique<Rover>(place_at({}, place)));
         followers.push_back(

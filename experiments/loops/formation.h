@@ -18,19 +18,19 @@
 namespace romano::experiments {
 
 /// A point beside a robot, as it sees it.
-struct Place {
+struct WedgePlace {
     double ahead_mm = 0;
     double left_mm = 0;
 };
 
 /// Where a follower should be, when the leader is at `leader`.
-[[nodiscard]] firmware::Pose place_at(const firmware::Pose& leader, const Place& place);
+[[nodiscard]] firmware::Pose place_at(const firmware::Pose& leader, const WedgePlace& place);
 
 /// The law: how the follower should drive while the leader drives at `speed`. A cart with two
 /// wheels can move a point ahead of its axle in any direction at once: the law moves the one 50 mm
 /// ahead as its place moves, and each second by twice what it is away from there.
 [[nodiscard]] firmware::Speed speed_to_place(const firmware::Pose& leader,
-                                             const firmware::Speed& speed, const Place& place,
+                                             const firmware::Speed& speed, const WedgePlace& place,
                                              const firmware::Pose& follower);
 
 struct FormationRun {

@@ -25,7 +25,7 @@ public:
            const std::string& own_version)
         : testbed_(testbed), seen_(seen), own_version_(own_version) {}
 
-    std::vector<Finding> look() {
+    std::vector<HostFinding> look() {
         for (std::size_t i = 0; i < testbed_.hosts.size(); ++i) {
             const Host& host = testbed_.hosts[i];
             const HostSeen& seen = seen_[i];
@@ -240,30 +240,30 @@ private:
     const Testbed& testbed_;
     const std::vector<HostSeen>& seen_;
     const std::string& own_version_;
-    std::vector<Finding> findings_;
+    std::vector<HostFinding> findings_;
 };
 
 }  // namespace
 
-std::vector<Finding> findings_of(const Testbed& testbed, const std::vector<HostSeen>& seen,
-                                 const std::string& own_version) {
+std::vector<HostFinding> findings_of(const Testbed& testbed, const std::vector<HostSeen>& seen,
+                                     const std::string& own_version) {
     return Doctor{testbed, seen, own_version}.look();
 }
 
-bool has_problem(const std::vector<Finding>& findings) {
-    return std::ranges::any_of(findings, [](const Finding& each) { return each.is_problem; });
+bool has_problem(const std::vector<HostFinding>& findings) {
+    return std::ranges::any_of(findings, [](const HostFinding& each) { return each.is_problem; });
 }
 
-std::string to_text(const std::vector<Finding>& findings) {
+std::string to_text(const std::vector<HostFinding>& findings) {
     std::string text;
-    for (const Finding& each : findings) {
+    for (const HostFinding& each : findings) {
         text += each.host + ": " + (each.is_problem ? "" : "(warning) ") + each.sentence + "\n";
     }
     return text;
 }
 
 nlohmann::json to_json(const Testbed& testbed, const std::vector<HostSeen>& seen,
-                       const std::vector<Finding>& findings) {
+                       const std::vector<HostFinding>& findings) {
     nlohmann::json hosts = nlohmann::json::array();
     for (std::size_t i = 0; i < testbed.hosts.size(); ++i) {
         nlohmann::json host = {{"name", testbed.hosts[i].name}, {"ssh", testbed.hosts[i].ssh}};
@@ -276,7 +276,7 @@ nlohmann::json to_json(const Testbed& testbed, const std::vector<HostSeen>& seen
         hosts.push_back(host);
     }
     nlohmann::json list = nlohmann::json::array();
-    for (const Finding& each : findings) {
+    for (const HostFinding& each : findings) {
         list.push_back({{"host", each.host},
                         {"about", each.about},
                         {"severity", each.is_problem ? "problem" : "warning"},

@@ -23,7 +23,7 @@ struct HostSeen {
     std::map<std::string, int> heard;  // whose multicast, and how long
 };
 
-struct Finding {
+struct HostFinding {
     std::string host;  // empty: of all of them
     std::string about;
     bool is_problem = true;  // else a warning: experiments can run
@@ -31,14 +31,14 @@ struct Finding {
 };
 
 /// `seen` are those of testbed.hosts, in that order; `own_version` is this program's.
-[[nodiscard]] std::vector<Finding> findings_of(const Testbed& testbed,
-                                               const std::vector<HostSeen>& seen,
-                                               const std::string& own_version);
-[[nodiscard]] bool has_problem(const std::vector<Finding>& findings);
+[[nodiscard]] std::vector<HostFinding> findings_of(const Testbed& testbed,
+                                                   const std::vector<HostSeen>& seen,
+                                                   const std::string& own_version);
+[[nodiscard]] bool has_problem(const std::vector<HostFinding>& findings);
 
 /// For people: a line each.
-[[nodiscard]] std::string to_text(const std::vector<Finding>& findings);
+[[nodiscard]] std::string to_text(const std::vector<HostFinding>& findings);
 [[nodiscard]] nlohmann::json to_json(const Testbed& testbed, const std::vector<HostSeen>& seen,
-                                     const std::vector<Finding>& findings);
+                                     const std::vector<HostFinding>& findings);
 
 }  // namespace romano::experiments

@@ -62,7 +62,7 @@ TestbedPlace::TestbedPlace(const std::filesystem::path& hosts_file, const SweepS
                            to_text(findings));
     }
     refuse_what_is_missing(testbed_, seen, cells, seats_.size());
-    for (const Finding& warning : findings) tell(warning.host + ": " + warning.sentence);
+    for (const HostFinding& warning : findings) tell(warning.host + ": " + warning.sentence);
     seen_ = to_json(testbed_, seen, findings);
     broker_version_ = seen[seats_.front().host].facts->broker_version;
 }

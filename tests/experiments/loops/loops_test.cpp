@@ -76,7 +76,7 @@ TEST(Deviation, APoleFallsWithItsOnlyBrokerAndNotWithOneOfThree) {
 }
 
 TEST(Formation, ALawPutsAFollowerInItsPlaceAndKeepsItThere) {
-    const Place place{-300, 200};
+    const WedgePlace place{-300, 200};
     const firmware::Speed speed{200, 15};
     firmware::Body leader;
     firmware::Body follower{{-100, -100, 40}};

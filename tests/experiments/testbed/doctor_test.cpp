@@ -41,7 +41,7 @@ protected:
             seen.push_back(healthy);
         }
     }
-    [[nodiscard]] std::vector<Finding> findings() const {
+    [[nodiscard]] std::vector<HostFinding> findings() const {
         return findings_of(testbed, seen, "1 (abc)");
     }
     [[nodiscard]] HostFacts& facts() { return *seen[1].facts; }
