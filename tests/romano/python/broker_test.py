@@ -269,7 +269,9 @@ class Searching(unittest.IsolatedAsyncioTestCase):
         if not names:
             self.skipTest("no interface here has a link-local address")
         port = free_port()
-        broker = Program(BROKER, "--allow-plain", "--listen", f"[::]:{port}", "--discovery-group", f"[ff02::77:1]:{port}")
+        broker = Program(
+            BROKER, "--allow-plain", "--listen", f"[::]:{port}", "--discovery-group", f"[ff02::77:1]:{port}"
+        )
         self.addAsyncCleanup(broker.kill)
         await broker.start()
         await broker.line("serving")
