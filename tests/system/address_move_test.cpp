@@ -215,6 +215,8 @@ TEST_P(AddressMove, WhoMayNotServePlainClientsTakesNoPlainAddressOver) {
             return broker->errors().find(" of 2, led by ") != std::string::npos;
         })) << broker->errors();
     }
+    const auto client = client_of(1, "client");  // r2 holds its session before it has its answer
+    ASSERT_TRUE(client->connect());
     r1->kill_9();
     EXPECT_TRUE(eventually([&] {
         return r2->errors().find("cannot serve " + service(1)) != std::string::npos;
