@@ -93,8 +93,8 @@ public:
     void on_tick(Instant now, MemberActions& out);
     [[nodiscard]] Instant next_wakeup() const;
 
-    /// To be called when `out.clients` is about to leave: what was decided before a standstill is
-    /// not said after it, others may have gone on meanwhile.
+    /// To be called when `out.clients` is about to leave: without a lease it waits, for others may
+    /// have gone on meanwhile.
     void before_sending(Instant now, MemberActions& out);
 
     /// What the transport has carried so far: told to people in $SYS/brokers/<name>.

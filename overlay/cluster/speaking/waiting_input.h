@@ -1,6 +1,5 @@
-// Clients' datagrams that cannot be answered yet: before the first view, while sessions of their
-// service address are on their way here, after a stall until the peers were heard, and where we may
-// have been cut off until peers had time to come.
+// Clients' datagrams that cannot be answered yet: before the first view, without a lease, and while
+// sessions of their service address are on their way here.
 //
 // Bounded by octets; beyond that new ones are dropped, as a network may do: clients ask again.
 #pragma once
