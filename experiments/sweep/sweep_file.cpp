@@ -227,18 +227,6 @@ constexpr std::array<std::string_view, 8> own_options = {"--name",      "--liste
                                                          "--interface", "--elector", "--detector",
                                                          "--acks",      "--voters"};
 
-std::vector<std::string> read_broker_options(const TomlTable& table) {
-    std::vector<std::string> options = table.words("broker_options");
-    for (const std::string& option : options) {
-        const std::string name = option.substr(0, option.find('='));
-        if (std::ranges::find(own_options, name) == own_options.end()) continue;
-        table.refuse(*table.find("broker_options"), "broker_options",
-                     "the sweep itself sets " + name + " of each broker, as it does all of " +
-                         listed(own_options));
-    }
-    return options;
-}
-
 /// Two octets of a loopback network: "127.50".
 std::string read_network(const TomlTable& table) {
     if (table.find("network") == nullptr) return {};
@@ -304,7 +292,7 @@ SweepSettings read_settings(const TomlTable& table, const std::string& file_name
         settings.probe_per_s = table.number_in(
             *probe, "probe", 0, 1000, "messages per second from 0 (no probe) to 1000 are allowed");
     }
-    settings.broker_options = read_broker_options(table);
+    settings.broker_options = table.options("broker_options", own_options, "the sweep");
     settings.group = static_cast<std::uint32_t>(table.integer("group", settings.group, 1, 5000));
     // Cyclone DDS's ports are 7400 + 250 * domain: up to 65535.
     settings.domain_base = static_cast<std::uint32_t>(

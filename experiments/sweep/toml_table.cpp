@@ -97,6 +97,20 @@ std::vector<std::string> TomlTable::words(const std::string& key,
     return words;
 }
 
+std::vector<std::string> TomlTable::options(const std::string& key,
+                                            std::span<const std::string_view> own,
+                                            const std::string& whose) const {
+    std::vector<std::string> options = words(key);
+    for (const std::string& option : options) {
+        const std::string name = option.substr(0, option.find('='));
+        if (std::ranges::find(own, name) == own.end()) continue;
+        refuse(
+            *find(key), key,
+            whose + " itself sets " + name + " of each broker, as it does all of " + listed(own));
+    }
+    return options;
+}
+
 std::string TomlTable::word(const std::string& key, const std::string& fallback) const {
     const toml::node* node = find(key);
     if (node == nullptr) return fallback;

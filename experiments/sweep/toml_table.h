@@ -49,6 +49,10 @@ public:
     [[nodiscard]] Seconds seconds(const std::string& key, Seconds fallback) const;
     [[nodiscard]] std::vector<std::string> words(
         const std::string& key, const std::vector<std::string>& fallback = {}) const;
+    /// Options of a broker, but none of `own`, which `whose` ("the sweep") sets itself.
+    [[nodiscard]] std::vector<std::string> options(const std::string& key,
+                                                   std::span<const std::string_view> own,
+                                                   const std::string& whose) const;
     [[nodiscard]] std::string word(const std::string& key, const std::string& fallback) const;
 
     /// Each value of an axis; a single value stands for a list of one.

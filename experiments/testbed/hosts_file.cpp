@@ -19,18 +19,6 @@ constexpr std::int64_t last_domain = 232;  // Cyclone DDS's ports are 7400 + 250
 constexpr std::array<std::string_view, 4> own_options = {"--name", "--listen", "--domain",
                                                          "--interface"};
 
-std::vector<std::string> read_broker_options(const TomlTable& table) {
-    std::vector<std::string> options = table.words("broker_options");
-    for (const std::string& option : options) {
-        const std::string name = option.substr(0, option.find('='));
-        if (std::ranges::find(own_options, name) == own_options.end()) continue;
-        table.refuse(*table.find("broker_options"), "broker_options",
-                     "the testbed itself sets " + name + " of each broker, as it does all of " +
-                         listed(own_options));
-    }
-    return options;
-}
-
 bool is_name(const std::string& text) {
     return !text.empty() && text.size() <= 40 && text.front() != '-' &&
            std::ranges::all_of(text, [](char c) {
@@ -104,7 +92,7 @@ Host read_host(const TomlTable& table, const Host& common, const std::string& fi
                            "` has no `addresses`; give one for each of its brokers, such as "
                            "addresses = [\"192.168.1.101\"], or `role = \"robots\"`");
     }
-    for (const std::string& option : read_broker_options(table)) {
+    for (const std::string& option : table.options("broker_options", own_options, "the testbed")) {
         host.broker_options.push_back(option);
     }
     host.robots = static_cast<std::uint32_t>(table.integer("robots", 1, 1, most_robots));
@@ -151,7 +139,7 @@ Testbed parse_hosts(std::string_view text, const std::string& file_name) {
     common.ssh_options = table.words("ssh_options");
     common.interface = table.word("interface", common.interface);
     common.folder = table.word("folder", common.folder);
-    common.broker_options = read_broker_options(table);
+    common.broker_options = table.options("broker_options", own_options, "the testbed");
 
     const toml::node* hosts = table.find("hosts");
     if (hosts == nullptr) {

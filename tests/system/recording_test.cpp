@@ -4,7 +4,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <signal.h>
-#include <stdlib.h>
 
 #include <chrono>
 #include <filesystem>
@@ -20,6 +19,7 @@
 
 #include "tests/system/broker_fixture.h"
 #include "tests/system/test_client.h"
+#include "tests/temporary_folder.h"
 
 namespace romano::system::recording_test {
 namespace {
@@ -30,13 +30,6 @@ using testing::HasSubstr;
 using Clock = std::chrono::steady_clock;
 
 struct Recordings : BrokerFixture {
-    Recordings() {
-        std::string name = (std::filesystem::temp_directory_path() / "romano-record-XXXXXX");
-        folder = ::mkdtemp(name.data());
-        file = folder / "test.mcap";
-    }
-    ~Recordings() override { std::filesystem::remove_all(folder); }
-
     [[nodiscard]] std::vector<std::string> arguments(const std::string& command, int broker,
                                                      const std::vector<std::string>& more) const {
         const std::string service = addresses.service(broker);
@@ -107,8 +100,8 @@ struct Recordings : BrokerFixture {
         ASSERT_GT(size(), before) << recorder->errors();
     }
 
-    std::filesystem::path folder;
-    std::filesystem::path file;
+    tests::TemporaryFolder folder;
+    std::filesystem::path file = folder / "test.mcap";
     std::unique_ptr<Process> recorder;
 };
 

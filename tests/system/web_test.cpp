@@ -3,7 +3,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <signal.h>
-#include <stdlib.h>
 
 #include <algorithm>
 #include <array>
@@ -24,6 +23,7 @@
 
 #include "tests/system/broker_fixture.h"
 #include "tests/system/test_client.h"
+#include "tests/temporary_folder.h"
 
 namespace romano::system::web_test {
 namespace {
@@ -230,13 +230,6 @@ TEST_F(Web, IsServedToThisMachineAloneUnlessItIsToldOtherwise) {
 
 /// A recording in which r2, where the robot is, is killed; and its page.
 struct WebOfARecording : Web {
-    WebOfARecording() {
-        std::string name = (std::filesystem::temp_directory_path() / "romano-played-XXXXXX");
-        folder = ::mkdtemp(name.data());
-        file = folder / "test.mcap";
-    }
-    ~WebOfARecording() override { std::filesystem::remove_all(folder); }
-
     void record_a_death() {
         for (int n = 1; n <= 3; ++n) start_member(n);
         start_robot(robot_id, 2, {"--telemetry", "robots/{id}/pose", "--every", "0.1"});
@@ -271,8 +264,8 @@ struct WebOfARecording : Web {
     }
 
     const std::string robot_id = "00000001";
-    std::filesystem::path folder;
-    std::filesystem::path file;
+    tests::TemporaryFolder folder;
+    std::filesystem::path file = folder / "test.mcap";
     std::string heir;
 };
 
