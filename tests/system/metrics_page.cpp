@@ -16,20 +16,20 @@ std::string metrics_page_at(const Endpoint& address) {
     const int socket = ::socket(to.any.sa_family, SOCK_STREAM | SOCK_CLOEXEC, 0);
     std::string answer;
     const std::string request = "GET /metrics HTTP/1.1\r\nHost: broker\r\n\r\n";
-    if (connect(socket, &to.any, to.size) == 0 &&
-        send(socket, request.data(), request.size(), MSG_NOSIGNAL) > 0) {
+    if (::connect(socket, &to.any, to.size) == 0 &&
+        ::send(socket, request.data(), request.size(), MSG_NOSIGNAL) > 0) {
         std::array<char, 4096> part{};
-        for (ssize_t size = 0; (size = recv(socket, part.data(), part.size(), 0)) > 0;) {
+        for (ssize_t size = 0; (size = ::recv(socket, part.data(), part.size(), 0)) > 0;) {
             answer.append(part.data(), static_cast<std::size_t>(size));
         }
     }
-    close(socket);
+    ::close(socket);
     return answer;
 }
 
-bool metrics_come_to_say(const Endpoint& address, const std::string& metric,
-                         const std::string& reason, double at_least, double at_most) {
-    const std::string begin = metric + (reason.empty() ? " " : "{reason=\"" + reason + "\"} ");
+bool metrics_come_to_say(const Endpoint& address, const std::string& series, double at_least,
+                         double at_most) {
+    const std::string begin = series + ' ';
     const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds{30};
     while (std::chrono::steady_clock::now() < deadline) {
         std::istringstream page(metrics_page_at(address));

@@ -11,9 +11,9 @@ namespace romano::system {
 /// The whole answer to GET /metrics; empty when nobody serves there.
 [[nodiscard]] std::string metrics_page_at(const Endpoint& address);
 
-/// Waits until the metric, with that reason unless it is empty, is between the two.
-[[nodiscard]] bool metrics_come_to_say(const Endpoint& address, const std::string& metric,
-                                       const std::string& reason, double at_least,
-                                       double at_most = 1e9);
+/// Waits until a series, written as on the page (`name` or `name{label="value"}`), is between the
+/// two.
+[[nodiscard]] bool metrics_come_to_say(const Endpoint& address, const std::string& series,
+                                       double at_least, double at_most = 1e9);
 
 }  // namespace romano::system

@@ -57,7 +57,8 @@ struct ProtectedFleet : BrokerFixture {
     }
     bool counts(int broker, const std::string& reason, int at_least) {
         return metrics_come_to_say(addresses.service_endpoint(broker),
-                                   "romano_protection_refusals_total", reason, at_least);
+                                   "romano_protection_refusals_total{reason=\"" + reason + "\"}",
+                                   at_least);
     }
 
     void start_member(int n, const std::vector<std::string>& more = {}) {
@@ -70,7 +71,7 @@ struct ProtectedFleet : BrokerFixture {
     void expect_both_in_view() {
         for (int n = 1; n <= 2; ++n) {
             ASSERT_TRUE(metrics_come_to_say(addresses.service_endpoint(n),
-                                            "romano_cluster_view_members", "", 2));
+                                            "romano_cluster_view_members", 2));
         }
     }
     void start_both() {

@@ -110,7 +110,7 @@ TEST_F(ProtectedFleet, AWithdrawnRobotIsRefusedWhileTheBrokerRuns) {
     ASSERT_TRUE(other->connect());
     ASSERT_EQ(romano({"keys", "withdraw", fleet.string(), "abcd1234"}), 0) << said;
     ASSERT_TRUE(
-        metrics_come_to_say(addresses.service_endpoint(1), "romano_protected_clients", "", 17, 17));
+        metrics_come_to_say(addresses.service_endpoint(1), "romano_protected_clients", 17, 17));
     robot->send_octets(robot->sealed(mqttsn::Pingreq{""}));
     EXPECT_TRUE(counts(1, "unknown_sender", 1));
     EXPECT_TRUE(other->ping());

@@ -29,7 +29,8 @@ struct FleetWithRights : ProtectedFleet {
     }
     bool refuses(int broker, const std::string& deed, int at_least) {
         return metrics_come_to_say(addresses.service_endpoint(broker),
-                                   "romano_rights_refusals_total", deed, at_least);
+                                   "romano_rights_refusals_total{reason=\"" + deed + "\"}",
+                                   at_least);
     }
     /// The digest and what is said of it.
     int show_rights(int broker) {

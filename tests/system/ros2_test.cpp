@@ -513,7 +513,7 @@ TEST_F(Ros2, ASideThatStandsStillHoldsNoRobotUp) {
     EXPECT_TRUE(robot->ping());
     EXPECT_LT(std::chrono::steady_clock::now() - begin, 15s);
     seen->process().signal(SIGCONT);
-    EXPECT_TRUE(metrics_come_to_say(*net::parse_endpoint(metrics), "romano_ros2_is_open", "", 1));
+    EXPECT_TRUE(metrics_come_to_say(*net::parse_endpoint(metrics), "romano_ros2_is_open", 1));
     publish(*robot, "robots/a1/raw", "!");
     seen->wait_for("got /robot_a1/raw [0 ] 0 [1 33 ]");
 }
