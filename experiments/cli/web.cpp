@@ -37,6 +37,7 @@ constexpr const char* web_examples = R"(Examples:
   romano web                                  (then open http://127.0.0.1:8080/)
   romano web -h 127.0.0.2 --ask 1             (asks robots each second where they are)
   romano web --topics 'robots/#' --listen 127.0.0.1:9000
+  romano web --key anna.key -h 192.168.1.5    (of brokers with protected addresses)
   romano web --recording tuesday.mcap         (the same page of what romano record wrote down)
   curl -s http://127.0.0.1:8080/api/state | jq '.robots[] | {robot, home}'
   curl -X POST -H 'Content-Type: application/json' http://127.0.0.1:8080/api/stop
@@ -103,6 +104,7 @@ void serve_fleet(const WebOptions& options) {
     FleetWatch watch{io,
                      {.broker = resolve_broker(io, options.broker.host, options.broker.port),
                       .client_id = options.broker.id_or("romano-web"),
+                      .packets = options.broker.packets(),
                       .timing = options.broker.timing(),
                       .keep_alive = client::KeepAlive{options.broker.keep_alive_s},
                       .filters = options.filters,
@@ -152,6 +154,7 @@ void add_web(CLI::App& program, int& exit_code) {
     CLI::App& command = *program.add_subcommand(
         "web", "Show the fleet as a page in a browser, and let people steer it there");
     options->broker.add_to(command);
+    options->broker.add_key_to(command);
     command.add_option("--listen", options->listen, "Where the page is served")
         ->type_name("ADDR:PORT")
         ->capture_default_str();
@@ -174,6 +177,7 @@ void add_web(CLI::App& program, int& exit_code) {
                     "is asked, nobody is steered")
         ->type_name("FILE")
         ->excludes("--ask")
+        ->excludes("--key")
         ->excludes("--topics");
     command.footer(web_examples);
     command.callback([options, &exit_code] {

@@ -65,11 +65,12 @@ void FleetWatch::connect() {
     failed_ = false;
     // A new one: what the old one had not sent yet was meant for that moment.
     old_client_ = std::move(client_);
-    client_ = std::make_unique<WatcherClient>(io_, options_.broker, options_.timing,
-                                              std::hash<std::string>{}(options_.client_id),
-                                              [this, life = ++life_](const client::Event& event) {
-                                                  if (life == life_) on_event(event);
-                                              });
+    client_ = std::make_unique<WatcherClient>(
+        io_, options_.broker, options_.timing, std::hash<std::string>{}(options_.client_id),
+        [this, life = ++life_](const client::Event& event) {
+            if (life == life_) on_event(event);
+        },
+        options_.packets);
     client_->connect({.client_id = options_.client_id,
                       .clean_session = true,
                       .keep_alive = options_.keep_alive});

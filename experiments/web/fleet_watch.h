@@ -24,6 +24,7 @@ namespace romano::experiments {
 struct FleetWatchOptions {
     BrokerAddress broker;
     std::string client_id;
+    std::shared_ptr<keys::ClientPackets> packets;  // null: plain
     client::Timing timing;
     client::KeepAlive keep_alive{60};
     std::vector<std::string> filters = {"#"};  // what it hears, beside what tells of the fleet
