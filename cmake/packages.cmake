@@ -135,6 +135,7 @@ endif()
 
 set(CPACK_DEBIAN_BROKER_PACKAGE_NAME romano-broker)
 set(CPACK_DEBIAN_BROKER_PACKAGE_DEPENDS "debconf (>= 0.5) | debconf-2.0")
+set(CPACK_DEBIAN_BROKER_PACKAGE_SUGGESTS romano-tools)  # --web
 set(CPACK_DEBIAN_BROKER_DESCRIPTION "distributed MQTT-SN broker for robots
  A light MQTT-SN 1.2 broker: alone on one UDP port, or one of a cluster over
  Eclipse Cyclone DDS whose members take each other's clients and addresses over.")

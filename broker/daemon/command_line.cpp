@@ -31,6 +31,8 @@ constexpr const char* examples = R"(Examples:
       whoever leads the cluster bridges topics to ROS 2, and robots appear there as nodes
   romano-broker --listen protected://192.168.1.5:1883 --keys /var/lib/romano/keys
       serves robots and people who have a key, and nobody else
+  romano-broker --web 127.0.0.1:8080
+      shows the fleet as a page in a browser, at http://127.0.0.1:8080/
   romano-broker --metrics 127.0.0.1:9883
       tells Prometheus and `romano status` what it counts
   romano-broker --default-config > r1.toml; romano-broker --config r1.toml
@@ -217,6 +219,16 @@ void add_options(CLI::App& app, SettingTexts& texts) {
                  "Run before other programs (SCHED_RR) and keep the memory locked: fewer false "
                  "failovers on a busy machine");
 
+    app.add_option("--web", texts.web,
+                   "Show the fleet as a page at http://ADDR:PORT/, from where robots are steered: "
+                   "romano web (package romano-tools) runs beside the broker")
+        ->type_name("ADDR:PORT");
+    app.add_option("--web-key", texts.web_key,
+                   "The page's key (romano keys new --operator), for a broker that serves clients "
+                   "with keys; whoever opens the page steers with it")
+        ->type_name("FILE");
+    app.add_flag("--let-everybody-steer", texts.let_everybody_steer,
+                 "Serve the page to other machines too: whoever reaches it can steer all robots");
     app.add_option("--metrics", texts.metrics,
                    "Serve Prometheus metrics at http://ADDR:PORT/metrics; also for romano status")
         ->type_name("ADDR:PORT");

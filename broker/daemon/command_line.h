@@ -54,6 +54,9 @@ struct SettingTexts {
     std::optional<std::string> ros2_interface = {};
     std::string ros2_release = "jazzy";
     std::optional<std::string> metrics = {};
+    std::optional<std::string> web = {};
+    std::optional<std::string> web_key = {};
+    bool let_everybody_steer = false;
     std::string log_level = "info";
 };
 

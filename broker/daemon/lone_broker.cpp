@@ -38,19 +38,19 @@ LoneBroker::LoneBroker(boost::asio::io_context& io, const Settings& settings,
       status_timer_(io, [this] { on_status_wakeup(); }),
       heap_limit_(settings.limits.memory_mib) {
     obey_rights();
-    std::string where;
+    Serving serving;
     for (const Endpoint& address : settings.listen) {
         Endpoint bound;
         if (const auto error = udp_.open(address, net::Bind::alone, &bound)) {
             throw Refusal(why_not_served(address, error));
         }
-        where += (where.empty() ? "" : ", ") + net::to_text(bound);
+        serving.addresses.push_back(bound);
     }
     join_discovery_groups(udp_, settings);
     if (persistence_) persistence_->restore(net::now(), core_, options_.log, actions_);
     on_core_wakeup();
     on_status_wakeup();
-    on_serving(where);
+    on_serving(serving);
 }
 
 /// Opens the store, if there is one: it has a say in the number of this life.

@@ -15,6 +15,7 @@
 #include "broker/daemon/refusal.h"
 #include "broker/daemon/settings.h"
 #include "broker/daemon/trace.h"
+#include "broker/daemon/web_page.h"
 #include "broker/net/service_manager.h"
 #include "broker/net/turn_clock.h"
 
@@ -43,9 +44,12 @@ void run(const Settings& settings, const Program& program) {
         if (broker) broker->read_rights_again();
     });
     MetricsEndpoint metrics(io, settings);
-    broker = program.start(io, settings, [&](const std::string& where) {
+    WebPage page(io, settings);
+    broker = program.start(io, settings, [&](const Serving& serving) {
+        const std::string where = words_for(serving);
         std::cout << "romano-broker " << settings.name << ": serving " << where << std::endl;
         manager.serving("serving " + where);
+        page.show(serving.addresses);
     });
     metrics.tell_of(*broker);
     net::run_in_turns(io);

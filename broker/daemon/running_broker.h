@@ -6,6 +6,7 @@
 #include <memory>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "broker/daemon/settings.h"
 
@@ -26,7 +27,15 @@ public:
     virtual void add_metrics(metrics::Page& page) const = 0;
 };
 
-/// Called once, when all addresses of the settings are served, with "127.0.0.1:1883 ...".
-using OnServing = std::function<void(const std::string& where)>;
+/// The addresses of the settings, with the ports that were chosen for port 0.
+struct Serving {
+    std::vector<Endpoint> addresses;
+    std::string cluster = {};  // "domain 7 on lo"; empty: alone
+};
+/// "127.0.0.1:1883, [::1]:1883 (domain 7 on lo)"
+[[nodiscard]] std::string words_for(const Serving& serving);
+
+/// Called once, when all of them are served.
+using OnServing = std::function<void(const Serving&)>;
 
 }  // namespace romano::daemon

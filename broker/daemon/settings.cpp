@@ -120,14 +120,46 @@ std::optional<std::string> check_keys(const SettingTexts& texts,
     return texts.keys;
 }
 
-std::optional<Endpoint> check_metrics(const std::optional<std::string>& text) {
-    if (!text) return std::nullopt;
-    const Endpoint endpoint = address_and_port("metrics", *text);
+Endpoint check_http(std::string_view option, const std::string& text) {
+    const Endpoint endpoint = address_and_port(option, text);
     if (net::is_multicast(endpoint)) {
-        refuse_option("metrics", *text,
-                      "is a multicast group; HTTP needs an address of this machine");
+        refuse_option(option, text, "is a multicast group; HTTP needs an address of this machine");
     }
     return endpoint;
+}
+
+std::optional<WebSettings> check_web(const SettingTexts& texts,
+                                     const std::vector<Endpoint>& listen) {
+    if (!texts.web) {
+        if (texts.web_key) {
+            refuse_option("web-key", *texts.web_key, "is for the page; give --web ADDR:PORT too");
+        }
+        if (texts.let_everybody_steer) {
+            throw Refusal("--let-everybody-steer is for the page; give --web ADDR:PORT too");
+        }
+        return std::nullopt;
+    }
+    WebSettings out{.listen = check_http("web", *texts.web), .key_file = texts.web_key};
+    if (!net::is_loopback(out.listen) && !texts.let_everybody_steer) {
+        refuse_option("web", *texts.web,
+                      "is reached by other machines, and whoever reaches the page can steer all "
+                      "robots; choose an address of this machine alone such as 127.0.0.1:8080, or "
+                      "give --let-everybody-steer");
+    }
+    const auto serves = [&listen](Endpoint::Packets packets) {
+        return std::ranges::find(listen, packets, &Endpoint::packets) != listen.end();
+    };
+    if (out.key_file && !serves(Endpoint::Packets::sealed)) {
+        refuse_option("web-key", *out.key_file,
+                      "is for a broker with protected clients; give --listen "
+                      "protected://ADDR:PORT too, or leave it out");
+    }
+    if (!out.key_file && !serves(Endpoint::Packets::plain)) {
+        refuse_option("web", *texts.web,
+                      "needs --web-key FILE, a key that `romano keys new --operator` makes: all "
+                      "addresses of this broker are for clients with keys");
+    }
+    return out;
 }
 
 /// T_ADV, which ADVERTISE carries in 16 bits (MQTT-SN 1.2 section 5.4.1).
@@ -404,7 +436,8 @@ Settings check(const SettingTexts& texts) {
     out.advertise_period = check_advertise_period(texts, !out.discovery_groups.empty());
     out.predefined_topics = check_predefined(texts.predefined);
     out.romano = !texts.no_romano;
-    out.metrics = check_metrics(texts.metrics);
+    if (texts.metrics) out.metrics = check_http("metrics", *texts.metrics);
+    out.web = check_web(texts, out.listen);
     out.limits = check_limits(texts.limits);
     const election::Profile profile = check_profile(texts);
     out.t_retry = profile.t_retry;

@@ -50,6 +50,12 @@ struct Ros2Settings {
     std::string release;    // "humble", "iron" or "jazzy"
 };
 
+/// The fleet in a browser.
+struct WebSettings {
+    Endpoint listen;
+    std::optional<std::string> key_file;  // with which it speaks to the broker; empty: plain
+};
+
 struct Settings {
     std::string name;
     std::vector<Endpoint> listen;
@@ -62,6 +68,7 @@ struct Settings {
     std::map<mqttsn::TopicId, std::string> predefined_topics;
     bool romano = true;  // carries the ROMANO server
     std::optional<Endpoint> metrics;
+    std::optional<WebSettings> web;
     broker::Limits limits;
     std::chrono::milliseconds t_retry{};
     int n_retry = 0;

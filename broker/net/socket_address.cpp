@@ -65,6 +65,16 @@ bool is_loopback(const Endpoint& endpoint) {
     return endpoint.family == Endpoint::Family::ipv6 && endpoint.address == one;
 }
 
+Endpoint as_reached_here(Endpoint address) {
+    if (!is_wildcard(address)) return address;
+    if (address.family == Endpoint::Family::ipv6) {
+        address.address.back() = 1;
+    } else {
+        address.address = {127, 0, 0, 1};
+    }
+    return address;
+}
+
 bool is_multicast(const Endpoint& endpoint) {
     return endpoint.family == Endpoint::Family::ipv6 ? endpoint.address[0] == 0xFF
                                                      : (endpoint.address[0] & 0xF0U) == 0xE0;

@@ -34,6 +34,8 @@ struct SocketAddress {
 [[nodiscard]] bool is_wildcard(const Endpoint& endpoint);
 /// 127.0.0.0/8 or [::1]: this machine alone reaches it.
 [[nodiscard]] bool is_loopback(const Endpoint& endpoint);
+/// Where this machine reaches what is served at `address`: loopback for a wildcard.
+[[nodiscard]] Endpoint as_reached_here(Endpoint address);
 [[nodiscard]] bool is_multicast(const Endpoint& endpoint);
 /// ff02::...: an IPv6 group that each link has its own of.
 [[nodiscard]] bool is_link_group(const Endpoint& endpoint);

@@ -14,11 +14,12 @@
 #include "broker/daemon/command_line.h"
 #include "broker/daemon/hangups.h"
 #include "broker/daemon/lone_broker.h"
+#include "broker/daemon/metrics_endpoint.h"
 #include "broker/daemon/refusal.h"
 #include "broker/daemon/running_broker.h"
 #include "broker/daemon/settings.h"
 #include "broker/daemon/trace.h"
-#include "broker/net/endpoint_text.h"
+#include "broker/daemon/web_page.h"
 #include "broker/net/service_manager.h"
 #include "broker/net/socket_address.h"
 #include "firmware/posix/simulated_robot.h"
@@ -43,17 +44,6 @@ struct Settings {
     daemon::Settings broker;
 };
 
-/// Where the robot finds the broker in its own process.
-Endpoint own_address(const daemon::Settings& broker) {
-    Endpoint address = broker.listen.front();
-    if (!net::is_wildcard(address)) return address;
-    const char* loopback = address.family == Endpoint::Family::ipv6 ? "[::1]:1" : "127.0.0.1:1";
-    const std::uint16_t port = address.port;
-    address = *net::parse_endpoint(loopback);
-    address.port = port;
-    return address;
-}
-
 firmware::SimulatedRobotOptions robot_options(const Settings& settings) {
     const auto id = message::RomanoId::parse(settings.id);
     if (!id) {
@@ -70,7 +60,7 @@ firmware::SimulatedRobotOptions robot_options(const Settings& settings) {
     }
     firmware::SimulatedRobotOptions options;
     options.robot.node.id = *id;
-    options.robot.broker = own_address(settings.broker);
+    options.robot.broker = net::as_reached_here(settings.broker.listen.front());
     options.robot.timing.t_retry = std::chrono::seconds{1};
     options.telemetry_topic = settings.telemetry;
     options.telemetry_every =
@@ -102,17 +92,22 @@ void run(const Settings& settings) {
     const daemon::Hangups hangups(io, [&] {
         if (broker) broker->read_rights_again();
     });
-    broker = start_broker(io, settings.broker, [&](const std::string& where) {
+    daemon::MetricsEndpoint metrics(io, settings.broker);
+    daemon::WebPage page(io, settings.broker);
+    broker = start_broker(io, settings.broker, [&](const daemon::Serving& serving) {
+        const std::string where = daemon::words_for(serving);
         std::printf("romano-broker-robot %s: serving %s\n", settings.broker.name.c_str(),
                     where.c_str());
         std::fflush(stdout);
         manager.serving("serving " + where);
+        page.show(serving.addresses);
         robot = std::make_unique<firmware::SimulatedRobot>(
             io, options, [](const message::RomanoId& id, const std::string& what) {
                 std::printf("%s %s\n", std::string{id.text()}.c_str(), what.c_str());
                 std::fflush(stdout);
             });
     });
+    metrics.tell_of(*broker);
     net::run_in_turns(io);
 }
 

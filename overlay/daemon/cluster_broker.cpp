@@ -438,14 +438,11 @@ void ClusterBroker::on_home_address_returned() {
 
 void ClusterBroker::say_when_serving() {
     if (!held_.empty() || !on_serving_) return;
-    std::string where;
-    for (const Endpoint& address : listen_) {
-        where += (where.empty() ? "" : ", ") + net::to_text(address);
-    }
     const ClusterSettings& cluster = *settings_.cluster;
-    where += " (domain " + std::to_string(cluster.domain) +
-             (cluster.interface.empty() ? "" : " on " + cluster.interface) + ")";
-    std::exchange(on_serving_, {})(where);
+    std::exchange(on_serving_,
+                  {})({.addresses = listen_,
+                       .cluster = "domain " + std::to_string(cluster.domain) +
+                                  (cluster.interface.empty() ? "" : " on " + cluster.interface)});
 }
 
 void ClusterBroker::add_metrics(metrics::Page& page) const {

@@ -13,10 +13,12 @@
 #include <boost/beast/http.hpp>
 #include <chrono>
 #include <filesystem>
+#include <fstream>
 #include <functional>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <system_error>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -226,6 +228,145 @@ TEST_F(Web, IsServedToThisMachineAloneUnlessItIsToldOtherwise) {
     const auto alone = romano("web", 2, {"--broker-timeout", "0.4"});
     EXPECT_EQ(alone->wait_for_exit(), 2);
     EXPECT_THAT(alone->errors(), HasSubstr("no broker serves at"));
+}
+
+/// The page of a broker that shows it itself.
+struct WebOfABroker : Web {
+    /// `arguments`: all but --web.
+    void start_with_page(std::vector<std::string> arguments) {
+        arguments.insert(arguments.end(), {"--web", "127.0.0.1:" + web_port});
+        brokers.push_back(std::make_unique<BrokerProcess>(arguments));
+        brokers.back()->wait_until_serving();
+        note_page();
+    }
+    void note_page() {
+        const std::string told = "the fleet is shown at http://127.0.0.1:" + web_port + "/";
+        ASSERT_TRUE(comes([&] { return brokers.back()->errors().find(told) != std::string::npos; }))
+            << brokers.back()->errors();
+    }
+    [[nodiscard]] std::vector<std::string> arguments(int n) const {
+        return {"--listen", addresses.service(n), "--name", "r" + std::to_string(n)};
+    }
+    /// The process that a broker started and that is `romano`.
+    [[nodiscard]] static pid_t page_of(const Process& broker) {
+        const std::string pid = std::to_string(broker.pid());
+        std::ifstream children("/proc/" + pid + "/task/" + pid + "/children");
+        for (pid_t child = 0; children >> child;) {
+            std::ifstream name("/proc/" + std::to_string(child) + "/comm");
+            std::string word;
+            if (name >> word && word == "romano") return child;
+        }
+        return 0;
+    }
+    static bool lives(pid_t process) {  // a dead one that nobody has waited for has no program
+        std::error_code none;
+        (void)std::filesystem::read_symlink("/proc/" + std::to_string(process) + "/exe", none);
+        return !none;
+    }
+    [[nodiscard]] static std::string free_port() {
+        boost::asio::io_context io;
+        const boost::asio::ip::tcp::acceptor acceptor(
+            io, {boost::asio::ip::make_address("127.0.0.1"), 0});
+        return std::to_string(acceptor.local_endpoint().port());
+    }
+    WebOfABroker() { web_port = free_port(); }
+};
+
+TEST_F(WebOfABroker, ShowsTheFleetAndLeavesNothingBehind) {
+    start_with_page(arguments(1));
+    start_robot("00000001", 1);
+    ASSERT_TRUE(comes([&] { return home_of("00000001") == "r1"; })) << state();
+    const pid_t page = page_of(*brokers[0]);
+    ASSERT_NE(page, 0);
+    brokers[0]->kill_9();
+    EXPECT_TRUE(comes([&] { return !lives(page); }));
+    // Also after an orderly end; and the address is free each time.
+    start_with_page(arguments(1));
+    const pid_t next = page_of(*brokers[1]);
+    ASSERT_NE(next, 0);
+    brokers[1]->signal(SIGTERM);
+    EXPECT_EQ(brokers[1]->wait_for_exit(), 0);
+    EXPECT_FALSE(lives(next));
+}
+
+TEST_F(WebOfABroker, StartsAPageAgainThatHasEndedAndServesOnMeanwhile) {
+    std::vector<std::string> of_a_member = arguments(1);
+    of_a_member.insert(of_a_member.end(), {"--domain", std::to_string(addresses.domain()),
+                                           "--interface", "lo", "--detection-timeout-ms", "300"});
+    start_with_page(of_a_member);
+    start_robot("00000001", 1);
+    const pid_t page = page_of(*brokers[0]);
+    ASSERT_NE(page, 0);
+    ASSERT_EQ(::kill(page, SIGSEGV), 0);
+    ASSERT_TRUE(comes([&] {
+        const pid_t next = page_of(*brokers[0]);
+        return next != 0 && next != page;
+    })) << brokers[0]->errors();
+    EXPECT_THAT(brokers[0]->errors(), HasSubstr("was killed by signal 11; it is started again"));
+    ASSERT_TRUE(comes([&] {
+        try {
+            return home_of("00000001") == "r1";
+        } catch (const std::exception&) {
+            return false;  // not yet
+        }
+    }));
+}
+
+TEST_F(WebOfABroker, IsAKeyOfTheConfigurationFile) {
+    const tests::TemporaryFolder folder;
+    const std::filesystem::path file = folder / "broker.toml";
+    std::ofstream(file) << "listen = [\"" << addresses.service(1) << "\"]\nname = \"r1\"\n"
+                        << "web = \"127.0.0.1:" << web_port << "\"\n";
+    brokers.push_back(
+        std::make_unique<BrokerProcess>(std::vector<std::string>{"--config", file.string()}));
+    brokers.back()->wait_until_serving();
+    note_page();
+    EXPECT_TRUE(comes([&] { return state().at("brokers").size() == 1; }));
+}
+
+TEST_F(WebOfABroker, RefusesWhatCannotBeBeforeItServes) {
+    start_broker(1, {"--web", "127.0.0.1:" + web_port});
+    note_page();
+    const auto refusal = [&](const std::string& where) {
+        std::vector<std::string> of_another = arguments(2);
+        of_another.insert(of_another.end(), {"--web", where});
+        Process broker(ROMANO_BROKER, of_another);
+        EXPECT_EQ(broker.wait_for_exit(), 2) << where;
+        EXPECT_EQ(broker.rest_of_output(), "") << where;
+        return broker.errors();
+    };
+    EXPECT_THAT(refusal("127.0.0.1:" + web_port), HasSubstr("cannot be served (Address already"));
+    EXPECT_THAT(refusal("192.0.2.1:80"), HasSubstr("--let-everybody-steer"));
+    EXPECT_THAT(refusal("here"), HasSubstr("is no address and port"));
+    // Where there is no `romano` beside the broker's program.
+    const tests::TemporaryFolder folder;
+    const std::filesystem::path alone = folder / "romano-broker";
+    std::filesystem::copy_file(ROMANO_BROKER, alone);
+    std::vector<std::string> of_another = arguments(2);
+    of_another.insert(of_another.end(), {"--web", "127.0.0.1:8080"});
+    Process broker(alone, of_another);
+    EXPECT_EQ(broker.wait_for_exit(), 2);
+    EXPECT_THAT(broker.errors(), HasSubstr("romano, which is not there (No such file"));
+    EXPECT_THAT(broker.errors(), HasSubstr("romano-tools"));
+}
+
+TEST_F(WebOfABroker, SpeaksWithAKeyToABrokerForClientsWithKeys) {
+    const tests::TemporaryFolder folder;
+    const std::filesystem::path fleet = folder / "fleet";
+    Process keys(ROMANO_PROGRAM, {"keys", "new", fleet.string(), "--broker", "r1", "--robot",
+                                  "00000001", "--operator", "anna"});
+    ASSERT_EQ(keys.wait_for_exit(), 0) << keys.errors();
+    start_with_page({"--listen", "protected://" + addresses.service(1), "--name", "r1", "--keys",
+                     (fleet / "brokers/r1").string(), "--web-key",
+                     (fleet / "operators/anna.key").string()});
+    Process robot(ROMANO_ROBOT, {"--key", (fleet / "robots/00000001.key").string(), "--broker",
+                                 addresses.service(1)});
+    ASSERT_TRUE(comes([&] { return home_of("00000001") == "r1"; })) << state();
+    EXPECT_EQ(ask(http::verb::post, "/api/robots/00000001/move",
+                  R"({"movement": "front", "amount": "10cm"})")
+                  .result_int(),
+              202U);
+    EXPECT_NE(robot.wait_for("front 100 mm"), "");
 }
 
 /// A recording in which r2, where the robot is, is killed; and its page.

@@ -5,6 +5,7 @@
 
 #include "broker/daemon/broker_options.h"
 #include "broker/daemon/refusal.h"
+#include "broker/daemon/web_page.h"
 #include "broker/net/endpoint_text.h"
 
 namespace romano::daemon::settings_test {
@@ -68,6 +69,54 @@ TEST(Settings, EveryLimitReachesTheCoreAndHasARange) {
         EXPECT_GE(broker::Limits{}.*setting.limit, setting.low);
         EXPECT_LE(broker::Limits{}.*setting.limit, setting.high);
     }
+}
+
+TEST(Settings, ThePageIsForThisMachineUnlessItIsToldOtherwise) {
+    EXPECT_FALSE(check({}).web);
+    EXPECT_EQ(net::to_text(check({.web = "127.0.0.1:8080"}).web->listen), "127.0.0.1:8080");
+    EXPECT_EQ(net::to_text(check({.web = "[::1]:8080"}).web->listen), "[::1]:8080");
+    for (const char* wrong : {"", "8080", "localhost:8080", "127.0.0.1", "225.1.1.1:8080"}) {
+        EXPECT_THAT(refusal({.web = wrong}), names("web", wrong));
+    }
+    EXPECT_THAT(refusal({.web = "0.0.0.0:8080"}),
+                AllOf(names("web", "0.0.0.0:8080"), HasSubstr("can steer all robots"),
+                      HasSubstr("--let-everybody-steer")));
+    EXPECT_TRUE(check({.web = "0.0.0.0:8080", .let_everybody_steer = true}).web);
+    EXPECT_THAT(refusal({.let_everybody_steer = true}), HasSubstr("--web"));
+}
+
+TEST(Settings, ThePageOfABrokerForClientsWithKeysNeedsOne) {
+    const std::vector<std::string> sealed{"protected://127.0.0.1:1885"};
+    const std::vector<std::string> both{"127.0.0.1:1883", sealed.front()};
+    const SettingTexts without{.listen = sealed, .keys = "k", .web = "127.0.0.1:8080"};
+    EXPECT_THAT(refusal(without), AllOf(names("web", "127.0.0.1:8080"), HasSubstr("--web-key")));
+    SettingTexts with = without;
+    with.web_key = "anna.key";
+    EXPECT_EQ(check(with).web->key_file, "anna.key");
+    EXPECT_FALSE(check({.listen = both, .keys = "k", .web = "127.0.0.1:8080"}).web->key_file);
+    EXPECT_THAT(refusal({.web = "127.0.0.1:8080", .web_key = "anna.key"}),
+                AllOf(names("web-key", "anna.key"), HasSubstr("protected://")));
+    EXPECT_THAT(refusal({.listen = sealed, .keys = "k", .web_key = "anna.key"}),
+                AllOf(names("web-key", "anna.key"), HasSubstr("--web ADDR:PORT")));
+}
+
+TEST(WebPage, SpeaksToItsBrokerWhereThisMachineReachesIt) {
+    const auto arguments = [](std::vector<std::string> listen, std::optional<std::string> key) {
+        const Settings settings = check({.listen = std::move(listen),
+                                         .allow_plain = true,
+                                         .keys = key ? std::optional<std::string>("k") : key,
+                                         .web = "127.0.0.1:8080",
+                                         .web_key = key});
+        return web_arguments(*settings.web, settings.listen);
+    };
+    using testing::ElementsAre;
+    EXPECT_THAT(arguments({"0.0.0.0:1883"}, {}),
+                ElementsAre("web", "-h", "127.0.0.1", "-p", "1883", "--listen", "127.0.0.1:8080"));
+    EXPECT_THAT(arguments({"[::]:7"}, {}),
+                ElementsAre("web", "-h", "::1", "-p", "7", "--listen", "127.0.0.1:8080"));
+    EXPECT_THAT(arguments({"192.0.2.1:1883", "protected://192.0.2.1:1885"}, "anna.key"),
+                ElementsAre("web", "-h", "192.0.2.1", "-p", "1885", "--key", "anna.key", "--listen",
+                            "127.0.0.1:8080"));
 }
 
 TEST(Settings, AStoreIsForABrokerAlone) {

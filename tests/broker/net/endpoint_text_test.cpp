@@ -71,6 +71,11 @@ TEST(SocketAddress, KnowsWildcardsAndGroups) {
     EXPECT_TRUE(is_wildcard(*parse_endpoint("0.0.0.0:1883")));
     EXPECT_TRUE(is_wildcard(*parse_endpoint("[::]:1883")));
     EXPECT_FALSE(is_wildcard(*parse_endpoint("127.0.0.1:1883")));
+    for (const auto& [served, reached] :
+         {std::pair{"0.0.0.0:1883", "127.0.0.1:1883"}, std::pair{"[::]:7", "[::1]:7"},
+          std::pair{"192.0.2.1:1883", "192.0.2.1:1883"}}) {
+        EXPECT_EQ(to_text(as_reached_here(*parse_endpoint(served))), reached);
+    }
     EXPECT_TRUE(is_multicast(*parse_endpoint("225.1.1.1:1883")));
     EXPECT_TRUE(is_multicast(*parse_endpoint("[ff02::1]:1883")));
     EXPECT_FALSE(is_multicast(*parse_endpoint("192.168.0.1:1883")));
