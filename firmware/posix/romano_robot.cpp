@@ -247,16 +247,17 @@ void tell_of_robots_without_broker(const Settings& settings,
         return robot->core().node().phase() != node::Phase::established;
     });
     if (waiting == 0) return;
-    std::fprintf(stderr, "romano-robot: %s no broker within %lld s; %s\n",
-                 robots.size() == 1 ? "the robot has found"
-                                    : (std::to_string(waiting) + " of " +
-                                       std::to_string(robots.size()) + " robots have found")
-                                          .c_str(),
-                 static_cast<long long>(patience.count()),
-                 settings.discovers
-                     ? "is a broker there that answers discovery (--discovery-group default), on "
-                       "the network of --local?"
-                     : "does a broker answer at --broker (romano brokers -h ADDR -p PORT)?");
+    std::fprintf(
+        stderr, "romano-robot: %s no broker within %lld s; %s\n",
+        robots.size() == 1 ? "the robot has found"
+                           : (std::to_string(waiting) + " of " + std::to_string(robots.size()) +
+                              " robots have found")
+                                 .c_str(),
+        static_cast<long long>(patience.count()),
+        settings.discovers
+            ? "is a broker there that answers discovery (--discovery-group default), at an "
+              "address that this machine reaches (--listen), on the network of --local?"
+            : "does a broker answer at --broker (romano brokers -h ADDR -p PORT)?");
 }
 
 /// So that they are known to be gone at once, and not when their keep-alive ends.

@@ -55,16 +55,42 @@ static uint64_t now_ms(void* self) {
     return (uint64_t)now.tv_sec * 1000U + (uint64_t)now.tv_nsec / 1000000U;
 }
 
-static void send_datagram(void* self, const struct romano_address* to, const uint8_t* octets,
-                          uint32_t size) {
-    const struct romano_udp_board* udp = self;
+static bool is_any_ipv4(const struct romano_address* local) {
+    static const uint8_t any[4];
+    return local->family == 4 && memcmp(local->ip, any, sizeof any) == 0;
+}
+
+static void send_to(const struct romano_udp_board* udp, const struct romano_address* to,
+                    const uint8_t* octets, uint32_t size) {
     union any_address address;
-    const socklen_t length = to_socket(to->family == 0 ? &udp->group : to, &address);
+    const socklen_t length = to_socket(to, &address);
     /* An error may be that of an earlier datagram (ICMP); this one was not sent then. */
     for (int attempt = 0; attempt < 2; ++attempt) {
         if (sendto(udp->socket, octets, size, 0, &address.any, length) >= 0) return;
         if (errno != ECONNREFUSED) return;
     }
+}
+
+static void go_out_by(const struct romano_udp_board* udp, in_addr_t interface) {
+    const struct in_addr address = {.s_addr = htonl(interface)};
+    (void)setsockopt(udp->socket, IPPROTO_IP, IP_MULTICAST_IF, &address, sizeof address);
+}
+
+/* A broker that serves its own machine alone is asked there, by the loopback: no datagram that goes
+ * out by another interface reaches it. IPv6 has no multicast on Linux' loopback. */
+static void ask_this_machine(const struct romano_udp_board* udp, const uint8_t* octets,
+                             uint32_t size) {
+    go_out_by(udp, INADDR_LOOPBACK);
+    send_to(udp, &udp->group, octets, size);
+    go_out_by(udp, INADDR_ANY);
+}
+
+static void send_datagram(void* self, const struct romano_address* to, const uint8_t* octets,
+                          uint32_t size) {
+    const struct romano_udp_board* udp = self;
+    const bool is_for_the_group = to->family == 0;
+    if (is_for_the_group && udp->has_any_ipv4) ask_this_machine(udp, octets, size);
+    send_to(udp, is_for_the_group ? &udp->group : to, octets, size);
 }
 
 static const uint8_t* receive_datagram(void* self, struct romano_address* from, uint32_t* size) {
@@ -132,6 +158,7 @@ int romano_udp_open(struct romano_udp_board* udp, const struct romano_address* l
         romano_udp_close(udp);
         return error;
     }
+    udp->has_any_ipv4 = is_any_ipv4(local);
     choose_group(udp, local);
     udp->board.self = udp;
     udp->board.now_ms = now_ms;

@@ -15,6 +15,7 @@ struct romano_udp_board {
     struct romano_board board; /* for romano_start() */
     int socket;
     struct romano_address group; /* where discovery asks: 225.1.1.1:1883, or ff02::225:1:1:1 */
+    bool has_any_ipv4;           /* then discovery asks on this machine, too */
     uint8_t datagram[2048];
 };
 
@@ -22,7 +23,8 @@ struct romano_udp_board {
 bool romano_udp_address(const char* ip, uint16_t port, struct romano_address* address);
 
 /* Opens the socket at `local`, port 0 for any; its family is the one that is spoken, and discovery
- * goes out by its interface. Returns 0 or an errno. The board stays where it is. */
+ * goes out by its interface; at 0.0.0.0 by the usual one and by the loopback. Returns 0 or
+ * an errno. The board stays where it is. */
 int romano_udp_open(struct romano_udp_board* udp, const struct romano_address* local);
 void romano_udp_close(struct romano_udp_board* udp);
 

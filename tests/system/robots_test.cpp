@@ -270,6 +270,13 @@ TEST_F(Robots, ARobotFindsItsBrokerByDiscovery) {
     EXPECT_NE(robot.wait_for("established"), "");
 }
 
+TEST_F(Robots, ARobotFindsABrokerThatServesItsOwnMachineAlone) {
+    const std::string group = "225.1.1.1:" + std::to_string(18'500 + addresses.domain());
+    start_broker(1, {"--discovery-group", group});
+    Process robot(ROMANO_ROBOT, {"--id", "abcd1234", "--discover", "--group", group});
+    EXPECT_NE(robot.wait_for("established"), "");
+}
+
 TEST_F(Robots, WhoFindsNoBrokerSaysWhatToLookAt) {
     const std::string service = addresses.service(9);
     Process finder(ROMANO_ROBOT, {"--discover", "--group", "225.1.1.1:17999", "--local",
