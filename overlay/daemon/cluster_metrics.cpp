@@ -76,6 +76,14 @@ void add_transport(metrics::Page& page, const dds::DdsTransport& transport) {
                  counters.received_octets, {{"direction", "received"}});
     page.counter("romano_cluster_transport_write_failures_total",
                  "Messages to brokers that DDS did not take.", counters.write_failed);
+    const auto refused = [&page](const char* reason, std::uint64_t value) {
+        page.counter("romano_cluster_transport_refusals_total",
+                     "Messages from brokers that were dropped unread, by reason.", value,
+                     {{"reason", reason}});
+    };
+    refused("malformed", counters.malformed);
+    refused("other_protocol", counters.other_protocol);
+    refused("too_many_peers", counters.too_many_peers);
     page.counter("romano_cluster_pulses_total",
                  "Times that the process said for its late core that it lives.",
                  transport.pulses_sent());

@@ -26,19 +26,34 @@ Bytes BodyCodec::encode(const cluster::ClusterMessage& message) {
     arena_.Reset();
     auto* whole = google::protobuf::Arena::CreateMessage<overlay::proto::ClusterMessage>(&arena_);
     to_proto(message, *whole);
+    whole->set_protocol(protocol);
+    if (std::holds_alternative<cluster::Heartbeat>(message)) {
+        whole->set_program_version(ROMANO_VERSION);
+    }
     octets_.clear();
     if (!whole->SerializeToString(&octets_)) octets_.clear();
     return as_octets(octets_);
 }
 
-std::optional<cluster::ClusterMessage> BodyCodec::decode(Bytes body) {
+overlay::proto::ClusterMessage* BodyCodec::parse(Bytes body) {
     arena_.Reset();
     auto* whole = google::protobuf::Arena::CreateMessage<overlay::proto::ClusterMessage>(&arena_);
     constexpr std::size_t most = std::numeric_limits<int>::max();
-    if (body.size() > most || !whole->ParseFromArray(body.data(), static_cast<int>(body.size()))) {
-        return std::nullopt;
-    }
+    const bool is_whole =
+        body.size() <= most && whole->ParseFromArray(body.data(), static_cast<int>(body.size()));
+    return is_whole ? whole : nullptr;
+}
+
+std::optional<cluster::ClusterMessage> BodyCodec::decode(Bytes body) {
+    const auto* whole = parse(body);
+    if (whole == nullptr || whole->protocol() != protocol) return std::nullopt;
     return from_proto(*whole);
+}
+
+std::optional<std::string> BodyCodec::version_of_other_protocol(Bytes body) {
+    const auto* whole = parse(body);
+    if (whole == nullptr || whole->protocol() == protocol) return std::nullopt;
+    return whole->program_version();
 }
 
 }  // namespace romano::dds

@@ -2,6 +2,8 @@
 
 #include <spdlog/spdlog.h>
 
+#include <string_view>
+
 namespace romano::dds {
 namespace {
 
@@ -16,6 +18,13 @@ Qos beacon_qos() {
 // What is not acknowledged waits here; a peer that stands still is let go after the lease (1 s).
 Qos log_qos() {
     return reliable(20'000);
+}
+
+/// Whatever else came from the network is not shown to people.
+bool looks_like_a_version(const std::string& text) {
+    constexpr std::string_view letters = "0123456789.abcdefghijklmnopqrstuvwxyz~+-";
+    return !text.empty() && text.size() <= 32 &&
+           text.find_first_not_of(letters) == std::string::npos;
 }
 
 }  // namespace
@@ -113,15 +122,32 @@ void DdsTransport::on_inbox_sample(const SampleView& sample) {
 }
 
 void DdsTransport::on_sample(const SampleView& sample) {
-    if (sample.from == self_ || peer_of(sample.from) == nullptr) return;
+    if (sample.from == self_) return;
     auto message = codec_.decode(sample.body);
-    if (!message) {
-        ++counters_.malformed;
-        return;
-    }
+    if (!message) return refuse(sample);
+    if (peer_of(sample.from) == nullptr) return;
     ++counters_.received;
     counters_.received_octets += sample.body.size();
     receiver_({sample.from, std::move(*message)});
+}
+
+void DdsTransport::refuse(const SampleView& sample) {
+    const auto version = codec_.version_of_other_protocol(sample.body);
+    if (!version) {
+        ++counters_.malformed;
+        return;
+    }
+    ++counters_.other_protocol;
+    if (looks_like_a_version(*version)) tell_of_other_version(sample.from.broker, *version);
+}
+
+void DdsTransport::tell_of_other_version(const broker::BrokerId& broker,
+                                         const std::string& version) {
+    if (told_of_.size() == most_peers || !told_of_.insert(broker).second) return;
+    spdlog::warn(
+        "a broker of version {} is in this DDS domain, and this one of version " ROMANO_VERSION
+        " does not understand it: they form no cluster until both are of one version",
+        version);
 }
 
 DdsTransport::Peer* DdsTransport::peer_of(const broker::LogId& log) {

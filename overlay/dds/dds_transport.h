@@ -2,7 +2,8 @@
 //
 // Topics: romano_beacon (best-effort), romano_log (reliable), and an inbox and a forward topic a
 // broker (peer_writers.h). A peer is known from its first sample on. Samples are taken on the
-// io_context's thread. A body that is no message is dropped and counted.
+// io_context's thread. A body that is no message is dropped and counted;
+// of a broker that speaks another protocol people are told once.
 #pragma once
 
 #include <boost/asio/io_context.hpp>
@@ -10,6 +11,8 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <set>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -34,6 +37,7 @@ struct TransportCounters {
     std::uint64_t write_failed = 0;    // DDS did not take it
     std::uint64_t unknown_peer = 0;    // to a broker that was never heard
     std::uint64_t malformed = 0;       // a body that is no message
+    std::uint64_t other_protocol = 0;  // of a broker whose version speaks another one
     std::uint64_t repeated = 0;        // DDS brought an inbox sample again
     std::uint64_t too_many_peers = 0;  // from a broker beyond the table's bound
 };
@@ -67,6 +71,8 @@ private:
     void drain();
     void on_sample(const SampleView& sample);
     void on_inbox_sample(const SampleView& sample);
+    void refuse(const SampleView& sample);
+    void tell_of_other_version(const broker::BrokerId& broker, const std::string& version);
     [[nodiscard]] Peer* peer_of(const broker::LogId& log);
 
     broker::LogId self_;
@@ -80,6 +86,7 @@ private:
     BeaconSender beacons_;
     SampleWriter log_;
     std::map<broker::BrokerId, Peer> peers_;
+    std::set<broker::BrokerId> told_of_;                  // brokers of other versions
     std::vector<std::unique_ptr<SampleReader>> readers_;  // beacons, log, forwards
     std::unique_ptr<SampleReader> inbox_;
 };

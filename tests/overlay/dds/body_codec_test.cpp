@@ -15,8 +15,9 @@ std::vector<std::uint8_t> copy(Bytes octets) {
     return {octets.begin(), octets.end()};
 }
 
-std::optional<cluster::ClusterMessage> decode(const proto::ClusterMessage& message) {
+std::optional<cluster::ClusterMessage> decode(proto::ClusterMessage message) {
     BodyCodec codec;
+    message.set_protocol(BodyCodec::protocol);
     return codec.decode(as_octets(message.SerializeAsString()));
 }
 
@@ -228,6 +229,22 @@ TEST(BodyCodec, AMessageOfALaterVersionIsDropped) {
     const std::vector<std::uint8_t> body = {0x82, 0x7D, 0x00};
     BodyCodec codec;
     EXPECT_FALSE(codec.decode(body));
+}
+
+TEST(BodyCodec, AMessageOfAnotherProtocolIsNotReadAndNamesItsVersion) {
+    proto::ClusterMessage message;
+    message.mutable_heartbeat();
+    message.set_program_version("7.8.9");
+    BodyCodec codec;
+    ASSERT_TRUE(decode(message));
+    for (const std::uint32_t protocol : {0U, BodyCodec::protocol + 1, 0xFFFFFFFFU}) {
+        message.set_protocol(protocol);
+        const std::string body = message.SerializeAsString();
+        EXPECT_FALSE(codec.decode(as_octets(body)));
+        EXPECT_EQ(codec.version_of_other_protocol(as_octets(body)), "7.8.9");
+    }
+    EXPECT_FALSE(codec.version_of_other_protocol(codec.encode(cluster::Heartbeat{})));
+    EXPECT_FALSE(codec.version_of_other_protocol(std::vector<std::uint8_t>(9, 0xFF)));
 }
 
 TEST(BodyCodec, RefusesAnAddressThatIsNoIpAddress) {

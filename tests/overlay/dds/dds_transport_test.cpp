@@ -5,14 +5,18 @@
 #include <poll.h>
 #include <signal.h>
 #include <spawn.h>
+#include <spdlog/sinks/ostream_sink.h>
+#include <spdlog/spdlog.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <boost/asio/executor_work_guard.hpp>
 #include <functional>
 #include <string>
 #include <vector>
 
+#include "overlay/dds/cluster_message.pb.h"
 #include "tests/overlay/dds/test_domain.h"
 
 namespace romano::dds::dds_transport_test {
@@ -252,6 +256,40 @@ TEST_F(DdsTransportTest, ABodyThatIsNoMessageIsDroppedAndCounted) {
     }
     EXPECT_GT(one.transport.counters().malformed, 0U);
     EXPECT_TRUE(one.received.empty());
+}
+
+// "Say so in the message that a broker of another version gets: both versions named."
+TEST_F(DdsTransportTest, OfABrokerOfAnotherVersionPeopleAreToldOnce) {
+    std::ostringstream said;
+    const auto log = spdlog::default_logger();
+    spdlog::set_default_logger(std::make_shared<spdlog::logger>(
+        "", std::make_shared<spdlog::sinks::ostream_sink_mt>(said)));
+    Peer one(io, domain, "one");
+    const Entity participant = domain.make_participant();
+    SampleWriter other(participant, "romano_beacon", best_effort(100), {broker::BrokerId{9}, 1});
+    overlay::proto::ClusterMessage later;
+    later.set_protocol(BodyCodec::protocol + 1);
+    later.set_program_version("7.8.9");
+    const std::string body = later.SerializeAsString();
+    later.set_program_version("\x1b[31m");
+    const std::string hostile = later.SerializeAsString();
+    const auto deadline = Clock::now() + 10s;
+    while (one.transport.counters().other_protocol < 5 && Clock::now() < deadline) {
+        other.write(as_octets(hostile));
+        other.write(as_octets(body));
+        io.run_for(5ms);
+    }
+    spdlog::set_default_logger(log);
+    EXPECT_GE(one.transport.counters().other_protocol, 5U);
+    EXPECT_EQ(one.transport.counters().malformed, 0U);
+    EXPECT_TRUE(one.received.empty());
+    const std::string text = said.str();
+    EXPECT_NE(text.find("a broker of version 7.8.9 is in this DDS domain, and this one of "
+                        "version " ROMANO_VERSION " does not understand it"),
+              std::string::npos)
+        << text;
+    EXPECT_EQ(std::ranges::count(text, '\n'), 1) << text;
+    EXPECT_EQ(text.find('\x1b'), std::string::npos);
 }
 
 /// A dds_peer process whose output is read line by line; killed and reaped in the end.
