@@ -55,10 +55,10 @@ public:
           client_id_(options.broker.id_or("romano-sub")),
           interrupts_(io_, SIGINT, SIGTERM),
           timeout_(io_),
-          client_(
+          client_(std::make_unique<WatcherClient>(
               io_, resolve_broker(io_, options.broker.host, options.broker.port),
               options.broker.timing(), static_cast<std::uint64_t>(::getpid()),
-              [this](const client::Event& event) { on_event(event); }, options.broker.packets()) {
+              [this](const client::Event& event) { on_event(event); }, options.broker.packets())) {
         for (const std::string& topic : options_.topics) {
             topics_.push_back(client::topic_name(topic));
         }
@@ -86,13 +86,13 @@ public:
 
 private:
     void connect() {
-        client_.connect({.client_id = client_id_,
-                         .clean_session = !options_.keep_session,
-                         .keep_alive = std::chrono::seconds{options_.broker.keep_alive_s}});
+        client_->connect({.client_id = client_id_,
+                          .clean_session = !options_.keep_session,
+                          .keep_alive = std::chrono::seconds{options_.broker.keep_alive_s}});
     }
 
     void on_time_out() {
-        if (!was_connected_) return fail(options_.broker.unreachable(client_.was_refused()));
+        if (!was_connected_) return fail(options_.broker.unreachable(client_->was_refused()));
         finish(timed_out);
     }
 
@@ -101,8 +101,8 @@ private:
         if (finishing_) return;
         finishing_ = true;
         exit_code_ = exit_code;
-        if (!client_.core().is_connected()) return io_.stop();
-        client_.disconnect();
+        if (!client_->core().is_connected()) return io_.stop();
+        client_->disconnect();
         // A broker that is there answers in a moment; nobody waits for one that is not.
         timeout_.expires_after(300ms);
         timeout_.async_wait([this](const auto& stopped) {
@@ -112,7 +112,7 @@ private:
 
     void fail(std::string sentence) {
         error_ = std::move(sentence);
-        if (client_.core().is_connected()) client_.disconnect();
+        if (client_->core().is_connected()) client_->disconnect();
         io_.stop();
     }
 
@@ -125,7 +125,7 @@ private:
         if (std::holds_alternative<client::Connected>(event)) {
             was_connected_ = true;
             for (const mqttsn::TopicRef& topic : topics_) {
-                (void)client_.subscribe(topic, static_cast<mqttsn::Qos>(options_.qos));
+                (void)client_->subscribe(topic, static_cast<mqttsn::Qos>(options_.qos));
             }
         } else if (const auto* received = std::get_if<client::Received>(&event)) {
             print(*received);
@@ -144,7 +144,7 @@ private:
             }
         } else if (std::holds_alternative<client::Lost>(event)) {
             if (finishing_) return io_.stop();
-            if (!was_connected_) return fail(options_.broker.unreachable(client_.was_refused()));
+            if (!was_connected_) return fail(options_.broker.unreachable(client_->was_refused()));
             connect_again("the broker does not answer");
         }
     }
@@ -206,7 +206,7 @@ private:
     std::uint64_t printed_ = 0;
     int exit_code_ = 0;
     std::string error_;
-    SocketClient client_;
+    std::unique_ptr<WatcherClient> client_;
 };
 
 }  // namespace

@@ -1,13 +1,11 @@
 #include "experiments/fleet/picture_feed.h"
 
 #include "experiments/watch/broker_status.h"
-#include "romano/message/romano_id.h"
 #include "romano/server/node_entry.h"
 
 namespace romano::experiments {
 namespace {
 
-constexpr std::string_view entry_prefix = "$ROMANO/nodes/";
 constexpr std::string_view status_prefix = "$SYS/";
 
 }  // namespace
@@ -19,9 +17,8 @@ void tell_picture(FleetPicture& picture, Instant now, std::string_view topic, By
         if (status) picture.on_broker(now, *status);
         return;
     }
-    if (topic.starts_with(entry_prefix)) {
-        const auto id = message::RomanoId::parse(topic.substr(entry_prefix.size()));
-        if (id && data.empty()) return picture.on_entry_deleted(now, *id);
+    if (const auto id = server::robot_of_entry(topic)) {
+        if (data.empty()) return picture.on_entry_deleted(now, *id);
         const auto entry = server::parse_entry(topic, as_text(data));
         if (entry) picture.on_entry(now, *entry);
         return;

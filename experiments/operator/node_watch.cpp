@@ -10,18 +10,18 @@ NodeWatch::NodeWatch(boost::asio::io_context& io, const BrokerAddress& broker,
                      const std::string& client_id, const client::Timing& timing,
                      std::shared_ptr<keys::ClientPackets> packets)
     : client_id_(client_id),
-      client_(
+      client_(std::make_unique<WatcherClient>(
           io, broker, timing, std::hash<std::string>{}(client_id),
-          [this](const client::Event& event) { on_event(event); }, std::move(packets)) {
-    client_.connect({.client_id = client_id_, .clean_session = true});
+          [this](const client::Event& event) { on_event(event); }, std::move(packets))) {
+    client_->connect({.client_id = client_id_, .clean_session = true});
 }
 
 void NodeWatch::subscribe(const std::string& filter) {
-    (void)client_.subscribe(client::topic_name(filter), mqttsn::Qos::at_least_once);
+    (void)client_->subscribe(client::topic_name(filter), mqttsn::Qos::at_least_once);
 }
 
 void NodeWatch::publish(const std::string& topic, Bytes data, mqttsn::Qos qos) {
-    if (!client_.publish(client::topic_name(topic), data, {.qos = qos})) failed_ = true;
+    if (!client_->publish(client::topic_name(topic), data, {.qos = qos})) failed_ = true;
 }
 
 void NodeWatch::on_event(const client::Event& event) {

@@ -29,20 +29,20 @@ public:
 
     void subscribe(const std::string& filter);
     void publish(const std::string& topic, Bytes data, mqttsn::Qos qos);
-    void leave() { client_.disconnect(); }
+    void leave() { client_->disconnect(); }
 
     [[nodiscard]] const std::map<message::RomanoId, server::NodeEntry>& nodes() const {
         return nodes_;
     }
-    [[nodiscard]] bool is_connected() const { return client_.core().is_connected(); }
-    [[nodiscard]] bool is_idle() const { return client_.core().is_idle(); }
+    [[nodiscard]] bool is_connected() const { return client_->core().is_connected(); }
+    [[nodiscard]] bool is_idle() const { return client_->core().is_idle(); }
     /// Words of the broker on nodes so far.
     [[nodiscard]] std::size_t heard() const { return heard_; }
     /// No answer after all repetitions, or a refusal.
     [[nodiscard]] bool has_failed() const { return failed_; }
     /// The broker answered, with a refusal.
     [[nodiscard]] std::optional<mqttsn::ReturnCode> denial() const { return denial_; }
-    [[nodiscard]] bool was_refused() const { return client_.was_refused(); }
+    [[nodiscard]] bool was_refused() const { return client_->was_refused(); }
 
 private:
     void on_event(const client::Event& event);
@@ -53,7 +53,7 @@ private:
     std::size_t heard_ = 0;
     bool failed_ = false;
     std::optional<mqttsn::ReturnCode> denial_;
-    SocketClient client_;
+    std::unique_ptr<WatcherClient> client_;  // one robot's entry is a topic for it
 };
 
 }  // namespace romano::experiments

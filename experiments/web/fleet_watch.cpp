@@ -87,13 +87,19 @@ void FleetWatch::subscribe_to_all() {
         (void)client_->subscribe(client::topic_name(filter), qos);
     };
     subscribe(brokers_filter, Qos::at_least_once);
-    subscribe(server::entries_filter, Qos::at_least_once);
+    subscribe_to_entries();
     for (const std::string& filter : options_.filters) subscribe(filter, Qos::at_most_once);
     if (options_.filters == std::vector<std::string>{"#"}) return;
     subscribe(server::common_topic, Qos::at_most_once);
     subscribe(std::string{place_prefix} + '+', Qos::at_most_once);
     subscribe(echo_topic_, Qos::at_most_once);
     subscribe(loops_.self().text(), Qos::at_most_once);
+}
+
+void FleetWatch::subscribe_to_entries() {
+    const auto begun =
+        client_->subscribe(client::topic_name(server::entries_filter), Qos::at_least_once);
+    if (begun) entries_ = *begun;
 }
 
 void FleetWatch::on_event(const client::Event& event) {
@@ -105,6 +111,8 @@ void FleetWatch::on_event(const client::Event& event) {
         subscribe_to_all();
     } else if (const auto* received = std::get_if<client::Received>(&event)) {
         on_received(*received);
+    } else if (const auto* subscribed = std::get_if<client::Subscribed>(&event)) {
+        if (subscribed->operation == entries_) missed_.on_subscribed(net::now());
     } else if (const auto* published = std::get_if<client::Published>(&event)) {
         on_ended(published->operation, true);
     } else if (const auto* refused = std::get_if<client::Refused>(&event)) {
@@ -121,6 +129,7 @@ void FleetWatch::on_event(const client::Event& event) {
 
 void FleetWatch::lose() {
     failed_ = true;
+    missed_.on_lost();
     picture_.on_link(net::now(), false);
     for (const auto& [operation, command] : std::exchange(commands_, {})) {
         picture_.on_command_ended(command, false);
@@ -137,7 +146,20 @@ void FleetWatch::on_received(const client::Received& received) {
             tell(message);
         }
     }
+    if (const auto robot = server::robot_of_entry(topic)) {
+        missed_.on_entry(net::now(), *robot, received.retain);
+    }
     tell_picture(picture_, net::now(), topic, received.data);
+}
+
+void FleetWatch::look_for_missed_entries(Instant now) {
+    if (missed_.asks(now)) subscribe_to_entries();
+    if (!missed_.is_answered(now)) return;
+    std::vector<message::RomanoId> left;
+    for (const auto& [id, robot] : picture_.robots()) {
+        if (!missed_.was_told(id)) left.push_back(id);
+    }
+    for (const message::RomanoId& id : left) picture_.on_entry_deleted(now, id);
 }
 
 void FleetWatch::on_echo(Bytes data) {
@@ -192,6 +214,7 @@ void FleetWatch::tick() {
     if (connect_due_ && now >= *connect_due_) connect();
     if (picture_.is_linked()) {
         send_echo(now);
+        look_for_missed_entries(now);
         if (options_.ask_every > Duration{0} && picture_.is_linked()) ask_for_places(now);
     }
     picture_.on_tick(now);

@@ -16,6 +16,7 @@
 
 #include "experiments/fleet/fleet_picture.h"
 #include "experiments/fleet/loop_stop.h"
+#include "experiments/fleet/missed_entries.h"
 #include "experiments/robots/socket_client.h"
 #include "experiments/web/web_api.h"
 
@@ -54,6 +55,7 @@ private:
 
     void connect();
     void subscribe_to_all();
+    void subscribe_to_entries();
     void on_event(const client::Event& event);
     void on_received(const client::Received& received);
     void on_echo(Bytes data);
@@ -64,6 +66,7 @@ private:
                  std::optional<std::uint64_t> command);
     void tell(const LoopStop::ToRobot& message);
     void tick();
+    void look_for_missed_entries(Instant now);
     void send_echo(Instant now);
     void ask_for_places(Instant now);
 
@@ -71,6 +74,8 @@ private:
     FleetWatchOptions options_;
     FleetPicture& picture_;
     LoopStop loops_;
+    MissedEntries missed_;
+    std::optional<client::OperationId> entries_;  // the subscription to them, not taken yet
     std::string echo_topic_;
     boost::asio::steady_timer timer_;
     std::unique_ptr<WatcherClient> client_;

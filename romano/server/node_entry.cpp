@@ -54,6 +54,11 @@ std::string entry_topic(const message::RomanoId& id) {
     return std::string{prefix} + std::string{id.text()};
 }
 
+std::optional<message::RomanoId> robot_of_entry(std::string_view topic) {
+    if (!topic.starts_with(prefix)) return std::nullopt;
+    return message::RomanoId::parse(topic.substr(prefix.size()));
+}
+
 std::string to_text(const NodeEntry& entry) {
     std::string text = "form=";
     text += name_of(entry.form);

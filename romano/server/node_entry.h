@@ -39,6 +39,8 @@ struct NodeEntry {
 };
 
 [[nodiscard]] std::string entry_topic(const message::RomanoId& id);
+/// Whose entry is on that topic; empty for any other topic.
+[[nodiscard]] std::optional<message::RomanoId> robot_of_entry(std::string_view topic);
 [[nodiscard]] std::string to_text(const NodeEntry& entry);
 /// Empty when topic and text are no entry.
 [[nodiscard]] std::optional<NodeEntry> parse_entry(std::string_view topic, std::string_view text);

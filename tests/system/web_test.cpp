@@ -215,6 +215,18 @@ TEST_F(Web, RefusesCommandsWhileNoBrokerAnswersAndGoesOnWhenItIsBack) {
     EXPECT_EQ(web->wait_for_exit(), 0);
 }
 
+TEST_F(Web, KnowsTwelveHundredRobotsThatComeAtOnce) {
+    start_broker(1);
+    start_web(1);
+    Process fleet(ROMANO_ROBOT,
+                  {"--id", "00000001", "--count", "1200", "--broker", addresses.service(1),
+                   "--telemetry", "robots/{id}/pose", "--every", "5", "--quiet"});
+    EXPECT_TRUE(comes([&] { return state().at("robots").size() == 1200; }, 90s))
+        << state().at("robots").size();
+    const auto listed = romano("robots", 1, {"--json"});
+    EXPECT_EQ(json::parse(listed->rest_of_output()).size(), 1200U);
+}
+
 TEST_F(Web, IsServedToThisMachineAloneUnlessItIsToldOtherwise) {
     start_broker(1);
     const auto refused = romano("web", 1, {"--listen", "0.0.0.0:0"});
