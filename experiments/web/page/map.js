@@ -17,6 +17,34 @@ function blank(canvas, box) {
     return pen;
 }
 
+/** The colours of the style sheet: asked for once, for each question makes the browser look at all styles anew. */
+class Colours {
+    constructor(canvas) {
+        this.style = getComputedStyle(canvas);
+        this.known = new Map();
+    }
+
+    of(name) {
+        if (!this.known.has(name)) this.known.set(name, this.style.getPropertyValue(name));
+        return this.known.get(name);
+    }
+}
+
+/** What holds all points that it is told. */
+class Extent {
+    constructor(other) {
+        [this.left, this.right, this.bottom, this.top] =
+            other ? [other.left, other.right, other.bottom, other.top] : [Infinity, -Infinity, Infinity, -Infinity];
+    }
+
+    take(x, y) {
+        if (x < this.left) this.left = x;
+        if (x > this.right) this.right = x;
+        if (y < this.bottom) this.bottom = y;
+        if (y > this.top) this.top = y;
+    }
+}
+
 // Paths are many lines and change slowly; robots are few and are drawn at each change, on a canvas above them.
 const pathsEveryMs = 1000;
 const mostPathPoints = 3000;  // then only some of each robot's, so that a frame has time for them
@@ -33,6 +61,8 @@ export class FleetMap {
         this.spots = [];
         this.frame = null;
         this.pathsDueAt = 0;
+        this.walked = new Extent();  // of all paths, when they were drawn last
+        this.colours = new Colours(this.canvas);
     }
 
     /** Draws these robots; tells how many of them have a place. */
@@ -43,39 +73,33 @@ export class FleetMap {
         if (placed.length === 0) return 0;
         const box = {width: parent.clientWidth, height: parent.clientHeight};
         if (box.width === 0 || box.height === 0) return placed.length;
-        const style = getComputedStyle(this.canvas);
-        const colours = new Map();
-        for (const {home} of placed) {
-            if (!colours.has(home)) colours.set(home, style.getPropertyValue('--home-' + model.colourOf(home)));
+        const {colours} = this;
+        const colourOf = (robot) => colours.of('--home-' + model.colourOf(robot.home));
+        const arePathsDue = performance.now() >= this.pathsDueAt;
+        if (arePathsDue) {
+            this.walked = new Extent();
+            for (const robot of placed) for (const [x, y] of robot.path) this.walked.take(x, y);
         }
         const before = this.frame;
         this.fit(placed, box);
-        if (this.frame !== before || performance.now() >= this.pathsDueAt) {
+        if (this.frame !== before || arePathsDue) {
             this.pathsDueAt = performance.now() + pathsEveryMs;
             const pen = blank(this.under, box);
-            this.drawGrid(pen, box, style);
+            this.drawGrid(pen, box, colours);
             const points = placed.reduce((sum, robot) => sum + robot.path.length, 0);
             const stride = Math.ceil(points / mostPathPoints);
-            for (const robot of placed) this.drawPath(pen, robot, colours.get(robot.home), stride);
+            for (const robot of placed) this.drawPath(pen, robot, colourOf(robot), stride);
         }
         const pen = blank(this.canvas, box);
-        this.spots = placed.map((robot) => this.drawRobot(pen, robot, colours.get(robot.home)));
-        if (placed.length <= 40) this.drawNames(pen, placed, style);
+        this.drawRobots(pen, placed, colourOf);
+        if (placed.length <= 40) this.drawNames(pen, placed, colours);
         return placed.length;
     }
 
     fit(placed, box) {
-        let [left, right, bottom, top] = [Infinity, -Infinity, Infinity, -Infinity];
-        const take = (x, y) => {
-            left = Math.min(left, x);
-            right = Math.max(right, x);
-            bottom = Math.min(bottom, y);
-            top = Math.max(top, y);
-        };
-        for (const robot of placed) {
-            take(robot.place.x_mm, robot.place.y_mm);
-            for (const [x, y] of robot.path) take(x, y);
-        }
+        const all = new Extent(this.walked);
+        for (const {place} of placed) all.take(place.x_mm, place.y_mm);
+        const {left, right, bottom, top} = all;
         const least = 1000;  // mm: robots that stand still are not shown as if through a lens
         const wide = Math.max(right - left, least);
         const high = Math.max(top - bottom, least);
@@ -96,13 +120,13 @@ export class FleetMap {
         return [width / 2 + (x - this.frame.x) * pxPerMm, height / 2 - (y - this.frame.y) * pxPerMm];
     }
 
-    drawGrid(pen, box, style) {
+    drawGrid(pen, box, colours) {
         const {pxPerMm} = this.frame;
         const steps = [100, 200, 500, 1e3, 2e3, 5e3, 1e4, 2e4, 5e4, 1e5, 1e6, 1e7, 1e8, 1e9];
         const step = steps.find((mm) => mm * pxPerMm >= 48) ?? 1e10;
         const xs = [-box.width / 2, box.width / 2].map((px) => this.frame.x + px / pxPerMm);
         const ys = [-box.height / 2, box.height / 2].map((px) => this.frame.y + px / pxPerMm);
-        pen.strokeStyle = style.getPropertyValue('--line');
+        pen.strokeStyle = colours.of('--line');
         pen.lineWidth = 1;
         pen.beginPath();
         for (let x = Math.ceil(xs[0] / step) * step; x <= xs[1]; x += step) {
@@ -116,7 +140,7 @@ export class FleetMap {
             pen.lineTo(box.width, px);
         }
         pen.stroke();
-        pen.fillStyle = pen.strokeStyle = style.getPropertyValue('--muted');
+        pen.fillStyle = pen.strokeStyle = colours.of('--muted');
         pen.font = '12px system-ui, sans-serif';
         const px = step * pxPerMm;
         pen.beginPath();
@@ -140,27 +164,43 @@ export class FleetMap {
         pen.globalAlpha = 1;
     }
 
-    drawRobot(pen, robot, colour) {
-        const [x, y] = this.at(robot.place.x_mm, robot.place.y_mm);
-        pen.save();
-        pen.translate(x, y);
-        pen.rotate(-robot.place.heading_mdeg / 1000 * Math.PI / 180);
-        pen.fillStyle = colour;
-        pen.globalAlpha = robot.state === 'connected' ? 1 : 0.4;
-        pen.beginPath();
-        pen.moveTo(9, 0);
-        pen.lineTo(-6, 6);
-        pen.lineTo(-3, 0);
-        pen.lineTo(-6, -6);
-        pen.closePath();
-        pen.fill();
-        pen.restore();
-        return {x, y, robot: robot.robot};
+    /** All of one colour at once: a thousand small shapes take longer than one with a thousand parts. */
+    drawRobots(pen, placed, colourOf) {
+        const alike = new Map();
+        for (const robot of placed) {
+            const alpha = robot.state === 'connected' ? 1 : 0.4;
+            const look = alpha + colourOf(robot);
+            if (!alike.has(look)) alike.set(look, {alpha, colour: colourOf(robot), robots: []});
+            alike.get(look).robots.push(robot);
+        }
+        for (const {alpha, colour, robots} of alike.values()) {
+            pen.globalAlpha = alpha;
+            pen.fillStyle = colour;
+            pen.beginPath();
+            for (const robot of robots) this.addArrow(pen, robot.place);
+            pen.fill();
+        }
+        pen.globalAlpha = 1;
+        this.spots = placed.map((robot) => {
+            const [x, y] = this.at(robot.place.x_mm, robot.place.y_mm);
+            return {x, y, robot: robot.robot};
+        });
     }
 
-    drawNames(pen, placed, style) {
+    addArrow(pen, place) {
+        const [x, y] = this.at(place.x_mm, place.y_mm);
+        const heading = place.heading_mdeg / 1000 * Math.PI / 180;
+        const [along, across] = [Math.cos(heading), Math.sin(heading)];
+        const to = (ahead, right) => [x + ahead * along + right * across, y - ahead * across + right * along];
+        pen.moveTo(...to(9, 0));
+        pen.lineTo(...to(-6, 6));
+        pen.lineTo(...to(-3, 0));
+        pen.lineTo(...to(-6, -6));
+    }
+
+    drawNames(pen, placed, colours) {
         pen.font = '11px ui-monospace, monospace';
-        pen.fillStyle = style.getPropertyValue('--ink');
+        pen.fillStyle = colours.of('--ink');
         placed.forEach((robot, at) => {
             const {x, y} = this.spots[at];
             pen.fillText(shown(robot.robot), x + 11, y + 4);

@@ -12,6 +12,7 @@ export class Model {
 
     clear() {
         this.brokers = new Map();
+        this.colours = new Map();  // by the brokers' names
         this.robots = new Map();
         this.happenings = new Map();
         this.seconds = [];
@@ -41,6 +42,9 @@ export class Model {
         this.recording = change.recording;
         this.recordingToldAt = performance.now();
         for (const broker of change.brokers) this.brokers.set(broker.name, broker);
+        if (this.brokers.size !== this.colours.size) {
+            this.colours = new Map([...this.brokers.keys()].sort().map((name, at) => [name, String(at % 8)]));
+        }
         const urgent = [];
         for (const id of change.left ?? []) this.robots.delete(id);
         for (const robot of change.robots) {
@@ -74,9 +78,7 @@ export class Model {
 
     /** A broker has the same colour as long as no broker comes that stands before it. */
     colourOf(home) {
-        const names = [...this.brokers.keys()].sort();
-        const at = names.indexOf(home);
-        return at < 0 ? 'none' : String(at % 8);
+        return this.colours.get(home) ?? 'none';
     }
 }
 
