@@ -437,9 +437,8 @@ const SessionHeader* BrokerCore::header(std::string_view client_id) const {
 std::vector<ClientId> BrokerCore::client_ids() const {
     std::vector<ClientId> all;
     all.reserve(session_count());
-    for (const Session* session : state_->tables.sessions.by_client_id()) {
-        all.push_back(session->header.client_id);
-    }
+    state_->tables.sessions.visit(
+        [&all](const Session& session) { all.push_back(session.header.client_id); });
     return all;
 }
 

@@ -101,7 +101,7 @@ public:
     /// Of the session that is homed here; null when there is none. Valid until the next input.
     [[nodiscard]] const SessionHeader* header(std::string_view client_id) const;
     [[nodiscard]] std::vector<SessionImage> images() const;                         // by client id
-    [[nodiscard]] std::vector<ClientId> client_ids() const;                         // sorted
+    [[nodiscard]] std::vector<ClientId> client_ids() const;                         // in no order
     [[nodiscard]] std::vector<ClientId> client_ids_via(const Endpoint& via) const;  // sorted
 
     /// Sets a retained message of the broker itself under $SYS; neither logged nor forwarded.

@@ -108,7 +108,7 @@ void ClusterCore::warn_when_leaderless(Effects& effects) {
 Instant ClusterCore::next_wakeup() const {
     const bool is_behind =
         publish_order_.is_behind() || handoffs_.is_half_done() || hand_back_.is_half_done() ||
-        !take_over_.half_adopted().empty() ||
+        settlement_.is_half_done() || !take_over_.half_adopted().empty() ||
         std::ranges::any_of(logs_, [](const auto& log) { return log.second.next() != nullptr; });
     if (is_behind) return Instant::min();
     return std::min({next_tick_, membership_.next_wakeup(), snapshots_.next_wakeup(),
@@ -340,7 +340,7 @@ void ClusterCore::on_view(Effects& effects, const ViewAnnouncement& announcement
     last_words_.on_view(announcement);
     acknowledge_what_waited(effects);
     ask_for_gaps(effects);
-    settlement_.compare(effects, logs_, view());
+    settlement_.compare(effects.broker, view());
 }
 
 /// Nobody goes on for those whom only brokers with other predefined topics survive. Told once, and

@@ -113,7 +113,7 @@ void ClusterCore::on(Effects& effects, BrokerId from, const SnapshotPart& part) 
     peer_sessions_.reset(id, log.mirror());
     for (const auto& image : snapshot->sessions) mark_taken(image.header.client_id);
     publish_order_.on_snapshot_end(effects, snapshot->as_of);
-    settlement_.compare(effects, logs_, view());
+    settlement_.compare(effects.broker, view());
     acknowledgements_.forget(id);
     for (const auto& image : snapshot->sessions) {
         acknowledgements_.on_session(id, snapshot->as_of.seq, image, is_held());
@@ -125,6 +125,7 @@ void ClusterCore::on(Effects& effects, BrokerId from, const SnapshotPart& part) 
 void ClusterCore::catch_up(Effects& effects) {
     publish_order_.allow(options_.events_per_turn);
     take_over_.on_turn();
+    settlement_.compare_some(logs_);
     if (!is_back()) handoffs_.on_turn(effects, logs());
     for (auto& [id, log] : logs_) apply(effects, id, log, options_.events_per_turn);
 }

@@ -1,6 +1,7 @@
 #include "overlay/cluster/ownership/settlement.h"
 
 #include <algorithm>
+#include <span>
 
 #include "overlay/cluster/ownership/session_handoff.h"
 
@@ -11,15 +12,22 @@ void Settlement::on_peer_session(const Effects& effects, BrokerId peer,
     if (effects.broker.header(client) != nullptr) conflicts_.emplace(client, peer);
 }
 
-void Settlement::compare(const Effects& effects, const PeerLogs& logs, const View& view) {
-    const auto own = effects.broker.client_ids();
-    for (const LogId& member : view.members) {
+void Settlement::compare(const broker::BrokerCore& broker, const View& view) {
+    to_compare_ = broker.client_ids();
+    compared_with_ = view.members;
+}
+
+void Settlement::compare_some(const PeerLogs& logs) {
+    const std::size_t count = std::min(to_compare_.size(), compared_per_turn);
+    const auto piece = std::span{to_compare_}.last(count);
+    for (const LogId& member : compared_with_) {
         const auto log = logs.find(member);
         if (log == logs.end()) continue;
-        for (const broker::ClientId& client : own) {
+        for (const broker::ClientId& client : piece) {
             if (log->second.mirror().contains(client)) conflicts_.emplace(client, member.broker);
         }
     }
+    to_compare_.resize(to_compare_.size() - count);
 }
 
 void Settlement::carry_on(Effects& effects, const Logs& logs, const Membership& membership,
@@ -90,6 +98,7 @@ void Settlement::on_ack(BrokerId from, const HandoffAck& ack) {
 }
 
 void Settlement::restart() {
+    to_compare_.clear();
     conflicts_.clear();
     leaving_.clear();
 }

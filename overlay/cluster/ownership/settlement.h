@@ -10,6 +10,7 @@
 #include <map>
 #include <set>
 #include <utility>
+#include <vector>
 
 #include "overlay/cluster/agreement/membership.h"
 #include "overlay/cluster/effects.h"
@@ -25,8 +26,11 @@ public:
 
     /// A peer's log says that it is home to this client.
     void on_peer_session(const Effects& effects, BrokerId peer, const broker::ClientId& client);
-    /// Looks for all clients that are homed here and there.
-    void compare(const Effects& effects, const PeerLogs& logs, const View& view);
+    /// Looks for all clients that are homed here and at another member; in pieces.
+    void compare(const broker::BrokerCore& broker, const View& view);
+    void compare_some(const PeerLogs& logs);
+    /// There is more to look at.
+    [[nodiscard]] bool is_half_done() const { return !to_compare_.empty(); }
 
     /// Claims what both hold, from time to time.
     /// Sessions of an address that is on its way (`moving`) are settled by the address's owner.
@@ -40,8 +44,9 @@ public:
     void on_request(Effects& effects, const LogId& from, const SessionRequest& request,
                     const HandBack& moving);
     void on_ack(BrokerId from, const HandoffAck& ack);
-    [[nodiscard]] bool is_settled() const { return conflicts_.empty(); }
     void restart();
+
+    static constexpr std::size_t compared_per_turn = 2'000;  // about a millisecond
 
 private:
     /// On its way to its new home: forgotten here, so that two homes never speak to the client,
@@ -55,6 +60,8 @@ private:
     void give_way(Effects& effects, const LogId& to, broker::SessionImage image);
 
     BrokerId self_;
+    std::vector<broker::ClientId> to_compare_;
+    std::vector<LogId> compared_with_;
     std::set<std::pair<broker::ClientId, BrokerId>> conflicts_;
     std::map<broker::ClientId, Leaving> leaving_;
     Instant next_claims_ = Instant::min();

@@ -66,12 +66,9 @@ void PeerLog::apply() {
 /// What the dead broker still did with its sessions before it died.
 void PeerLog::follow_in_tail(const LogEvent& event) {
     if (const auto* put = std::get_if<broker::SessionPut>(&event)) {
-        left_[put->image.header.client_id] = put->image.header.via;
-    } else if (const auto* changed = std::get_if<broker::SessionChanged>(&event)) {
-        const auto session = left_.find(changed->header.client_id);
-        if (session != left_.end()) session->second = changed->header.via;
+        taken_.erase(put->image.header.client_id);
     } else if (const auto* erased = std::get_if<broker::SessionErased>(&event)) {
-        left_.erase(erased->client_id);
+        taken_.erase(erased->client_id);
     }
 }
 
@@ -153,13 +150,6 @@ void PeerLog::freeze() {
     early_.clear();
     early_events_ = 0;
     snapshot_.reset();
-    leave_all();
-}
-
-void PeerLog::leave_all() {
-    mirror_.visit([this](const broker::SessionImage& image) {
-        left_.insert_or_assign(image.header.client_id, image.header.via);
-    });
 }
 
 void PeerLog::heard_end(Seq last, const ViewNumber& view) {
@@ -168,7 +158,7 @@ void PeerLog::heard_end(Seq last, const ViewNumber& view) {
 }
 
 void PeerLog::end_at(Seq end, const ViewNumber& view) {
-    if (lived_on_ && end > agreed_end_) leave_all();
+    if (lived_on_ && end > agreed_end_) taken_.clear();
     lived_on_ = false;
     if (std::exchange(agreed_end_, end) != end) ended_in_ = view;
 }
@@ -179,30 +169,48 @@ void PeerLog::thaw() {
     frozen_ = false;
     agreed_end_ = 0;
     lived_on_ = false;
-    left_.clear();
+    taken_.clear();
     asked_at_ = Instant::min();  // what was missed meanwhile is asked for at once
     asked_after_ = applied();
 }
 
+template <typename Look>
+void PeerLog::visit_left(Look&& look) const {
+    if (!frozen_) return;
+    mirror_.visit([&](const broker::SessionImage& image) {
+        if (taken_.empty() || !taken_.contains(image.header.client_id)) look(image);
+    });
+}
+
 std::vector<broker::SessionImage> PeerLog::sessions_left(const Endpoint& address,
                                                          std::size_t most) const {
+    std::vector<broker::ClientId> clients;
+    visit_left([&](const broker::SessionImage& image) {
+        if (clients.size() < most && image.header.via == address) {
+            clients.push_back(image.header.client_id);
+        }
+    });
     std::vector<broker::SessionImage> images;
-    for (const auto& [client, via] : left_) {
-        if (images.size() == most) break;
-        if (via != address) continue;
-        if (auto image = mirror_.image(client)) images.push_back(*std::move(image));
-    }
+    images.reserve(clients.size());
+    for (const auto& client : clients) images.push_back(*mirror_.image(client));
     return images;
 }
 
 std::size_t PeerLog::count_left(const Endpoint& address) const {
-    return static_cast<std::size_t>(std::ranges::count_if(
-        left_, [&address](const auto& entry) { return entry.second == address; }));
+    std::size_t count = 0;
+    visit_left([&](const broker::SessionImage& image) {
+        if (image.header.via == address) ++count;
+    });
+    return count;
 }
 
 std::vector<Endpoint> PeerLog::addresses_left() const {
     std::set<Endpoint> addresses = serving_;
-    for (const auto& [client, via] : left_) addresses.insert(via);
+    const Endpoint* last = nullptr;  // most sessions have the same
+    visit_left([&](const broker::SessionImage& image) {
+        if (last == nullptr || *last != image.header.via) addresses.insert(image.header.via);
+        last = &image.header.via;
+    });
     return {addresses.begin(), addresses.end()};
 }
 

@@ -12,6 +12,7 @@
 #include <map>
 #include <optional>
 #include <set>
+#include <unordered_set>
 #include <vector>
 
 #include "broker/core/mirror.h"
@@ -110,13 +111,15 @@ public:
         if (!frozen_) serving_ = {addresses.begin(), addresses.end()};
     }
     /// Of a frozen log: the session has a new home, in another log.
-    void mark_taken(const broker::ClientId& client) { left_.erase(client); }
+    void mark_taken(const broker::ClientId& client) {
+        if (frozen_ && mirror_.contains(client)) taken_.insert(client);
+    }
     /// Of a frozen log: the address has a new broker.
     void mark_served(const Endpoint& address) { serving_.erase(address); }
     /// What there is to go on from, should this log's broker be gone; null when it is not home to
     /// the client, or when the session of a frozen log has a new home, for all we know.
     [[nodiscard]] const broker::SessionHeader* session(const broker::ClientId& client) const {
-        const bool is_taken = frozen_ && (outdated_ || !left_.contains(client));
+        const bool is_taken = frozen_ && (outdated_ || taken_.contains(client));
         return is_taken ? nullptr : mirror_.header(client);
     }
     /// Sessions of that address that have no new home yet: `most` of them.
@@ -128,7 +131,8 @@ public:
 
 private:
     void follow_in_tail(const LogEvent& event);
-    void leave_all();
+    template <typename Look>
+    void visit_left(Look&& look) const;
 
     LogId id_;
     broker::Mirror mirror_;
@@ -147,9 +151,9 @@ private:
     bool frozen_ = false;
     bool outdated_ = false;
     Seq agreed_end_ = 0;
-    ViewNumber ended_in_;                        // the first view that agreed on that
-    bool lived_on_ = false;                      // its writer was heard in a later one
-    std::map<broker::ClientId, Endpoint> left_;  // of a frozen log: not taken; with their via
+    ViewNumber ended_in_;                         // the first view that agreed on that
+    bool lived_on_ = false;                       // its writer was heard in a later one
+    std::unordered_set<broker::ClientId> taken_;  // of a frozen log: sessions with a new home
     std::set<Endpoint> serving_;
 };
 

@@ -25,6 +25,13 @@ struct Held {
         log.offer(first, std::move(events));
         while (log.next() != nullptr) log.apply();
     }
+    [[nodiscard]] std::vector<std::string> clients_left(const Endpoint& at) const {
+        std::vector<std::string> clients;
+        for (const auto& image : log.sessions_left(at, 100)) {
+            clients.push_back(image.header.client_id);
+        }
+        return clients;
+    }
 };
 
 TEST(PeerLog, AppliesInOrder) {
@@ -205,10 +212,7 @@ TEST(PeerLog, ATailOfAFrozenLogCounts) {
     held.take(1, {session("a", address(1)), session("b", address(1))});
     held.log.freeze();
     held.take(3, {erased("a"), session("c", address(1))});
-    const auto left = held.log.sessions_left(address(1), 100);
-    ASSERT_EQ(left.size(), 2U);
-    EXPECT_EQ(left[0].header.client_id, "b");
-    EXPECT_EQ(left[1].header.client_id, "c");
+    EXPECT_THAT(held.clients_left(address(1)), UnorderedElementsAre("b", "c"));
 }
 
 // P2: a member that missed the view in which the writer was taken back, with its sessions, is the
@@ -225,10 +229,11 @@ TEST(PeerLog, AWriterThatLivedOnHasItsSessionsAgain) {
         if (is_heard) held.log.heard_end(4, taken_back);
         held.log.end_at(4, {.term = 4});
         held.take(3, {erased("b"), session("c", address(1))});
-        const auto left = held.log.sessions_left(address(1), 100);
-        ASSERT_EQ(left.size(), is_heard ? 2U : 1U);
-        EXPECT_EQ(left.front().header.client_id, is_heard ? "a" : "c");
-        EXPECT_EQ(left.back().header.client_id, "c");
+        if (is_heard) {
+            EXPECT_THAT(held.clients_left(address(1)), UnorderedElementsAre("a", "c"));
+        } else {
+            EXPECT_THAT(held.clients_left(address(1)), ElementsAre("c"));
+        }
     }
 }
 
