@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <type_traits>
 #include <variant>
 #include <vector>
 
@@ -102,5 +103,32 @@ struct PublishReleased {
 using LogEvent = std::variant<SessionPut, SessionChanged, SessionErased, WillChanged, Subscribed,
                               Unsubscribed, TopicBound, Published, Routed, Cursor, DeliveryStarted,
                               DeliveryReleased, DeliveryEnded, PublishReleased>;
+
+/// Calls `look(const ClientId&)` for each of the writer's sessions that the event changes; for some
+/// more than once.
+template <typename Look>
+void visit_changed_sessions(const LogEvent& event, Look&& look) {
+    const auto visit_routes = [&look](const std::vector<Route>& routes) {
+        for (const Route& route : routes) look(route.client_id);
+    };
+    std::visit(
+        [&](const auto& e) {
+            using Event = std::decay_t<decltype(e)>;
+            if constexpr (std::is_same_v<Event, SessionPut>) {
+                look(e.image.header.client_id);
+            } else if constexpr (std::is_same_v<Event, SessionChanged>) {
+                look(e.header.client_id);
+            } else if constexpr (std::is_same_v<Event, Published>) {
+                if (!e.publisher.empty()) look(e.publisher);
+                if (!e.will_of.empty()) look(e.will_of);
+                visit_routes(e.routes);
+            } else if constexpr (std::is_same_v<Event, Routed>) {
+                visit_routes(e.routes);
+            } else if constexpr (!std::is_same_v<Event, Cursor>) {
+                look(e.client_id);
+            }
+        },
+        event);
+}
 
 }  // namespace romano::broker

@@ -15,10 +15,8 @@ std::vector<Delivery>::iterator delivery_at(SessionImage& image, const LogPositi
 
 }  // namespace
 
-Mirror::Mirror(LogPosition as_of, const std::vector<SessionImage>& sessions,
-               std::span<const LogPosition> cursors)
-    : log_(as_of.log), applied_(as_of.seq) {
-    for (const SessionImage& image : sessions) put(image);
+void Mirror::begin_after(Seq as_of, std::span<const LogPosition> cursors) {
+    applied_ = as_of;
     for (const LogPosition& position : cursors) cursors_.advance(position);
 }
 

@@ -25,10 +25,14 @@ public:
     /// Of this log, from its first event on.
     explicit Mirror(LogId log) : log_(log) {}
 
-    /// Of this log from a snapshot on: its home's state as of `as_of.seq`.
-    Mirror(LogPosition as_of, const std::vector<SessionImage>& sessions,
-           std::span<const LogPosition> cursors);
+    // --- from a snapshot, before the first event
+    void put(const SessionImage& image);
+    void erase(std::string_view client_id);
+    /// These are the home's sessions as of that event; and how far it had worked through others'
+    /// logs.
+    void begin_after(Seq as_of, std::span<const LogPosition> cursors);
 
+    // --- event by event
     /// The event after the last one; `seq` says which, and must be applied() + 1.
     void apply(Seq seq, const LogEvent& event);
 
@@ -90,8 +94,6 @@ private:
     void on(const PublishReleased& event);
 
     [[nodiscard]] SessionImage* find(std::string_view client_id);
-    void put(const SessionImage& image);
-    void erase(std::string_view client_id);
     void queue(const LogPosition& position, const MessagePtr& message, const Route& route);
     [[nodiscard]] SessionImage completed(const SessionImage& image) const;
 

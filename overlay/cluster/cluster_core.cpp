@@ -58,6 +58,7 @@ void ClusterCore::on_message(Effects& effects, const Envelope& envelope) {
 }
 
 void ClusterCore::on_tick(Effects& effects, const std::set<Endpoint>& pending_output) {
+    snapshots_.carry_on(effects, logs(), membership_);  // before the broker writes more events
     membership_.on_tick(effects.now);
     has_frozen_logs_ =
         std::ranges::any_of(logs_, [](const auto& log) { return log.second.is_frozen(); });
@@ -176,7 +177,6 @@ void ClusterCore::after_input(Effects& effects) {
     }
     handoffs_.carry_on(effects, safe(effects.now));
     roaming_.carry_on(effects, logs(), peer_sessions_.homes(), handoffs_, membership_, view());
-    snapshots_.carry_on(effects, logs(), membership_);
     break_silence(effects);
     // Others wait for these news.
     const bool news = leadership() != last_leadership_ || view().number != last_view_;

@@ -12,6 +12,7 @@ void ClusterCore::append(Seq seq, LogEvent event) {
     if (const auto* session = std::get_if<broker::SessionPut>(&event)) {
         peer_sessions_.on_own_session(session->image.header.client_id, logs_);
     }
+    snapshots_.on_own_event(own_.id(), event);
     own_.append(seq, std::move(event));
 }
 
@@ -104,20 +105,21 @@ void ClusterCore::on(Effects& effects, BrokerId from, const SnapshotPart& part) 
     if (part.as_of.seq <= log.applied() || !log.offer(effects.now, part)) return;
     publish_order_.on_snapshot(effects, part, logs_);
     for (const auto& message : part.publishes) learn(message);
-    const auto snapshot = log.take_snapshot();
-    if (!snapshot) return;
-    log.restart(*snapshot);
+    const bool is_first = log.applied() == 0;
+    if (is_first) peer_sessions_.on_first_snapshot(part);
+    const auto as_of = log.restart();
+    if (!as_of) return;
     for (const LogPosition& position : log.mirror().unresolved()) {
         if (const auto message = logs().publish_at(position)) log.mirror().resolve(message);
     }
-    peer_sessions_.reset(id, log.mirror());
-    for (const auto& image : snapshot->sessions) mark_taken(image.header.client_id);
-    publish_order_.on_snapshot_end(effects, snapshot->as_of);
+    if (!is_first) peer_sessions_.reset(id, log.mirror());
+    publish_order_.on_snapshot_end(effects, *as_of);
     settlement_.compare(effects.broker, view());
     acknowledgements_.forget(id);
-    for (const auto& image : snapshot->sessions) {
-        acknowledgements_.on_session(id, snapshot->as_of.seq, image, is_held());
-    }
+    log.mirror().visit([&](const broker::SessionImage& image) {
+        mark_taken(image.header.client_id);
+        acknowledgements_.on_session(id, as_of->seq, image, is_held());
+    });
     apply(effects, id, log, options_.events_per_turn);
     acknowledge(effects, id, log);
 }

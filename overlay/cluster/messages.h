@@ -228,12 +228,15 @@ struct SnapshotRequest {
     LogId log{};
     Seq after = 0;
 };
-/// A part of a snapshot of the sender's own state as of `as_of`; parts come in order.
+/// A part of a snapshot of the sender's own state; parts come in order. What a later part says of a
+/// session replaces what an earlier one said: with the last part the whole is as of its `as_of`.
 struct SnapshotPart {
     LogPosition as_of{};
+    Seq since = 0;  // the log's end when the snapshot was begun: the same in all its parts
     std::uint32_t part = 0;
     bool last = false;
     std::vector<broker::SessionImage> sessions{};
+    std::vector<broker::ClientId> gone{};  // sessions that were in earlier parts
     std::vector<broker::MessagePtr> retained{};
     std::vector<broker::MessagePtr>
         publishes{};                     // of the sender's log, not yet passed by all cursors

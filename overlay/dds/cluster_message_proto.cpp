@@ -222,6 +222,8 @@ struct MessageWriter {
         all_to_proto(m.retained, *to.mutable_retained());
         all_to_proto(m.publishes, *to.mutable_publishes());
         all_to_proto(m.cursors, *to.mutable_cursors());
+        to.set_since(m.since);
+        for (const auto& client : m.gone) to.add_gone(client);
     }
     void operator()(const cluster::AddressOffer& m) const {
         to_proto(m.address, *out.mutable_address_offer());
@@ -396,7 +398,9 @@ MaybeMessage read_view_announcement(const ViewAnnouncement& in) {
 MaybeMessage read_snapshot_part(const SnapshotPart& in) {
     const auto as_of = from_proto(in.as_of());
     if (!as_of) return std::nullopt;
-    cluster::SnapshotPart out{*as_of, in.part(), in.last(), {}, {}, {}, {}};
+    cluster::SnapshotPart out{
+        .as_of = *as_of, .since = in.since(), .part = in.part(), .last = in.last()};
+    out.gone.assign(in.gone().begin(), in.gone().end());
     if (!all_from_proto(in.sessions(), out.sessions)) return std::nullopt;
     if (!all_from_proto(in.retained(), out.retained)) return std::nullopt;
     if (!all_from_proto(in.publishes(), out.publishes)) return std::nullopt;

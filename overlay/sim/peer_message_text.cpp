@@ -200,8 +200,8 @@ std::string line(const SnapshotRequest& m) {
     return "SnapshotRequest " + text(LogPosition{m.log, m.after});
 }
 std::string line(const SnapshotPart& m) {
-    std::string all = "SnapshotPart " + text(m.as_of) + text(m.sessions) + " cursors" +
-                      text(m.cursors) + " publishes";
+    std::string all = "SnapshotPart " + text(m.as_of) + text(m.sessions) + " gone " +
+                      std::to_string(m.gone.size()) + " cursors" + text(m.cursors) + " publishes";
     for (const MessagePtr& message : m.publishes) all += ' ' + text(message);
     return all;
 }

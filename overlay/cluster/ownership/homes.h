@@ -27,6 +27,8 @@ public:
     void on_event(BrokerId peer, const broker::LogEvent& event);
     /// Replaces all that is known of the peer.
     void reset(BrokerId peer, const broker::Mirror& sessions);
+    /// A session of the peer as it is now.
+    void put(BrokerId peer, const broker::SessionHeader& header);
     void forget(BrokerId peer);
     void forget(BrokerId peer, const broker::ClientId& client);
 
@@ -54,7 +56,6 @@ private:
         bool is_connected;
     };
 
-    void put(BrokerId peer, const broker::SessionHeader& header);
     void take_back(BrokerId peer, const broker::ClientId& client, Claims& claims);
     void lose(BrokerId peer, const broker::ClientId& client);
     void leave(const broker::ClientId& client, const broker::Origin& place);

@@ -21,6 +21,9 @@ public:
     /// Replaces all that is known of the peer.
     void reset(BrokerId peer, const broker::Mirror& sessions);
     void forget(BrokerId peer);
+    /// A session as it is now.
+    void put(BrokerId peer, const broker::SessionImage& image);
+    void remove_session(BrokerId peer, const broker::ClientId& client);
 
     [[nodiscard]] bool wants(std::string_view topic) const;
     /// Sorted, each once.
@@ -31,8 +34,6 @@ private:
 
     void add(BrokerId peer, const broker::ClientId& client, const std::string& filter);
     void remove(BrokerId peer, const std::string& filter);
-    void remove_session(BrokerId peer, const broker::ClientId& client);
-    void put(BrokerId peer, const broker::SessionImage& image);
 
     broker::TopicTree<BrokerId, std::uint32_t> tree_;  // with the number of the peer's subscribers
     std::map<BrokerId, std::map<broker::ClientId, Filters>> filters_;

@@ -1,7 +1,6 @@
 #include "overlay/cluster/replication/peer_log.h"
 
 #include <algorithm>
-#include <cassert>
 #include <iterator>
 #include <utility>
 
@@ -94,46 +93,37 @@ void PeerLog::offer_ahead(const std::vector<MessagePtr>& publishes) {
     });
 }
 
-bool PeerLog::offer(Instant now, SnapshotPart part) {
-    const bool follows = part.part == 0 || (snapshot_ && snapshot_->as_of == part.as_of &&
-                                            snapshot_->part + 1 == part.part);
-    if (!follows) {
+bool PeerLog::offer(Instant now, const SnapshotPart& part) {
+    if (part.part == 0) snapshot_.emplace(part);
+    if (!snapshot_ || snapshot_->since != part.since || snapshot_->next_part != part.part) {
         snapshot_.reset();  // parts are lost: the gap remains and is asked for again
         return false;
     }
     offer_ahead(part.publishes);
-    if (part.part == 0) {
-        snapshot_ = std::move(part);
-    } else {
-        const auto append = [](auto& all, auto& more) {
-            all.insert(all.end(), std::make_move_iterator(more.begin()),
-                       std::make_move_iterator(more.end()));
-        };
-        append(snapshot_->sessions, part.sessions);
-        append(snapshot_->retained, part.retained);
-        append(snapshot_->publishes, part.publishes);
-        append(snapshot_->cursors, part.cursors);
-        snapshot_->part = part.part;
-        snapshot_->last = part.last;
+    ++snapshot_->next_part;
+    for (const auto& image : part.sessions) snapshot_->sessions.put(image);
+    for (const auto& client : part.gone) snapshot_->sessions.erase(client);
+    auto& publishes = snapshot_->publishes;
+    publishes.insert(publishes.end(), part.publishes.begin(), part.publishes.end());
+    if (part.last) {
+        snapshot_->as_of = part.as_of.seq;
+        snapshot_->sessions.begin_after(part.as_of.seq, part.cursors);
     }
     asked_at_ = now;  // it comes
     asked_after_ = applied();
     return true;
 }
 
-std::optional<SnapshotPart> PeerLog::take_snapshot() {
-    if (!snapshot_ || !snapshot_->last) return std::nullopt;
-    return std::exchange(snapshot_, std::nullopt);
-}
-
-void PeerLog::restart(const SnapshotPart& snapshot) {
-    assert(snapshot.as_of.log == id_);
-    const Seq covered = std::min(received(), snapshot.as_of.seq) - applied();
+std::optional<LogPosition> PeerLog::restart() {
+    if (!snapshot_ || !snapshot_->as_of) return std::nullopt;
+    Snapshot snapshot = *std::exchange(snapshot_, std::nullopt);
+    const Seq as_of = *snapshot.as_of;
+    const Seq covered = std::min(received(), as_of) - applied();
     ready_.erase(ready_.begin(), ready_.begin() + static_cast<std::ptrdiff_t>(covered));
-    mirror_ = broker::Mirror(snapshot.as_of, snapshot.sessions, snapshot.cursors);
-    history_.restart(snapshot.as_of.seq, snapshot.publishes);
+    mirror_ = std::move(snapshot.sessions);
+    history_.restart(as_of, std::move(snapshot.publishes));
     ahead_.clear();
-    known_end_ = std::max(known_end_, snapshot.as_of.seq);
+    known_end_ = std::max(known_end_, as_of);
     while (!early_.empty()) {
         auto next = early_.extract(early_.begin());
         early_events_ -= next.mapped().size();
@@ -141,6 +131,7 @@ void PeerLog::restart(const SnapshotPart& snapshot) {
         offer(next.key(), std::move(next.mapped()));
         if (!follows) break;
     }
+    return LogPosition{id_, as_of};
 }
 
 void PeerLog::freeze() {

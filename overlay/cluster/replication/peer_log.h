@@ -61,11 +61,10 @@ public:
     /// Publishes beyond the events that are here, in log order.
     void offer_ahead(const std::vector<MessagePtr>& publishes);
     /// False when it does not follow the parts that are here.
-    [[nodiscard]] bool offer(Instant now, SnapshotPart part);
-    /// Once its last part is here.
-    [[nodiscard]] std::optional<SnapshotPart> take_snapshot();
-    /// Replaces mirror and history by the snapshot.
-    void restart(const SnapshotPart& snapshot);
+    [[nodiscard]] bool offer(Instant now, const SnapshotPart& part);
+    /// Once the last part is here: replaces mirror and history by the snapshot, and says as of
+    /// which event it is.
+    [[nodiscard]] std::optional<LogPosition> restart();
 
     /// Its writer came into a view that we had without it.
     void set_apart(bool was_apart) { was_apart_ = was_apart; }
@@ -143,8 +142,19 @@ private:
     Seq known_end_ = 0;
     Instant asked_at_ = Instant::min();
     Seq asked_after_ = 0;
-    std::optional<SnapshotPart> snapshot_;  // what has come of it
-    std::vector<MessagePtr> ahead_;         // beyond applied(), in log order
+    /// What has come of it.
+    struct Snapshot {
+        explicit Snapshot(const SnapshotPart& first)
+            : since(first.since), sessions(first.as_of.log) {}
+
+        Seq since;
+        std::uint32_t next_part = 0;
+        broker::Mirror sessions;
+        std::vector<MessagePtr> publishes;
+        std::optional<Seq> as_of;  // once it is whole
+    };
+    std::optional<Snapshot> snapshot_;
+    std::vector<MessagePtr> ahead_;  // beyond applied(), in log order
 
     bool was_apart_ = false;
     bool foreign_ = false;

@@ -13,6 +13,19 @@ void PeerSessions::on_late_event(const LogId& log) {
     if (follow(log)) followed_.erase(log.broker);
 }
 
+void PeerSessions::on_first_snapshot(const SnapshotPart& part) {
+    const LogId& log = part.as_of.log;
+    if (part.part == 0) reset(log, broker::Mirror(log));
+    for (const auto& image : part.sessions) {
+        interest_.put(log.broker, image);
+        homes_.put(log.broker, image.header);
+    }
+    for (const auto& client : part.gone) {
+        interest_.remove_session(log.broker, client);
+        homes_.forget(log.broker, client);
+    }
+}
+
 void PeerSessions::reset(const LogId& log, const broker::Mirror& sessions) {
     interest_.reset(log.broker, sessions);
     homes_.reset(log.broker, sessions);

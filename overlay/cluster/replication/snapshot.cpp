@@ -1,7 +1,7 @@
 #include "overlay/cluster/replication/snapshot.h"
 
 #include <algorithm>
-#include <iterator>
+#include <utility>
 
 namespace romano::cluster {
 namespace {
@@ -10,44 +10,73 @@ namespace {
 constexpr std::size_t sessions_per_part = 16;
 constexpr std::size_t messages_per_part = 64;
 
-/// Moves up to `most` items from `next` on; true when none is left.
-template <typename Item>
-bool take(std::vector<Item>& from, std::size_t& next, std::size_t most, std::vector<Item>& to) {
-    const std::size_t end = std::min(next + most, from.size());
-    const auto begin = from.begin();
-    to.assign(std::make_move_iterator(begin + static_cast<std::ptrdiff_t>(next)),
-              std::make_move_iterator(begin + static_cast<std::ptrdiff_t>(end)));
-    next = end;
-    return next == from.size();
-}
-
 }  // namespace
 
 Snapshot::Snapshot(const broker::BrokerCore& broker, const Logs& logs)
-    : as_of_{logs.own.id(), logs.own.last()},
-      sessions_(broker.images()),
-      retained_(broker.retained()),
-      cursors_(broker.cursors()),
-      published_(0) {}
+    : log_(logs.own.id()),
+      since_(logs.own.last()),
+      to_send_(broker.client_ids()),
+      retained_(broker.retained()) {}
 
 Snapshot::Snapshot(const PeerLogs::value_type& removed, Seq after)
-    : as_of_{removed.first, removed.second.end()}, published_(after) {}
+    : log_(removed.first), since_(removed.second.end()), published_(after) {}
 
-SnapshotPart Snapshot::next(const Logs& logs) {
-    SnapshotPart part{.as_of = as_of_, .part = next_part_++};
-    const bool all_sessions = take(sessions_, next_session_, sessions_per_part, part.sessions);
-    const bool all_retained = take(retained_, next_retained_, messages_per_part, part.retained);
-    if (const LogHistory* history = logs.history_of(as_of_.log)) {
-        part.publishes = history->publishes_after(published_, messages_per_part);
+void Snapshot::on_event(const broker::LogEvent& event) {
+    broker::visit_changed_sessions(
+        event, [this](const broker::ClientId& client) { changed_.insert(client); });
+}
+
+SnapshotPart Snapshot::next(const broker::BrokerCore& broker, const Logs& logs) {
+    const bool is_own = log_ == logs.own.id();
+    SnapshotPart part{
+        .as_of = {log_, is_own ? logs.own.last() : since_}, .since = since_, .part = next_part_++};
+    const bool all_sessions = !is_own || put_sessions(broker, part);
+    const bool all_publishes = put_publishes(logs, part);
+    const std::size_t count = std::min(messages_per_part, retained_.size() - next_retained_);
+    const auto retained = retained_.begin() + static_cast<std::ptrdiff_t>(next_retained_);
+    part.retained.assign(retained, retained + static_cast<std::ptrdiff_t>(count));
+    next_retained_ += count;
+    part.last = all_sessions && all_publishes && next_retained_ == retained_.size();
+    if (!part.last || !is_own) return part;
+    for (const auto& client : std::exchange(changed_, {})) put_session(broker, client, part);
+    part.cursors = broker.cursors();
+    return part;
+}
+
+bool Snapshot::put_sessions(const broker::BrokerCore& broker, SnapshotPart& part) {
+    for (std::size_t i = 0; i < sessions_per_part && !to_send_.empty(); ++i) {
+        const broker::ClientId client = std::move(to_send_.back());
+        to_send_.pop_back();
+        changed_.erase(client);
+        put_session(broker, client, part);
     }
-    while (!part.publishes.empty() && part.publishes.back()->position.seq > as_of_.seq) {
+    if (!to_send_.empty()) return false;
+    if (changed_.size() <= sessions_per_part || rounds_ == rounds_most) return true;
+    ++rounds_;
+    const auto again = std::exchange(changed_, {});
+    to_send_.assign(again.begin(), again.end());
+    return false;
+}
+
+void Snapshot::put_session(const broker::BrokerCore& broker, const broker::ClientId& client,
+                           SnapshotPart& part) {
+    if (auto image = broker.image(client)) {
+        part.sessions.push_back(*std::move(image));
+    } else {
+        part.gone.push_back(client);
+    }
+}
+
+bool Snapshot::put_publishes(const Logs& logs, SnapshotPart& part) {
+    const LogHistory* history = logs.history_of(log_);
+    if (history == nullptr) return true;
+    part.publishes = history->publishes_after(published_, messages_per_part);
+    const bool all = part.publishes.size() < messages_per_part;
+    while (!part.publishes.empty() && part.publishes.back()->position.seq > part.as_of.seq) {
         part.publishes.pop_back();
     }
     if (!part.publishes.empty()) published_ = part.publishes.back()->position.seq;
-    const bool all_publishes = part.publishes.size() < messages_per_part;
-    part.last = all_sessions && all_retained && all_publishes;
-    if (part.last) part.cursors = cursors_;
-    return part;
+    return all || part.publishes.size() < messages_per_part;
 }
 
 }  // namespace romano::cluster

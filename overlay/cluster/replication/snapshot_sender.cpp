@@ -27,6 +27,12 @@ void SnapshotSender::on_request(Effects& effects, BrokerId from, const SnapshotR
     send(to, Snapshot(effects.broker, logs));
 }
 
+void SnapshotSender::on_own_event(const LogId& own, const broker::LogEvent& event) {
+    for (auto& [key, snapshot] : underway_) {
+        if (snapshot.log() == own) snapshot.on_event(event);
+    }
+}
+
 void SnapshotSender::carry_on(Effects& effects, const Logs& logs, const Membership& membership) {
     if (underway_.empty() || effects.now < next_turn_) return;
     next_turn_ = effects.now + effects.times.snapshot_pieces_every();
@@ -34,16 +40,17 @@ void SnapshotSender::carry_on(Effects& effects, const Logs& logs, const Membersh
         const LogId& to = at->first.first;
         const Peer* peer = membership.find(to.broker);
         const bool is_there = peer != nullptr && peer->beacon.log == to;
-        at = is_there && send_some(to, at->second, logs, effects.peers) ? std::next(at)
-                                                                        : underway_.erase(at);
+        at = is_there && send_some(effects, to, at->second, logs) ? std::next(at)
+                                                                  : underway_.erase(at);
     }
 }
 
-bool SnapshotSender::send_some(const LogId& to, Snapshot& snapshot, const Logs& logs, Outbox& out) {
+bool SnapshotSender::send_some(Effects& effects, const LogId& to, Snapshot& snapshot,
+                               const Logs& logs) {
     for (int i = 0; i < parts_at_once; ++i) {
-        SnapshotPart part = snapshot.next(logs);
+        SnapshotPart part = snapshot.next(effects.broker, logs);
         const bool is_last = part.last;
-        out.push_back({to.broker, std::move(part)});
+        effects.peers.push_back({to.broker, std::move(part)});
         if (is_last) return false;
     }
     return true;

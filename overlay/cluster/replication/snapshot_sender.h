@@ -23,7 +23,10 @@ public:
     /// its last publishes.
     void on_request(Effects& effects, BrokerId from, const SnapshotRequest& request,
                     const Logs& logs, const Membership& membership);
+    /// The next event of the own log.
+    void on_own_event(const LogId& own, const broker::LogEvent& event);
     /// Sends the next parts when it is time. What was for an earlier life of a peer is dropped.
+    /// All of the broker's events must stand in the own log.
     void carry_on(Effects& effects, const Logs& logs, const Membership& membership);
     /// Instant::max() when nothing is under way.
     [[nodiscard]] Instant next_wakeup() const {
@@ -36,7 +39,7 @@ public:
 
 private:
     /// False when the last part is among them.
-    static bool send_some(const LogId& to, Snapshot& snapshot, const Logs& logs, Outbox& out);
+    static bool send_some(Effects& effects, const LogId& to, Snapshot& snapshot, const Logs& logs);
 
     std::map<std::pair<LogId, LogId>, Snapshot> underway_;  // by receiver and log
     Instant next_turn_ = Instant::min();

@@ -57,7 +57,7 @@ static_assert(field_count<cluster::LogTail>() == 4);
 static_assert(field_count<cluster::Assignment>() == 3);
 static_assert(field_count<cluster::ViewAnnouncement>() == 3);
 static_assert(field_count<cluster::SnapshotRequest>() == 2);
-static_assert(field_count<cluster::SnapshotPart>() == 7);
+static_assert(field_count<cluster::SnapshotPart>() == 9);
 static_assert(field_count<cluster::AddressBound>() == 2);
 static_assert(field_count<cluster::SessionHandoff>() == 5);
 static_assert(field_count<cluster::HandoffAck>() == 2);

@@ -276,9 +276,12 @@ cluster::ClusterMessage random_message(std::size_t kind, Random& r) {
         case 10:
             return cluster::SnapshotRequest{log_id(r), wide(r)};
         case 11:
-            return cluster::SnapshotPart{position(r),      r.next(),         flag(r),
-                                         some(r, image),   some(r, message), some(r, message),
-                                         some(r, position)};
+            return cluster::SnapshotPart{
+                position(r),      wide(r),
+                r.next(),         flag(r),
+                some(r, image),   some(r, [](Random& from) { return text(from); }),
+                some(r, message), some(r, message),
+                some(r, position)};
         case 12:
             return cluster::AddressOffer{endpoint(r)};
         case 13:

@@ -144,6 +144,7 @@ TEST_F(CatchingUp, ASnapshotLeavesInPiecesAndOnce) {
     EXPECT_EQ(sent, publishes);
     now += 10ms;
     request();
+    tick();
     EXPECT_FALSE(take_sent<SnapshotPart>().empty()) << "who asks later gets another one";
 }
 

@@ -60,7 +60,8 @@ TEST(Interest, ASnapshotReplacesWhatWasKnown) {
     interest.on_event(b1, subscribed("a", "old/#"));
     auto image = std::get<broker::SessionPut>(session("a")).image;
     image.subscriptions.push_back({.filter = "new/#"});
-    const broker::Mirror mirror{{{b1, 1}, 7}, {image}, {}};
+    broker::Mirror mirror{{b1, 1}};
+    mirror.put(image);
     interest.reset(b1, mirror);
     interest.reset(b1, mirror);
     EXPECT_THAT(interest.interested_in("old/x"), IsEmpty());

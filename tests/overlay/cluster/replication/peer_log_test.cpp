@@ -25,6 +25,10 @@ struct Held {
         log.offer(first, std::move(events));
         while (log.next() != nullptr) log.apply();
     }
+    void restart_at(Seq as_of) {
+        ASSERT_TRUE(log.offer(start, {.as_of = {test::log_of("b1"), as_of}, .last = true}));
+        ASSERT_TRUE(log.restart());
+    }
     [[nodiscard]] std::vector<std::string> clients_left(const Endpoint& at) const {
         std::vector<std::string> clients;
         for (const auto& image : log.sessions_left(at, 100)) {
@@ -89,11 +93,9 @@ TEST(PeerLog, ASnapshotInPartsReplacesEverything) {
     SnapshotPart last{.as_of = first.as_of, .part = 1, .last = true};
     last.sessions.push_back(std::get<broker::SessionPut>(session("b")).image);
     EXPECT_TRUE(held.log.offer(start, first));
-    EXPECT_FALSE(held.log.take_snapshot());
+    EXPECT_FALSE(held.log.restart());
     EXPECT_TRUE(held.log.offer(start, last));
-    const auto whole = held.log.take_snapshot();
-    ASSERT_TRUE(whole);
-    held.log.restart(*whole);
+    EXPECT_EQ(held.log.restart(), (LogPosition{test::log_of("b1"), 50}));
     EXPECT_EQ(held.log.applied(), 50U);
     EXPECT_FALSE(held.log.mirror().contains("old"));
     EXPECT_TRUE(held.log.mirror().contains("a"));
@@ -102,13 +104,41 @@ TEST(PeerLog, ASnapshotInPartsReplacesEverything) {
     EXPECT_EQ(held.log.applied(), 51U);
 }
 
+// Its sessions go on changing while it is on its way.
+TEST(PeerLog, WhatALaterPartSaysOfASessionReplacesWhatAnEarlierOneSaid) {
+    const LogId b1 = test::log_of("b1");
+    Held held;
+    SnapshotPart first{.as_of = {b1, 50}, .since = 50};
+    first.sessions = {std::get<broker::SessionPut>(session("a", address(1))).image,
+                      std::get<broker::SessionPut>(session("b", address(1))).image};
+    SnapshotPart last{.as_of = {b1, 60}, .since = 50, .part = 1, .last = true};
+    last.sessions = {std::get<broker::SessionPut>(session("a", address(2))).image};
+    last.gone = {"b", "never there"};
+    held.take(52, {session("c")});  // it is in neither part's state; the last one's is newer
+    ASSERT_TRUE(held.log.offer(start, first));
+    ASSERT_TRUE(held.log.offer(start, last));
+    EXPECT_EQ(held.log.restart(), (LogPosition{b1, 60}));
+    EXPECT_EQ(held.log.applied(), 60U);
+    EXPECT_EQ(held.log.mirror().size(), 1U);
+    ASSERT_NE(held.log.mirror().header("a"), nullptr);
+    EXPECT_EQ(held.log.mirror().header("a")->via, address(2));
+}
+
+TEST(PeerLog, PartsOfTwoSnapshotsAreNotOne) {
+    const LogId b1 = test::log_of("b1");
+    Held held;
+    EXPECT_TRUE(held.log.offer(start, {.as_of = {b1, 50}, .since = 50}));
+    EXPECT_FALSE(held.log.offer(start, {.as_of = {b1, 60}, .since = 55, .part = 1, .last = true}));
+    EXPECT_FALSE(held.log.restart());
+}
+
 TEST(PeerLog, ASnapshotWithAMissingPartIsDropped) {
     Held held;
     const SnapshotPart first{.as_of = {test::log_of("b1"), 50}, .part = 0};
     const SnapshotPart third{.as_of = first.as_of, .part = 2, .last = true};
     EXPECT_TRUE(held.log.offer(start, first));
     EXPECT_FALSE(held.log.offer(start, third));
-    EXPECT_FALSE(held.log.take_snapshot());
+    EXPECT_FALSE(held.log.restart());
 }
 
 TEST(PeerLog, ThePublishesOfAnUnfinishedSnapshotAreFoundUntilTheHistoryHasThem) {
@@ -135,14 +165,14 @@ TEST(PeerLog, ThePublishesOfAnUnfinishedSnapshotAreFoundUntilTheHistoryHasThem) 
     EXPECT_TRUE(held.log.offer(start, part(0, {1, 3}, false)));
     EXPECT_TRUE(held.log.offer(start, part(1, {20, 40}, true)));
     EXPECT_THAT(found(held.log), ElementsAre(3, 20, 40));
-    held.log.restart(*held.log.take_snapshot());
+    EXPECT_TRUE(held.log.restart());
     EXPECT_THAT(found(held.log), ElementsAre(3, 20, 40));
 }
 
 TEST(PeerLog, EventsThatCameDuringASnapshotFollowIt) {
     Held held;
     held.take(51, {session("late")});
-    held.log.restart(SnapshotPart{.as_of = {test::log_of("b1"), 50}, .last = true});
+    held.restart_at(50);
     while (held.log.next() != nullptr) held.log.apply();
     EXPECT_EQ(held.log.applied(), 51U);
     EXPECT_TRUE(held.log.mirror().contains("late"));
@@ -151,7 +181,7 @@ TEST(PeerLog, EventsThatCameDuringASnapshotFollowIt) {
 TEST(PeerLog, WhatIsHereAndFollowsASnapshotStays) {
     Held held;
     held.log.offer(1, {session("a"), session("b"), session("c")});  // not applied yet
-    held.log.restart(SnapshotPart{.as_of = {test::log_of("b1"), 2}, .last = true});
+    held.restart_at(2);
     ASSERT_NE(held.log.next(), nullptr);
     held.log.apply();
     EXPECT_EQ(held.log.next(), nullptr);

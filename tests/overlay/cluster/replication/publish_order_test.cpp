@@ -73,7 +73,9 @@ protected:
     /// The last part.
     void snapshot(const LogId& id, const std::vector<Seq>& publishes, Seq as_of) {
         part(id, publishes);
-        logs.at(id).restart({.as_of = {id, as_of}});
+        PeerLog& log = logs.at(id);
+        ASSERT_TRUE(log.offer(now, {.as_of = {id, as_of}, .last = true}));
+        ASSERT_TRUE(log.restart());
         Effects acting = effects();
         order.on_snapshot_end(acting, {id, as_of});
         carry_on();

@@ -2,6 +2,13 @@
 
 #include <gmock/gmock.h>
 
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "romano/base/random.h"
+#include "tests/broker/core/scripted_client.h"
 #include "tests/overlay/cluster/events.h"
 
 namespace romano::cluster::snapshot_test {
@@ -26,7 +33,7 @@ struct SnapshotTest : testing::Test {
 TEST_F(SnapshotTest, TellsHowFarTheLogsOfRemovedBrokersWereWorkedThrough) {
     const LogPosition removed{test::log_of("removed"), 7};
     core.advance_cursor(removed);
-    const SnapshotPart only = Snapshot(core, logs).next(logs);
+    const SnapshotPart only = Snapshot(core, logs).next(core, logs);
     EXPECT_TRUE(only.last);
     EXPECT_THAT(only.cursors, testing::ElementsAre(removed));
 }
@@ -36,15 +43,111 @@ TEST_F(SnapshotTest, HasThePublishesUpToItsEventInOrder) {
     Snapshot snapshot(core, logs);
     Seq seen = 0;
     for (std::uint32_t number = 0;; ++number) {
-        publish(10);  // while it is on its way: of a later event than the snapshot's
-        const SnapshotPart part = snapshot.next(logs);
-        EXPECT_EQ(part.as_of, (LogPosition{self, 200}));
+        publish(10);  // while it is on its way
+        const SnapshotPart part = snapshot.next(core, logs);
+        EXPECT_EQ(part.as_of, (LogPosition{self, own.last()}));
+        EXPECT_EQ(part.since, 200U);
         EXPECT_EQ(part.part, number);
         EXPECT_LE(part.publishes.size(), 64U);
         for (const auto& message : part.publishes) EXPECT_EQ(message->position.seq, ++seen);
         if (part.last) break;
     }
-    EXPECT_EQ(seen, 200U);
+    EXPECT_EQ(seen, own.last());
+}
+
+/// A broker whose clients go on while a peer is sent its snapshot.
+struct Busy {
+    static constexpr int clients_count = 150;
+
+    explicit Busy(std::uint32_t seed) : random(seed) {
+        for (int i = 0; i < clients_count; ++i) {
+            clients.push_back(std::make_unique<broker::ScriptedClient>(home, std::to_string(i)));
+            clients.back()->connects(false);
+            if (i % 3 == 0) (void)clients.back()->subscribes("a/+", Qos::at_least_once);
+            topics.push_back(clients.back()->registers("a/" + std::to_string(i % 7)));
+        }
+        take_log();
+    }
+
+    void somebody_does_something() {
+        const std::size_t i = random.below(clients_count);
+        auto& client = *clients[i];
+        switch (random.below(5)) {
+            case 0:
+                client.says(client.connect(random.below(2) == 0));
+                break;
+            case 1:
+                client.says(broker::Disconnect{});
+                break;
+            case 2:
+                client.says(broker::Subscribe{
+                    false,
+                    Qos::at_least_once,
+                    client.next_msg_id(),
+                    {broker::TopicIdType::normal, "b/" + std::to_string(random.below(9)), {}}});
+                break;
+            default:
+                client.says(broker::Publish{false, Qos::at_least_once, false,
+                                            broker::TopicIdType::normal, topics[i],
+                                            client.next_msg_id(), as_octets("x")});
+        }
+        client.ignores_what_came();
+    }
+    /// Into the own log, as a member does at the end of a turn.
+    void take_log() {
+        for (; own.last() < home.log.size();) {
+            const auto& event = home.log[own.last()];
+            if (snapshot) snapshot->on_event(event);
+            own.append(own.last() + 1, event);
+        }
+    }
+
+    using Qos = mqttsn::Qos;
+    Random random;
+    broker::ScriptedBroker home{broker::logging_options()};
+    std::vector<std::unique_ptr<broker::ScriptedClient>> clients;
+    std::vector<mqttsn::TopicId> topics;
+    PeerLogs peers;
+    OwnLog own{home.core_log(), 100'000};
+    Logs logs{peers, own};
+    std::optional<Snapshot> snapshot;
+};
+
+// I2, I5: or an heir that came late would go on from something that never was.
+TEST(SnapshotOfABusyBroker, IsAsOfOneEvent) {
+    for (std::uint32_t seed = 1; seed <= 20; ++seed) {
+        SCOPED_TRACE("seed " + std::to_string(seed));
+        Busy busy(seed);
+        const std::uint32_t deeds = seed % 4 == 0 ? 100 : 1 + seed % 5;  // between two parts
+        PeerLog held(busy.home.core_log(), 100'000);
+        busy.snapshot.emplace(busy.home.core, busy.logs);
+        std::optional<LogPosition> as_of;
+        for (int parts = 0; !as_of; ++parts) {
+            ASSERT_LT(parts, 1'000) << "it ends, however busy its broker is";
+            ASSERT_TRUE(held.offer(Instant{}, busy.snapshot->next(busy.home.core, busy.logs)));
+            as_of = held.restart();
+            if (as_of) break;
+            for (std::uint32_t i = 0; i < deeds; ++i) busy.somebody_does_something();
+            busy.take_log();
+        }
+        ASSERT_EQ(as_of->seq, busy.own.last());
+        const auto compare = [&] {
+            const auto at_home = busy.home.core.images();
+            const auto mirrored = held.mirror().images();
+            ASSERT_EQ(at_home.size(), mirrored.size());
+            for (std::size_t i = 0; i < at_home.size(); ++i) {
+                ASSERT_TRUE(broker::same_state(at_home[i], mirrored[i]))
+                    << at_home[i].header.client_id;
+            }
+        };
+        compare();
+        for (int i = 0; i < 50; ++i) busy.somebody_does_something();
+        busy.take_log();
+        held.offer(as_of->seq + 1, {busy.home.log.begin() + static_cast<std::ptrdiff_t>(as_of->seq),
+                                    busy.home.log.end()});
+        while (held.next() != nullptr) held.apply();
+        compare();
+    }
 }
 
 TEST_F(SnapshotTest, LastWordsAreThePublishesThatTheOtherLacks) {
@@ -54,7 +157,7 @@ TEST_F(SnapshotTest, LastWordsAreThePublishesThatTheOtherLacks) {
         log.offer(seq, {test::published(dead, seq)});
         log.apply();
     }
-    const SnapshotPart only = Snapshot(*peers.begin(), 1).next(logs);
+    const SnapshotPart only = Snapshot(*peers.begin(), 1).next(core, logs);
     EXPECT_TRUE(only.last);
     EXPECT_EQ(only.as_of, (LogPosition{dead, 3}));
     ASSERT_EQ(only.publishes.size(), 2U);
