@@ -147,10 +147,8 @@ int run(Settings& settings, bool by_name) {
     bar.show(0, "begins");
     for (std::size_t i = 0; i < tasks.size(); ++i) {
         const auto at_once = static_cast<unsigned>(tasks[i].all_at_once ? runs[i].size() : 1);
-        do_runs(runs[i], folder, at_once, [&](const experiments::SeparateRun& one) {
-            bar.finish_quietly();
-            bar.show(0, one.name);
-        });
+        do_runs(runs[i], folder, at_once,
+                [&](const experiments::SeparateRun& one) { bar.finish_cell(one.name); });
     }
     bar.erase();
     fs::remove_all(plan.scratch, failed);

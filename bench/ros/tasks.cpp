@@ -161,6 +161,9 @@ Figures delay(const Contestant& contestant, const Plan& plan, int rate, unsigned
     auto one_way = delays_ms(there, window);
     auto round = delays_ms(back, window);
     figures.set("lost", 2 * sent - static_cast<double>(one_way.size() + round.size()));
+    figures.set(
+        "published_percent",
+        sent * 100 / rate / std::chrono::duration<double>(window.end - window.begin).count());
     set_costs(figures, world, window, 2 * sent);
     set_delays(figures, "one_way", std::move(one_way));
     set_delays(figures, "round_trip", std::move(round));
