@@ -12,6 +12,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "bench/ros/neighbour_room.h"
 #include "bench/ros/ros_report.h"
 #include "bench/ros/tasks.h"
 #include "bench/ros/world.h"
@@ -129,6 +130,7 @@ int run(Settings& settings, bool by_name) {
                             ": cannot be written; it must be a folder");
     }
     heed_interrupts();
+    const NeighbourRoom room;
     const auto tasks = tasks_of(plan);
     std::vector<std::vector<experiments::SeparateRun>> runs;
     std::size_t total = 0;
