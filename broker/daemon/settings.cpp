@@ -92,6 +92,11 @@ std::vector<Endpoint> check_listen(const std::vector<std::string>& texts, bool a
             refuse_option("listen", text,
                           "is a multicast group; clients need an address of this machine");
         }
+        if (net::is_link_local(endpoint) && endpoint.scope == 0) {
+            refuse_option("listen", text,
+                          "is link-local, the same on every network; name the interface, for "
+                          "example [fe80::1%eth0]:1883");
+        }
         const auto is_same = [&](const Endpoint& other) { return plain(other) == plain(endpoint); };
         if (endpoint.port != 0 && std::ranges::any_of(out, is_same)) {
             refuse_option("listen", text, "is given twice; once is enough");

@@ -49,8 +49,7 @@ Endpoint to_endpoint(const in6_addr& address, std::uint16_t port, std::uint32_t 
     out.family = Endpoint::Family::ipv6;
     out.port = port;
     std::memcpy(out.address.data(), &address, 16);
-    const bool link_local = out.address[0] == 0xFE && (out.address[1] & 0xC0U) == 0x80;
-    if (link_local || is_link_group(out)) out.scope = interface;
+    if (is_link_local(out) || is_link_group(out)) out.scope = interface;
     return out;
 }
 
@@ -63,6 +62,11 @@ bool is_loopback(const Endpoint& endpoint) {
     std::array<std::uint8_t, 16> one{};
     one.back() = 1;
     return endpoint.family == Endpoint::Family::ipv6 && endpoint.address == one;
+}
+
+bool is_link_local(const Endpoint& endpoint) {
+    return endpoint.family == Endpoint::Family::ipv6 && endpoint.address[0] == 0xFE &&
+           (endpoint.address[1] & 0xC0U) == 0x80;
 }
 
 Endpoint as_reached_here(Endpoint address) {

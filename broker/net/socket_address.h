@@ -34,6 +34,8 @@ struct SocketAddress {
 [[nodiscard]] bool is_wildcard(const Endpoint& endpoint);
 /// 127.0.0.0/8 or [::1]: this machine alone reaches it.
 [[nodiscard]] bool is_loopback(const Endpoint& endpoint);
+/// fe80::/10: the same on every network, so that `scope` must say which.
+[[nodiscard]] bool is_link_local(const Endpoint& endpoint);
 /// Where this machine reaches what is served at `address`: loopback for a wildcard.
 [[nodiscard]] Endpoint as_reached_here(Endpoint address);
 [[nodiscard]] bool is_multicast(const Endpoint& endpoint);

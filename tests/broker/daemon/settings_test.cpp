@@ -282,6 +282,12 @@ TEST(Settings, RefusesWhatABrokerAloneCannotDo) {
     EXPECT_THAT(refusal({.detector = "fixed"}), wants_a_domain("detector", "fixed"));
 }
 
+TEST(Settings, ALinkLocalAddressNeedsItsInterface) {
+    EXPECT_THAT(refusal({.listen = {"[fe80::1]:1883"}, .allow_plain = true}),
+                AllOf(names("listen", "[fe80::1]:1883"), HasSubstr("%eth0")));
+    EXPECT_EQ(refusal({.listen = {"[fe80::1%lo]:1883"}, .allow_plain = true}), "accepted");
+}
+
 TEST(Settings, ADefaultThatIsWrittenOutIsNoReasonToRefuse) {
     EXPECT_EQ(refusal({.rank = "0", .acks = "1", .elector = "component", .detector = "link"}),
               "accepted");
