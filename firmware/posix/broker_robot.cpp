@@ -34,7 +34,7 @@ constexpr const char* examples = R"(Examples:
       a robot that is one broker of the cluster on DDS domain 7
   romano-broker-robot --id 00000002 --listen 127.0.0.2:1883 --domain 7 --interface lo --telemetry pose
 
-All options of romano-broker are options here too (romano-broker --help), except --config.
+All options of romano-broker are options here too (romano-broker --help).
 Exit code: 0 after SIGTERM or SIGINT, 2 when a setting is not possible.)";
 
 struct Settings {
@@ -65,6 +65,7 @@ firmware::SimulatedRobotOptions robot_options(const Settings& settings) {
     options.telemetry_topic = settings.telemetry;
     options.telemetry_every =
         std::chrono::duration_cast<Duration>(std::chrono::duration<double>{settings.every_s});
+    firmware::check_topics(options);
     return options;
 }
 
@@ -120,6 +121,7 @@ Settings read(int argc, char** argv) {
     app.add_option("--telemetry", settings.telemetry, "Publish the own location on this topic")
         ->type_name("TOPIC");
     app.add_option("--every", settings.every_s, "Seconds between two locations")
+        ->needs("--telemetry")
         ->check(CLI::Range(0.001, 3600.0))
         ->capture_default_str();
     app.parse(argc, argv);

@@ -9,6 +9,7 @@
 #include <csignal>
 #include <cstdio>
 #include <filesystem>
+#include <limits>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <random>
@@ -17,6 +18,7 @@
 #include "broker/net/clock.h"
 #include "broker/net/endpoint_text.h"
 #include "broker/net/service_manager.h"
+#include "broker/net/socket_address.h"
 #include "firmware/posix/simulated_robot.h"
 #include "firmware/robot/address.h"
 #include "romano/keys/client_keys.h"
@@ -82,6 +84,7 @@ void add_options(CLI::App& app, Settings& to) {
         ->type_name("ADDR");
     app.add_option("--group", to.group,
                    "Where discovery asks (default: 225.1.1.1:1883 or [ff02::225:1:1:1]:1883)")
+        ->needs("--discover")
         ->type_name("ADDR:PORT");
     app.add_option("--count", to.count, "So many robots, with ids from --id on")
         ->check(CLI::Range(1U, 10'000U))
@@ -90,6 +93,7 @@ void add_options(CLI::App& app, Settings& to) {
                    "Publish the own location on this topic; {id} in it is the robot's id")
         ->type_name("TOPIC");
     app.add_option("--every", to.every_s, "Seconds between two locations")
+        ->needs("--telemetry")
         ->check(CLI::Range(0.001, 3600.0))
         ->capture_default_str();
     app.add_option("--heartbeat", to.heartbeat_s, "Seconds between two heartbeats, 0 for none")
@@ -128,6 +132,14 @@ bool is_one_key(const Settings& settings) {
     return !settings.key.empty() && !std::filesystem::is_directory(settings.key);
 }
 
+/// Of the robots that are asked for the last one must have an id, too.
+void check_room_for_ids(const Settings& settings, std::uint32_t first) {
+    const std::uint32_t behind = std::numeric_limits<std::uint32_t>::max() - first;
+    if (settings.count - 1 <= behind) return;
+    refuse("--count '" + std::to_string(settings.count) + "': from --id " + settings.id +
+           " on there are " + std::to_string(behind + 1) + " ids; the last one is ffffffff");
+}
+
 std::uint32_t first_id(const Settings& settings) {
     std::string text = settings.id;
     if (text.empty() && is_one_key(settings)) text = keys::read_own_key(settings.key).name;
@@ -136,7 +148,9 @@ std::uint32_t first_id(const Settings& settings) {
         refuse("--id '" + text +
                "': must be 8 lower-case hexadecimal digits, for example abcd1234");
     }
-    return static_cast<std::uint32_t>(std::stoul(text, nullptr, 16));
+    const auto first = static_cast<std::uint32_t>(std::stoul(text, nullptr, 16));
+    check_room_for_ids(settings, first);
+    return first;
 }
 
 message::RomanoId id_of(std::uint32_t number) {
@@ -174,10 +188,13 @@ SimulatedRobotOptions check(const Settings& settings) {
         refuse("--local '" + settings.local + "': is no IP address");
     }
     if (!settings.group.empty()) {
-        options.group = firmware::address_of(parse_address("group", settings.group));
-        if (settings.discovers && settings.local.empty()) {
-            options.local.family = options.group.family;
+        const Endpoint group = parse_address("group", settings.group);
+        if (!net::is_multicast(group)) {
+            refuse("--group '" + settings.group +
+                   "': is no multicast group; for example 225.1.1.1:1883");
         }
+        options.group = firmware::address_of(group);
+        if (settings.local.empty()) options.local.family = options.group.family;
     }
     if (options.group.family != 0 && options.local.family != 0 &&
         options.group.family != options.local.family) {
@@ -192,6 +209,18 @@ SimulatedRobotOptions check(const Settings& settings) {
     options.subscriptions = settings.subscriptions;
     options.follow = settings.follow;
     return options;
+}
+
+std::vector<Endpoint> check_brokers(const Settings& settings, const romano_address& local) {
+    std::vector<Endpoint> out;
+    for (const std::string& text : settings.brokers) {
+        out.push_back(parse_address("broker", text));
+        if (local.family != 0 && firmware::address_of(out.back()).family != local.family) {
+            refuse("--broker '" + text + "': is not of the family of --local '" + settings.local +
+                   "'; give both of IPv4, or both of IPv6");
+        }
+    }
+    return out;
 }
 
 void say(const Settings& settings, const message::RomanoId& id, const std::string& what) {
@@ -271,10 +300,10 @@ void leave(boost::asio::io_context& io,
 
 void run(const Settings& settings) {
     SimulatedRobotOptions options = check(settings);
-    std::vector<Endpoint> brokers;
-    for (const std::string& text : settings.brokers)
-        brokers.push_back(parse_address("broker", text));
+    const std::vector<Endpoint> brokers = check_brokers(settings, options.local);
     const std::uint32_t first = first_id(settings);
+    options.telemetry_topic = topic_of(settings.telemetry, id_of(first));
+    firmware::check_topics(options);
     boost::asio::io_context io{1};
     boost::asio::signal_set signals(io, SIGTERM, SIGINT);
     net::ServiceManager manager(io);

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "broker/net/clock.h"
+#include "romano/mqttsn/topic.h"
 
 namespace romano::firmware {
 namespace {
@@ -36,6 +37,10 @@ const romano_board& open_boards(const Boards& to, const SimulatedRobotOptions& o
     if (options.key_file.empty()) return *board;
     to.packets.emplace(options.key_file, std::string{options.robot.node.id.text()});
     return to.sealed.emplace(*board, *to.packets).board();
+}
+
+[[noreturn]] void refuse(const char* option, const std::string& value, const char* what) {
+    throw std::invalid_argument(std::string{option} + " '" + value + "': must be " + what);
 }
 
 /// What came from the network, for a terminal and one line: other than printable ASCII as \x1b.
@@ -83,6 +88,21 @@ struct Words {
 };
 
 }  // namespace
+
+void check_topics(const SimulatedRobotOptions& options) {
+    if (!options.telemetry_topic.empty() && !mqttsn::is_valid_topic_name(options.telemetry_topic)) {
+        refuse("--telemetry", options.telemetry_topic,
+               "a topic's name: UTF-8, not empty, without + and #");
+    }
+    constexpr const char* filter =
+        "UTF-8 and not empty, with + as a whole level and # as the last one";
+    for (const std::string& topic : options.subscriptions) {
+        if (!mqttsn::is_valid_topic_filter(topic)) refuse("--subscribe", topic, filter);
+    }
+    if (!options.follow.empty() && !mqttsn::is_valid_topic_filter(options.follow)) {
+        refuse("--follow", options.follow, filter);
+    }
+}
 
 SimulatedRobot::SimulatedRobot(boost::asio::io_context& io, const SimulatedRobotOptions& options,
                                Say say)

@@ -35,6 +35,9 @@ struct SimulatedRobotOptions {
     std::function<bool(std::string_view topic, const message::Message& message)> hears = {};
 };
 
+/// Throws std::invalid_argument with a sentence when no broker could take one of the topics.
+void check_topics(const SimulatedRobotOptions& options);
+
 struct RobotCounters {
     std::uint64_t commands = 0;
     std::uint64_t messages = 0;

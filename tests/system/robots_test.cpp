@@ -297,6 +297,33 @@ TEST_F(Robots, ARobotThatCannotAskItsGroupSaysSo) {
     EXPECT_THAT(robot.errors(), HasSubstr("--group '[ff02::1]:1883'"));
 }
 
+TEST_F(Robots, WhatARobotCannotBeIsOneSentenceBeforeItStarts) {
+    const std::string broker = addresses.service(1);
+    const std::vector<std::pair<std::vector<std::string>, std::string>> cases = {
+        {{"--telemetry", "pose/#"}, "--telemetry 'pose/#': must be a topic's name"},
+        {{"--subscribe", "a/#/b"}, "--subscribe 'a/#/b': must be UTF-8 and not empty"},
+        {{"--follow", "a+"}, "--follow 'a+': must be UTF-8 and not empty"},
+        {{"--every", "2"}, "--every requires --telemetry"},
+        {{"--group", "225.1.1.1:1883"}, "--group requires --discover"},
+        {{"--local", "::1"}, "is not of the family of --local '::1'"},
+        {{"--id", "fffffffe", "--count", "3"}, "--count '3': from --id fffffffe on there are 2"}};
+    for (auto [arguments, sentence] : cases) {
+        arguments.insert(arguments.end(), {"--broker", broker});
+        Process robot(ROMANO_ROBOT, arguments);
+        EXPECT_EQ(robot.wait_for_exit(), 2) << sentence;
+        EXPECT_THAT(robot.errors(), HasSubstr(sentence));
+        EXPECT_EQ(std::ranges::count(robot.errors(), '\n'), 1) << robot.errors();
+    }
+    Process seeker(ROMANO_ROBOT, {"--discover", "--group", "127.0.0.1:1883"});
+    EXPECT_EQ(seeker.wait_for_exit(), 2);
+    EXPECT_THAT(seeker.errors(), HasSubstr("--group '127.0.0.1:1883': is no multicast group"));
+    Process carrier(ROMANO_BROKER_ROBOT,
+                    {"--id", "abcd1234", "--listen", broker, "--telemetry", "pose/#"});
+    EXPECT_EQ(carrier.wait_for_exit(), 2);
+    EXPECT_EQ(carrier.next_line(), "") << "nothing serves";
+    EXPECT_THAT(carrier.errors(), HasSubstr("--telemetry 'pose/#': must be a topic's name"));
+}
+
 TEST_F(Robots, WithoutARomanoServerNobodyIsEstablished) {
     start_broker(1, {"--no-romano"});
     Process& robot = start_robot("abcd1234", 1, {"--seconds", "2"});
