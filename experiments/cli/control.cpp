@@ -17,6 +17,7 @@
 #include "experiments/operator/loop_request.h"
 #include "experiments/operator/node_watch.h"
 #include "experiments/operator/own_id.h"
+#include "romano/control/plant.h"
 
 namespace romano::experiments {
 namespace {
@@ -54,6 +55,16 @@ struct ControlOptions {
     bool ends = false;
     bool as_json = false;
 };
+
+/// What every plant refuses.
+void check_deadline(const ControlOptions& options) {
+    const std::uint32_t most = control::PlantLoop::window * options.period_ms;
+    if (options.deadline_ms > options.period_ms && options.deadline_ms <= most) return;
+    throw CommandError("--deadline-ms " + std::to_string(options.deadline_ms) +
+                       ": must be more than --period-ms, which is " +
+                       std::to_string(options.period_ms) + ", and " + std::to_string(most) +
+                       " at most");
+}
 
 class Supervisor {
 public:
@@ -256,11 +267,13 @@ void add_control(CLI::App& program, int& exit_code) {
     command.add_flag("--end-then", options->ends_then, "The loop ends when the plant falls back");
     command.add_option("--seconds", options->seconds, "End it after so long (default: Ctrl-C)")
         ->check(CLI::Range(0.1, 1e6));
-    command.add_flag("--detach", options->detaches, "Leave it going, until --end");
-    command.add_flag("--end", options->ends, "End the loop of the plant");
+    CLI::Option* detach =
+        command.add_flag("--detach", options->detaches, "Leave it going, until --end");
+    command.add_flag("--end", options->ends, "End the loop of the plant")->excludes(detach);
     command.add_flag("--json", options->as_json, "Print JSON objects, one a line");
     command.footer(control_examples);
     command.callback([options, &exit_code] {
+        check_deadline(*options);
         try {
             Supervisor{*options}.run();
         } catch (const std::invalid_argument& refused) {

@@ -99,6 +99,7 @@ public:
               [this](const client::Event& event) { on_event(event); }, options.broker.packets()) {}
 
     void run() {
+        const std::string message = options_.lines ? "" : whole_message();
         if (options_.qos >= 0) {
             client_.connect({.client_id = client_id_,
                              .clean_session = true,
@@ -115,7 +116,6 @@ public:
                 }
             }
         } else {
-            const std::string message = whole_message();
             for (unsigned i = 0; i < options_.repeat; ++i) {
                 if (i > 0) pause();
                 publish(message);
@@ -132,7 +132,10 @@ private:
         if (options_.message) return *options_.message;
         std::ifstream stream(options_.file, std::ios::binary);
         std::string text{std::istreambuf_iterator<char>(stream), {}};
-        if (!stream) throw CommandError("cannot read -f `" + options_.file + "`");
+        if (!stream) {
+            throw CommandError("-f `" + options_.file +
+                               "`: cannot be read; give a file that holds the message");
+        }
         return text;
     }
 
@@ -255,10 +258,10 @@ void add_pub(CLI::App& program, int& exit_code) {
         ->capture_default_str();
     command.add_flag("-r,--retain", options->retain, "The broker keeps it for later subscribers");
     command.add_option("--repeat", options->repeat, "Publish it so many times")
-        ->check(CLI::PositiveNumber)
+        ->check(CLI::Range(1U, 1'000'000'000U))
         ->capture_default_str();
     command.add_option("--repeat-delay", options->repeat_delay_s, "Seconds between them")
-        ->check(CLI::NonNegativeNumber)
+        ->check(CLI::Range(0.0, 86'400.0))
         ->capture_default_str();
     command.footer(pub_examples);
     command.callback([options, &exit_code] {

@@ -181,7 +181,7 @@ void add_record(CLI::App& program, int& exit_code) {
         ->capture_default_str();
     command.add_option("--for", options->for_s, "End after so many seconds; 0: with Ctrl-C")
         ->type_name("SECONDS")
-        ->check(CLI::NonNegativeNumber)
+        ->check(CLI::Range(0.0, 1e9))
         ->capture_default_str();
     command.add_flag("--json", options->as_json, "Say in the end what is in it as a JSON object");
     command.footer(record_examples);

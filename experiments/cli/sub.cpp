@@ -16,6 +16,7 @@
 #include "experiments/cli/broker_options.h"
 #include "experiments/cli/denial.h"
 #include "experiments/operator/message_text.h"
+#include "romano/mqttsn/topic.h"
 
 namespace romano::experiments {
 namespace {
@@ -238,11 +239,17 @@ void add_sub(CLI::App& program, int& exit_code) {
         ->excludes(raw);
     command.add_option("-C,--count", options->count, "End after so many messages");
     command.add_option("-W,--timeout", options->timeout_s, "End after so many seconds")
-        ->check(CLI::NonNegativeNumber);
+        ->check(CLI::Range(0.0, 1e9));
     command.footer(sub_examples);
     command.callback([options, &exit_code] {
         if (options->topics.empty() && options->predefined.empty()) {
             throw CommandError("a topic is needed: -t FILTER or --predefined ID");
+        }
+        for (const std::string& filter : options->topics) {
+            if (mqttsn::is_valid_topic_filter(filter)) continue;
+            throw CommandError("-t `" + filter +
+                               "`: must be UTF-8 and not empty, with + as a whole level and # as "
+                               "the last one");
         }
         if (options->keep_session && options->broker.client_id.empty()) {
             throw CommandError("-c needs -i ID: a session is kept under its client's id");
