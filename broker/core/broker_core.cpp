@@ -67,7 +67,7 @@ private:
 
     PublishFlow publish_flow_{tables, outbox, router, enforcement};
     SubscribeFlow subscribe_flow_{tables, outbox, router, subscriptions, enforcement};
-    ConnectFlow connect_flow_{tables, outbox, deliveries, lifecycle, enforcement};
+    ConnectFlow connect_flow_{tables, outbox, deliveries, lifecycle, subscriptions, enforcement};
     Liveness liveness_{tables, outbox, deliveries, lifecycle, publish_flow_};
     Discovery discovery_{tables, outbox};
     StrangerLimit strangers_;

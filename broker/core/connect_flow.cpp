@@ -5,6 +5,7 @@
 
 #include "broker/core/session_deadline.h"
 #include "broker/core/session_image_of.h"
+#include "romano/mqttsn/cell.h"
 #include "romano/mqttsn/topic.h"
 
 namespace romano::broker {
@@ -185,6 +186,7 @@ void ConnectFlow::accept(const Origin& origin, const Prompt& prompt, WillAnswer 
         tables_.log.append(turn.out, [&] { return SessionPut{bare_image_of(*session)}; });
     } else {
         session->topics.forget_known();
+        subscriptions_.remove(*session, mqttsn::cell_topic, turn);  // it says so anew (cell.h)
         lifecycle_.log_header(*session, turn, true);
         if (answer == WillAnswer::given) set_will(*session, prompt.will, turn);
         if (answer == WillAnswer::keeps_none) set_will(*session, std::nullopt, turn);

@@ -13,6 +13,7 @@
 #include "broker/core/enforcement.h"
 #include "broker/core/lifecycle.h"
 #include "broker/core/outbox.h"
+#include "broker/core/subscriptions.h"
 #include "broker/core/tables.h"
 #include "romano/mqttsn/messages.h"
 
@@ -21,11 +22,12 @@ namespace romano::broker {
 class ConnectFlow {
 public:
     ConnectFlow(Tables& tables, Outbox& outbox, DeliveryFlow& deliveries, Lifecycle& lifecycle,
-                Enforcement& enforcement)
+                Subscriptions& subscriptions, Enforcement& enforcement)
         : tables_(tables),
           outbox_(outbox),
           deliveries_(deliveries),
           lifecycle_(lifecycle),
+          subscriptions_(subscriptions),
           enforcement_(enforcement) {}
 
     void on_connect(const Origin& origin, const mqttsn::Connect& message, Turn& turn);
@@ -71,6 +73,7 @@ private:
     Outbox& outbox_;
     DeliveryFlow& deliveries_;
     Lifecycle& lifecycle_;
+    Subscriptions& subscriptions_;
     Enforcement& enforcement_;
     std::unordered_map<Origin, Prompt, OriginHash> prompts_;
     Instant sweep_at_ = never;

@@ -48,6 +48,9 @@ struct Counters {
     std::uint64_t publishes_received = 0;
     std::uint64_t publishes_sent = 0;
     std::uint64_t retransmissions = 0;
+    std::uint64_t cell_publishes = 0;    // datagrams to the cell's group: one for many listeners
+    std::uint64_t cell_deliveries = 0;   // the listeners that they were for
+    std::uint64_t cell_repairs = 0;      // of those at QoS 1, whom a unicast had to follow
     std::uint64_t late_answers = 0;      // to publishers that were ahead of their receivers
     std::uint64_t sessions_expired = 0;  // kept sessions (Limits::session_expiry_s)
     /// Kept sessions that went while their clients were away: too many of one IP address, or to

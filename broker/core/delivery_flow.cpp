@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <string>
+#include <utility>
 
 #include "broker/core/session_deadline.h"
 
@@ -56,6 +57,29 @@ bool DeliveryFlow::can_send_at_once(Session& session, WireTopic& topic, std::str
     }
     const TopicRegistry::Topic& entry = *session.topics.at(topic.id);
     return !entry.refused && (entry.known || session.ignores_register);
+}
+
+bool DeliveryFlow::can_take_now(Session& session, WireTopic& topic, std::string_view name,
+                                Qos qos) {
+    if (topic.type != TopicIdType::normal || topic.id == mqttsn::no_topic_id) return false;
+    if (!can_send_at_once(session, topic, name) || !session.topics.at(topic.id)->known) {
+        return false;
+    }
+    return qos == Qos::at_most_once ||
+           (session.queue.empty() && !session.exchange.is_open() && session.begun.empty());
+}
+
+void DeliveryFlow::follow_cell(Session& session, const MessagePtr& message, const WireTopic& topic,
+                               Duration patience, Turn& turn) {
+    session.queue.push({.position = message->position, .message = message});
+    session.queue.choose(0);
+    Delivery& delivery = session.queue.current();
+    start(session, delivery, turn);
+    open(session, Kind::publishing, delivery.msg_id, topic);
+    session.exchange.by_cell = true;
+    session.exchange.sent_at = turn.now;
+    session.exchange.retry_at = turn.now + patience;
+    schedule(tables_, session);
 }
 
 WireTopic DeliveryFlow::plain_topic(const Session& session, std::string_view name) {
@@ -439,7 +463,11 @@ void DeliveryFlow::send_again(Session& session, Turn& turn) {
 
 void DeliveryFlow::on_retry(Session& session, Turn& turn) {
     Exchange& exchange = session.exchange;
-    if (exchange.heard_since && exchange.ignored < often_enough) ++exchange.ignored;
+    if (std::exchange(exchange.by_cell, false)) {
+        ++tables_.counters.cell_repairs;
+    } else if (exchange.heard_since && exchange.ignored < often_enough) {
+        ++exchange.ignored;
+    }
     if (!session.is_listening()) {
         exchange.stalled = true;  // another client has its address now (G7)
     } else if (names_known_id(session)) {

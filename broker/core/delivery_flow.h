@@ -42,6 +42,14 @@ public:
     /// The id by which a QoS 0 message may go out now, or none: then it waits or is not for now.
     [[nodiscard]] bool can_send_at_once(Session& session, WireTopic& topic, std::string_view name);
 
+    /// It would go out in this very turn, as what it is and under an id that the client knows.
+    [[nodiscard]] bool can_take_now(Session& session, WireTopic& topic, std::string_view name,
+                                    mqttsn::Qos qos);
+    /// A message of QoS 1 that can_take_now() went to the cell, under the msg id behind the
+    /// session's last one. Without an answer for so long it follows by unicast.
+    void follow_cell(Session& session, const MessagePtr& message, const WireTopic& topic,
+                     Duration patience, Turn& turn);
+
     /// The owner is done with this message of the session that it reads.
     void on_read(Session& session, const LogPosition& position, Turn& turn);
 

@@ -11,6 +11,7 @@
 
 #include "broker/core/log_position.h"
 #include "romano/base/bytes.h"
+#include "romano/base/endpoint.h"
 #include "romano/base/time.h"
 #include "romano/mqttsn/types.h"
 
@@ -53,6 +54,8 @@ struct BrokerOptions {
     double keep_alive_tolerance = 1.5;
     Duration clean_session_kept_for{std::chrono::minutes{10}};  // after disconnection; see G11
     Duration deletions_kept_for{std::chrono::hours{1}};  // of retained messages, for late peers
+    /// Where a PUBLISH goes once for those that listen there (cell.h). Family none: nowhere.
+    Endpoint cell_group;
     std::map<mqttsn::TopicId, std::string> predefined_topics;
     std::vector<std::string> observed_topics;  // what clients publish there is told as Observed
     /// What must not come to a later subscriber: delivered, but never kept as retained. Null: all

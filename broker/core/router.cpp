@@ -154,11 +154,22 @@ void Router::tell_owner(const Publication& publication, Turn& turn) {
     turn.out.push(ForOwner{message_});
 }
 
+void Router::serve_cell(const Publication& publication, std::vector<Receiver>& receivers,
+                        Turn& turn) {
+    if (!cell_.takes(publication.topic, publication.qos)) return;
+    const bool is_kept = publication.qos == Qos::at_least_once;
+    if (is_kept && !message_) message_ = make_message(publication, false, turn);
+    cell_.deliver(publication.topic, publication.payload, publication.qos, message_, receivers,
+                  turn);
+}
+
 void Router::deliver(const Publication& publication, Turn& turn) {
     // Sending may not change who receives: the list is taken out for its time.
     std::vector<Receiver> receivers = std::exchange(receivers_, {});
     if (!publication.origin.empty()) tell_owner(publication, turn);
+    serve_cell(publication, receivers, turn);
     for (const Receiver& receiver : receivers) {
+        if (receiver.at_cell) continue;
         Session& session = *receiver.session;
         if (receiver.qos == Qos::at_most_once) {
             if (session.read_by_owner) {

@@ -9,9 +9,11 @@
 #include <string_view>
 #include <vector>
 
+#include "broker/core/cell.h"
 #include "broker/core/delivery_flow.h"
 #include "broker/core/enforcement.h"
 #include "broker/core/outbox.h"
+#include "broker/core/receiver.h"
 #include "broker/core/tables.h"
 #include "romano/base/bytes.h"
 
@@ -29,7 +31,11 @@ struct Publication {
 class Router {
 public:
     Router(Tables& tables, Outbox& outbox, DeliveryFlow& deliveries, Enforcement& enforcement)
-        : tables_(tables), outbox_(outbox), deliveries_(deliveries), enforcement_(enforcement) {}
+        : tables_(tables),
+          outbox_(outbox),
+          deliveries_(deliveries),
+          enforcement_(enforcement),
+          cell_(tables, deliveries) {}
 
     /// Every publication of a client, a will and the uplink comes by here first: Retain goes off
     /// what is not to be kept (BrokerOptions::never_retained).
@@ -77,16 +83,11 @@ public:
     void send_more_retained(Session& session, Turn& turn);
 
 private:
-    struct Receiver {
-        Session* session;
-        mqttsn::Qos qos;  // min(published, granted)
-        WireTopic topic;
-        bool takes;  // of QoS 1 and 2: there is room in its queue
-    };
-
     /// `position`: skip sessions that were ahead of us in that log when they came here. What has an
     /// origin is not for the session that the owner reads: it came in that way.
     void find_receivers(const Publication& publication, const LogPosition& position, Turn& turn);
+    /// Those whom one datagram can serve together are done then.
+    void serve_cell(const Publication& publication, std::vector<Receiver>& receivers, Turn& turn);
     /// For the owner, who reads no queue for these.
     void tell_owner(const Publication& publication, Turn& turn);
     bool send_retained_behind(Session& session, RetainedToCome& rest, Turn& turn);
@@ -101,6 +102,7 @@ private:
     Outbox& outbox_;
     DeliveryFlow& deliveries_;
     Enforcement& enforcement_;
+    Cell cell_;
     std::vector<Receiver> receivers_;  // of the message that was accepted last
     MessagePtr message_;               // made only when something must hold it
     std::uint64_t fan_out_ = 0;

@@ -33,6 +33,7 @@ struct Exchange {
     bool heard_since = false;  // and since the last one
     std::uint8_t ignored = 0;  // sendings after which the client was heard, but no answer
     bool refused = false;      // the message fell back once already (G21, G25)
+    bool by_cell = false;      // its first sending went to the cell (cell.h)
     bool bare = false;         // without DUP and Retain (G25)
     std::uint8_t sendings = 0;
     mqttsn::MsgId msg_id = mqttsn::no_msg_id;

@@ -4,7 +4,9 @@
 #include <cstddef>
 #include <string>
 
+#include "broker/core/cell.h"
 #include "romano/base/bytes.h"
+#include "romano/mqttsn/cell.h"
 #include "romano/mqttsn/topic.h"
 
 namespace romano::broker {
@@ -64,6 +66,7 @@ Result<std::string_view, ReturnCode> SubscribeFlow::filter_of(const mqttsn::Topi
 ReturnCode SubscribeFlow::judge(const Session& session, const mqttsn::Subscribe& message,
                                 std::string_view filter) const {
     if (message.qos == Qos::without_connection) return ReturnCode::not_supported;
+    if (filter == mqttsn::cell_topic && !can_listen(session)) return ReturnCode::not_supported;
     const bool full =
         tables_.full || session.subscriptions.size() >= tables_.limits().subscriptions_per_session;
     if (tables_.congested || (full && !subscriptions_.has(session, filter))) {
@@ -88,7 +91,8 @@ void SubscribeFlow::on_subscribe(Session& session, const mqttsn::Subscribe& mess
         refuse(session, message, code, turn);
         return;
     }
-    if (!enforcement_.may_subscribe(speaker_of(session), *filter, turn)) {
+    if (*filter != mqttsn::cell_topic &&  // it names no messages
+        !enforcement_.may_subscribe(speaker_of(session), *filter, turn)) {
         refuse(session, message, ReturnCode::not_supported, turn);
         return;
     }

@@ -59,6 +59,14 @@ void add_messages(Page& page, const broker::Counters& counters) {
                  counters.publishes_received);
     page.counter("romano_publishes_sent_total", "PUBLISH messages to clients.",
                  counters.publishes_sent);
+    page.counter("romano_cell_publishes_total",
+                 "PUBLISH datagrams sent once for those that listen to the cell.",
+                 counters.cell_publishes);
+    page.counter("romano_cell_deliveries_total", "Listeners for whom those datagrams were.",
+                 counters.cell_deliveries);
+    page.counter("romano_cell_repairs_total",
+                 "Listeners that did not answer such a datagram and were sent the message alone.",
+                 counters.cell_repairs);
     page.counter("romano_retransmissions_total", "Messages sent again for lack of an answer.",
                  counters.retransmissions);
     page.counter("romano_late_answers_total",

@@ -1,5 +1,6 @@
 // The broker's answers to the operation at the front: MQTT-SN 1.2 sections 6.4, 6.5, 6.6, 6.9.
 #include "romano/client/client.h"
+#include "romano/mqttsn/cell.h"
 
 namespace romano::client {
 
@@ -67,6 +68,7 @@ void ClientCore::on_acceptance(MsgType type, const Body& message, const Call& ca
         case MsgType::register_:
             return finish_front(Registered{operation.id, message.topic_id}, call.out);
         case MsgType::subscribe:
+            if (hears_cells && operations_.front_name() == mqttsn::cell_topic) listens_ = true;
             return finish_front(
                 Subscribed{operation.id, message.topic_id, mqttsn::qos_in(message.flags)},
                 call.out);

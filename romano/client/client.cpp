@@ -25,6 +25,7 @@ void ClientCore::on_datagram(Instant now, Bytes datagram, Output& out) {
     if (!frame) return drop();
     auto message = mqttsn::read_body(frame->type, frame->body);
     if (!message) return drop();
+    if constexpr (hears_cells) answer_cell(out);
     // Whatever comes while awake shows that the broker is not done yet (6.14d).
     if (state_ == State::awake) exchange_.put_off(now, timing_.t_retry);
     dispatch(frame->type, *message, {now, out});
@@ -41,7 +42,7 @@ void ClientCore::dispatch(MsgType type, mqttsn::Body& message, const Call& call)
         case MsgType::register_:
             return on_register(message, call.out);
         case MsgType::publish:
-            return on_publish(message, call.out);
+            return on_publish(message, call);
         case MsgType::pubrel:
             return on_pubrel(message, call.out);
         case MsgType::pingreq:
@@ -67,6 +68,7 @@ void ClientCore::dispatch(MsgType type, mqttsn::Body& message, const Call& call)
 void ClientCore::on_tick(Instant now, Output& out) {
     out.clear();
     const Call call{now, out};
+    if (hears_cells && cell_answer_at_ <= now) answer_cell(out);
     if (exchange_.is_due(now)) {
         if (exchange_.repeat(now, timing_.t_retry)) {
             repeat_request(out);
@@ -85,6 +87,7 @@ Instant ClientCore::next_wakeup() const {
     next = std::min(next, ping_.deadline());
     next = std::min(next, ping_due_);
     next = std::min(next, collect_due_);
+    if constexpr (hears_cells) next = std::min(next, cell_answer_at_);
     const bool waits_for_pause =
         state_ == State::connected && !exchange_.is_running() && !operations_.empty();
     if (waits_for_pause) next = std::min(next, paused_until_);

@@ -19,8 +19,9 @@
 //
 // The exchanges have a file each: connection.cpp (6.2, 6.12), registering.cpp (6.5),
 // publishing.cpp (6.6, 6.8), subscribing.cpp (6.9), receiving.cpp (6.10), keep_alive.cpp (6.11),
-// sleeping.cpp (6.14), will_update.cpp (6.4). The answers to what the application asked for are so
-// much alike that answers.cpp handles them all.
+// sleeping.cpp (6.14), will_update.cpp (6.4); cell.cpp has what the broker sends to many at once.
+// The answers to what the application asked for are so much alike that answers.cpp handles them
+// all.
 #pragma once
 
 #include <chrono>
@@ -145,8 +146,10 @@ public:
                                                    const PublishOptions& options, Output& out);
     Result<OperationId, Refusal> update_will_message(Instant now, Bytes message, Output& out);
 
-    /// Whatever came from the broker's address. What is no message, or none that a client receives
-    /// in this state, is dropped and counted.
+    /// Whatever came from the broker's address, be it to the multicast group of its cell: what is
+    /// sent there counts once subscribe(topic_name(mqttsn::cell_topic)) ended in Subscribed. A
+    /// listener says so anew after each connect(). What is no message, or none that a client
+    /// receives in this state, is dropped and counted.
     void on_datagram(Instant now, Bytes datagram, Output& out);
 
     /// Early or repeated ticks are harmless.
@@ -211,11 +214,15 @@ private:
     void begin_subscribe(const Call& call);
 
     // receiving.cpp
-    void on_publish(mqttsn::Body& message, Output& out);
+    void on_publish(mqttsn::Body& message, const Call& call);
     [[nodiscard]] bool remember_unreleased(mqttsn::MsgId msg_id);
     void forget_unreleased(mqttsn::MsgId msg_id);
     void on_pubrel(const mqttsn::Body& message, Output& out);
     [[nodiscard]] bool is_receiving() const;
+
+    // cell.cpp
+    void on_cell_publish(const mqttsn::Body& message, const Call& call);
+    void answer_cell(Output& out);
 
     // keep_alive.cpp
     void on_sign_of_life(Instant now);
@@ -265,6 +272,7 @@ private:
     // instructions.
     State state_ = State::disconnected;
     mqttsn::MsgType connect_step_{};  // CONNECT, WILLTOPIC or WILLMSG
+    bool listens_ = false;            // to the broker's cell
     bool unfinished_ = false;         // the last Output was too small for all that could be sent
     std::uint16_t queued_qos0_ = 0;   // while one waits, later ones wait behind it
     std::uint16_t sleep_duration_s_ = 0;  // of DISCONNECT; 0 when it is not for a sleep
@@ -276,8 +284,14 @@ private:
     RetryTimer exchange_;  // of connecting, of the front operation, of collecting...
     Instant ping_due_ = never;
     RetryTimer ping_;                        // of a keep-alive PINGREQ, beside the exchange
+    Instant cell_answer_at_ = never;         // PUBACK to what came by the cell is due
     Instant collect_due_ = never;            // asleep: the next PINGREQ with client id
     Instant paused_until_ = Instant::min();  // T_WAIT after "congestion"
+
+    struct {
+        mqttsn::TopicId topic_id;
+        mqttsn::MsgId msg_id;
+    } cell_answer_{};
 
     Timing timing_;
     TopicTable topics_;

@@ -9,6 +9,7 @@ void ClientCore::connect(Instant now, const ConnectOptions& options, Output& out
     out.clear();
     options_ = options;
     state_ = State::connecting;
+    if constexpr (hears_cells) listens_ = false;
     stop_timers();
     begin_connect_step(MsgType::connect, {now, out});
 }
@@ -98,6 +99,7 @@ void ClientCore::stop_timers() {
     ping_.stop();
     ping_due_ = never;
     collect_due_ = never;
+    if constexpr (hears_cells) cell_answer_at_ = never;
 }
 
 }  // namespace romano::client

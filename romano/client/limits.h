@@ -22,6 +22,13 @@ struct DeviceLimits {
     static constexpr std::size_t unreleased = 4;
 };
 
+/// A client can listen to its broker's cell (mqttsn/cell.h).
+#ifndef ROMANO_WITHOUT_CELL
+inline constexpr bool hears_cells = true;
+#else  // for the smallest devices, in all files alike: some 250 octets of flash less
+inline constexpr bool hears_cells = false;
+#endif
+
 /// What an answer or a ping needs beside the largest datagram in one Output.
 inline constexpr std::size_t small_datagrams_octets = 32;
 

@@ -12,9 +12,11 @@ using mqttsn::ReturnCode;
 using mqttsn::TopicIdType;
 
 /// A refusal is told at QoS 0 too (6.6b, 6.10e).
-void ClientCore::on_publish(mqttsn::Body& message, Output& out) {
+void ClientCore::on_publish(mqttsn::Body& message, const Call& call) {
     if (!is_receiving()) return drop();
     const TopicIdType type = mqttsn::topic_type_in(message.flags);
+    if (hears_cells && type == TopicIdType::reserved) return on_cell_publish(message, call);
+    Output& out = call.out;
     std::string_view name;
     if (type == TopicIdType::normal) {
         name = topics_.name_of(message.topic_id);

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "romano/client/limits.h"
+
 namespace romano::client {
 
 mqttsn::TopicId TopicTable::id_of(std::string_view name) const {
@@ -44,13 +46,23 @@ bool TopicTable::make_room_for(std::string_view name) {
 }
 
 bool TopicTable::put(mqttsn::TopicId id, std::string_view name, Use use) {
-    if (name_of(id) == name) return true;
+    if (name_of(id) == name) {
+        if (hears_cells && use == Use::to_receive) receive(id);
+        return true;
+    }
     forget(id);
     if (!make_room_for(name)) return false;
     std::copy(name.begin(), name.end(), names_.data() + names_size_);
     names_size_ += name.size();
     entries_[size_++] = {id, static_cast<std::uint16_t>(name.size()), use};
     return true;
+}
+
+/// From now on messages come under that id, too.
+void TopicTable::receive(mqttsn::TopicId id) {
+    for (Entry& entry : entries_.first(size_)) {
+        if (entry.id == id) entry.use = Use::to_receive;
+    }
 }
 
 void TopicTable::forget(mqttsn::TopicId id) {

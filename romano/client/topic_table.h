@@ -47,6 +47,7 @@ public:
     void clear();
 
 private:
+    void receive(mqttsn::TopicId id);
     [[nodiscard]] bool has_room_for(std::string_view name) const;
 
     std::span<Entry> entries_;  // the first size_; their names stand in names_ in the same order

@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "romano/client/client.h"
+#include "romano/mqttsn/cell.h"
 
 namespace romano::client {
 
@@ -71,6 +72,7 @@ void ClientCore::begin_front(const Call& call) {
         case MsgType::register_:
             return begin_register(call);
         case MsgType::unsubscribe:
+            if (hears_cells && operations_.front_name() == mqttsn::cell_topic) listens_ = false;
             return send_first(request, next_msg_id(), call);
         default:
             return send_first(request, mqttsn::no_msg_id, call);

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cassert>
 
+#include "romano/mqttsn/cell.h"
+
 namespace romano::node {
 
 using client::Event;
@@ -125,6 +127,9 @@ void Node::enter(Phase phase, Instant now, Port& port) {
     subscription_.reset();
     if (phase == Phase::requesting) return send_connection_request(now, port);
     if (phase == Phase::established) {
+        if (client::hears_cells && options_.listens_to_cell) {
+            (void)subscribe(now, mqttsn::cell_topic, port);
+        }
         if (options_.heartbeat_every > Duration{0}) heartbeat_due_ = now;
         return port.on_established();
     }

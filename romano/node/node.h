@@ -36,7 +36,8 @@ struct NodeOptions {
     Duration connect_again{std::chrono::seconds{1}};  // pause after a lost or refused connection
     Duration heartbeat_every{0};                      // 0: no heartbeats
     client::KeepAlive keep_alive{30};
-    bool keep_session = false;  // the broker keeps messages while the node is away
+    bool listens_to_cell = false;  // what the broker sends to many at once (mqttsn/cell.h)
+    bool keep_session = false;     // the broker keeps messages while the node is away
 };
 
 /// What the node's owner lends it for the time of a call.

@@ -113,9 +113,9 @@ TEST_F(Receiving, OnAnUnknownTopicIdIsAnsweredByPuback2) {  // 6.10e
     }
 }
 
-TEST_F(Receiving, OfAReservedTopicTypeIsAnsweredByPuback3) {
+TEST_F(Receiving, OfAReservedTopicTypeIsACellsOrNothing) {  // cell_test.cpp
     chart.gets(Publish{false, qos1, false, TopicIdType::reserved, pose, MsgId{7}, {}});
-    chart.sends(Puback{pose, MsgId{7}, not_supported});
+    EXPECT_EQ(chart.client().dropped(), 1u);
 }
 
 TEST_F(Receiving, TellsRetain) {

@@ -95,5 +95,17 @@ TEST_F(TopicTableTest, TheOldestNameToPublishOnGivesWay) {
     EXPECT_FALSE(table.put(TopicId{6}, "x", Use::to_publish)) << "what is received stays";
 }
 
+TEST(TopicTable, ANameThatIsPublishedOnAndThenSubscribedToStays) {
+    TopicTable::Entry entries[2];
+    char names[16];
+    TopicTable table{entries, names};
+    EXPECT_TRUE(table.put(TopicId{1}, "ab", Use::to_publish));
+    EXPECT_TRUE(table.put(TopicId{1}, "ab", Use::to_receive));
+    EXPECT_TRUE(table.put(TopicId{2}, "cd", Use::to_publish));
+    EXPECT_TRUE(table.put(TopicId{3}, "ef", Use::to_publish));
+    EXPECT_EQ(table.id_of("ab"), TopicId{1});
+    EXPECT_EQ(table.id_of("cd"), mqttsn::no_topic_id);
+}
+
 }  // namespace
 }  // namespace romano::client::topic_table_test
