@@ -14,6 +14,7 @@ broker::BrokerOptions broker_options(const Settings& settings) {
     out.unix_time_at_zero = net::unix_time_at_zero();
     out.gateway_id = settings.gateway_id;
     out.advertise_every = settings.advertise_period;
+    if (settings.cell_group) out.cell_group = *settings.cell_group;
     out.t_retry = settings.t_retry;
     out.n_retry = settings.n_retry;
     out.predefined_topics = settings.predefined_topics;

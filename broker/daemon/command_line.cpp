@@ -81,6 +81,12 @@ void add_options(CLI::App& app, SettingTexts& texts) {
                    "Seconds between two ADVERTISE in the discovery groups (default 900)")
         ->type_name("1..65535");
 
+    app.add_option("--cell-group", texts.cell_group,
+                   "Send a message for many once, to this multicast group, for those clients that "
+                   "say that they listen there (romano-robot --cell-group); all others, and "
+                   "clients with keys, get it alone as ever")
+        ->type_name("ADDR:PORT");
+
     app.add_flag("--no-romano", texts.no_romano,
                  "Carry no ROMANO server: robots' connection requests go unanswered");
 

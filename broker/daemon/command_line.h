@@ -38,6 +38,7 @@ struct SettingTexts {
     std::optional<std::string> advertise_period = {};
     std::vector<std::string> predefined = {};
     std::vector<std::string> discovery_group = {};
+    std::optional<std::string> cell_group = {};
     bool no_romano = false;
     std::optional<std::string> store = {};
     std::optional<std::string> store_limit_mb = {};

@@ -206,6 +206,36 @@ std::vector<Endpoint> check_groups(const std::vector<std::string>& texts,
     return out;
 }
 
+std::optional<Endpoint> check_cell_group(const std::optional<std::string>& text,
+                                         const std::vector<Endpoint>& listen,
+                                         const std::vector<Endpoint>& discovery_groups) {
+    if (!text) return {};
+    const Endpoint group = address_and_port("cell-group", *text);
+    if (!net::is_multicast(group) || group.port == 0) {
+        refuse_option("cell-group", *text,
+                      "is no multicast group and port; for example 239.18.83.1:1884");
+    }
+    if (net::is_link_group(group) && group.scope == 0) {
+        refuse_option("cell-group", *text,
+                      "is a group of each link; name the interface, for example "
+                      "[ff02::1883%eth0]:1884");
+    }
+    if (std::ranges::find(discovery_groups, group) != discovery_groups.end()) {
+        refuse_option("cell-group", *text,
+                      "is the --discovery-group, where clients listen that do not expect "
+                      "messages; take another port");
+    }
+    const bool has_listener = std::ranges::any_of(listen, [&](const Endpoint& at) {
+        return at.family == group.family && at.packets == Endpoint::Packets::plain;
+    });
+    if (!has_listener) {
+        refuse_option("cell-group", *text,
+                      "needs a plain --listen address of the same family (IPv4 or IPv6): clients "
+                      "with keys are never sent anything to a group");
+    }
+    return group;
+}
+
 void check_broker_name(std::string_view option, const std::string& text) {
     const bool printable =
         std::ranges::all_of(text, [](char c) { return static_cast<unsigned char>(c) > ' '; });
@@ -437,6 +467,7 @@ Settings check(const SettingTexts& texts) {
     const Endpoint all = *net::parse_endpoint("0.0.0.0:1883");
     out.name = check_name(texts.name, texts.listen.empty() ? all : plain(out.listen.front()));
     out.discovery_groups = check_groups(texts.discovery_group, out.listen);
+    out.cell_group = check_cell_group(texts.cell_group, out.listen, out.discovery_groups);
     out.gateway_id = number_in<std::uint8_t>("gateway-id", texts.gateway_id, 1, 255);
     out.advertise_period = check_advertise_period(texts, !out.discovery_groups.empty());
     out.predefined_topics = check_predefined(texts.predefined);

@@ -63,6 +63,7 @@ struct Settings {
     std::optional<std::string> keys;    // the folder of protected clients
     std::optional<std::string> rights;  // a file
     std::vector<Endpoint> discovery_groups;
+    std::optional<Endpoint> cell_group;  // for clients that listen there
     std::uint8_t gateway_id = 1;
     std::chrono::seconds advertise_period{};  // 0: never
     std::map<mqttsn::TopicId, std::string> predefined_topics;

@@ -55,6 +55,7 @@ struct Settings {
     bool discovers = false;
     std::string local;
     std::string group;
+    std::string cell_group;
     unsigned count = 1;
     std::string telemetry;
     double every_s = 1;
@@ -85,6 +86,10 @@ void add_options(CLI::App& app, Settings& to) {
     app.add_option("--group", to.group,
                    "Where discovery asks (default: 225.1.1.1:1883 or [ff02::225:1:1:1]:1883)")
         ->needs("--discover")
+        ->type_name("ADDR:PORT");
+    app.add_option("--cell-group", to.cell_group,
+                   "Listen to this multicast group, too, for what the broker sends once for many "
+                   "(its --cell-group); not with --key")
         ->type_name("ADDR:PORT");
     app.add_option("--count", to.count, "So many robots, with ids from --id on")
         ->check(CLI::Range(1U, 10'000U))
@@ -175,6 +180,34 @@ Duration seconds(double value) {
     return std::chrono::duration_cast<Duration>(std::chrono::duration<double>{value});
 }
 
+void check_cell_group(const Settings& settings, SimulatedRobotOptions& options) {
+    if (settings.cell_group.empty()) return;
+    const Endpoint group = parse_address("cell-group", settings.cell_group);
+    const auto refuse_it = [&](const std::string& why) {
+        refuse("--cell-group '" + settings.cell_group + "': " + why);
+    };
+    if (!net::is_multicast(group)) {
+        refuse_it("is no multicast group; write the broker's, for example 239.18.83.1:1884");
+    }
+    if (!settings.key.empty()) {
+        refuse_it("is not for robots with a --key: what a group hears is not protected");
+    }
+    options.cell_group = firmware::address_of(group);
+    const auto is_other = [&](const std::string& text) {
+        return parse_address("broker", text).family != group.family;
+    };
+    const bool is_of_other_family = options.local.family != 0
+                                        ? options.local.family != options.cell_group.family
+                                        : std::ranges::any_of(settings.brokers, is_other);
+    if (is_of_other_family || (settings.discovers && options.local.family == 0 &&
+                               group.family == Endpoint::Family::ipv6)) {
+        refuse_it(
+            "is not of the family that is spoken (--local, --broker); give both of IPv4, or "
+            "both of IPv6");
+    }
+    options.robot.node.listens_to_cell = true;
+}
+
 SimulatedRobotOptions check(const Settings& settings) {
     if (settings.discovers == !settings.brokers.empty()) {
         refuse("--broker or --discover: give one of them; --help shows examples");
@@ -201,6 +234,7 @@ SimulatedRobotOptions check(const Settings& settings) {
         refuse("--group '" + settings.group + "': is not of the family of --local '" +
                settings.local + "'; give both of IPv4, or both of IPv6");
     }
+    check_cell_group(settings, options);
     options.robot.node.keep_alive = std::chrono::seconds{settings.keep_alive_s};
     options.robot.node.heartbeat_every = seconds(settings.heartbeat_s);
     options.robot.node.keep_session = settings.keep_session;

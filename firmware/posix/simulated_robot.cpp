@@ -32,6 +32,14 @@ const romano_board& open_boards(const Boards& to, const SimulatedRobotOptions& o
                                  std::strerror(error));
     }
     if (options.group.family != 0) udp.group = options.group;
+    if (options.cell_group.family != 0) {
+        if (const int error = romano_udp_listen(&udp, &local, &options.cell_group)) {
+            const std::string why = std::strerror(error);
+            romano_udp_close(&udp);
+            throw std::runtime_error("--cell-group: the group cannot be joined (" + why +
+                                     "); is --local an address of this machine?");
+        }
+    }
     const romano_board* board = &udp.board;
     if (options.radio != nullptr) board = &to.radio.emplace(*board, *options.radio).board();
     if (options.key_file.empty()) return *board;
@@ -109,6 +117,7 @@ SimulatedRobot::SimulatedRobot(boost::asio::io_context& io, const SimulatedRobot
     : options_(options),
       say_(std::move(say)),
       socket_(io),
+      cell_(io),
       timer_(io, [this] { run(); }),
       robot_(options.robot, open_boards({udp_, radio_, packets_, sealed_}, options), *this),
       body_(options.start),
@@ -119,22 +128,27 @@ SimulatedRobot::SimulatedRobot(boost::asio::io_context& io, const SimulatedRobot
           },
           [this](const std::string& what) { say_(options_.robot.node.id, what); }) {
     socket_.assign(udp_.socket);
-    wait_for_datagrams();
+    wait_for_datagrams(socket_);
+    if (udp_.cell >= 0) {
+        cell_.assign(udp_.cell);
+        wait_for_datagrams(cell_);
+    }
     run();
 }
 
 SimulatedRobot::~SimulatedRobot() {
     socket_.release();
+    if (udp_.cell >= 0) cell_.release();
     romano_udp_close(&udp_);
 }
 
-void SimulatedRobot::wait_for_datagrams() {
-    socket_.async_wait(boost::asio::posix::stream_descriptor::wait_read,
-                       [this](const boost::system::error_code& stopped) {
-                           if (stopped) return;
-                           run();
-                           wait_for_datagrams();
-                       });
+void SimulatedRobot::wait_for_datagrams(boost::asio::posix::stream_descriptor& socket) {
+    socket.async_wait(boost::asio::posix::stream_descriptor::wait_read,
+                      [this, &socket](const boost::system::error_code& stopped) {
+                          if (stopped) return;
+                          run();
+                          wait_for_datagrams(socket);
+                      });
 }
 
 void SimulatedRobot::run() {

@@ -24,6 +24,7 @@ struct SimulatedRobotOptions {
     RobotSettings robot;
     romano_address local{};       // family 0: any address of the broker's family
     romano_address group{};       // of discovery; family 0: the usual one
+    romano_address cell_group{};  // heard too; family 0: none
     std::string telemetry_topic;  // empty: none
     Duration telemetry_every{std::chrono::seconds{1}};
     std::vector<std::string> subscriptions;
@@ -67,7 +68,7 @@ public:
     [[nodiscard]] const Body& body() const { return body_; }
 
 private:
-    void wait_for_datagrams();
+    void wait_for_datagrams(boost::asio::posix::stream_descriptor& socket);
     void run();
     void carry_out_commands();
     void publish_telemetry();
@@ -87,6 +88,7 @@ private:
     std::optional<keys::ClientPackets> packets_;  // of the robot with a key
     std::optional<ProtectedBoard> sealed_;
     boost::asio::posix::stream_descriptor socket_;
+    boost::asio::posix::stream_descriptor cell_;
     net::CoreTimer timer_;
     Robot<> robot_;
     Body body_;

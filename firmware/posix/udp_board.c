@@ -93,13 +93,13 @@ static void send_datagram(void* self, const struct romano_address* to, const uin
     send_to(udp, is_for_the_group ? &udp->group : to, octets, size);
 }
 
-static const uint8_t* receive_datagram(void* self, struct romano_address* from, uint32_t* size) {
-    struct romano_udp_board* udp = self;
+static const uint8_t* receive_from(struct romano_udp_board* udp, int socket,
+                                   struct romano_address* from, uint32_t* size) {
     for (int errors = 0; errors < 8; ++errors) {
         union any_address address = {0};
         socklen_t length = sizeof address;
         const ssize_t received =
-            recvfrom(udp->socket, udp->datagram, sizeof udp->datagram, 0, &address.any, &length);
+            recvfrom(socket, udp->datagram, sizeof udp->datagram, 0, &address.any, &length);
         if (received >= 0) {
             from_socket(&address, from);
             *size = (uint32_t)received;
@@ -108,6 +108,13 @@ static const uint8_t* receive_datagram(void* self, struct romano_address* from, 
         if (errno == EAGAIN || errno == EWOULDBLOCK) return NULL;
     }
     return NULL;
+}
+
+static const uint8_t* receive_datagram(void* self, struct romano_address* from, uint32_t* size) {
+    struct romano_udp_board* udp = self;
+    const uint8_t* datagram = receive_from(udp, udp->socket, from, size);
+    if (datagram != NULL || udp->cell < 0) return datagram;
+    return receive_from(udp, udp->cell, from, size);
 }
 
 bool romano_udp_address(const char* ip, uint16_t port, struct romano_address* address) {
@@ -148,6 +155,7 @@ static void choose_group(struct romano_udp_board* udp, const struct romano_addre
 
 int romano_udp_open(struct romano_udp_board* udp, const struct romano_address* local) {
     memset(udp, 0, sizeof *udp);
+    udp->cell = -1;
     udp->socket = socket(local->family == 4 ? AF_INET : AF_INET6,
                          SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
     if (udp->socket < 0) return errno;
@@ -167,12 +175,61 @@ int romano_udp_open(struct romano_udp_board* udp, const struct romano_address* l
     return 0;
 }
 
+static int join_ipv4(int socket, const union any_address* group, const uint8_t* interface) {
+    struct ip_mreq request = {.imr_multiaddr = group->v4.sin_addr};
+    memcpy(&request.imr_interface, interface, sizeof request.imr_interface);
+    const int error = setsockopt(socket, IPPROTO_IP, IP_ADD_MEMBERSHIP, &request, sizeof request);
+    return error == 0 || errno == EADDRINUSE ? 0 : errno;
+}
+
+static int join(int socket, const union any_address* group, const struct romano_address* local) {
+    if (group->any.sa_family == AF_INET6) {
+        const struct ipv6_mreq request = {.ipv6mr_multiaddr = group->v6.sin6_addr,
+                                          .ipv6mr_interface = group->v6.sin6_scope_id != 0
+                                                                  ? group->v6.sin6_scope_id
+                                                                  : local->scope};
+        const int error =
+            setsockopt(socket, IPPROTO_IPV6, IPV6_JOIN_GROUP, &request, sizeof request);
+        return error == 0 ? 0 : errno;
+    }
+    if (!is_any_ipv4(local)) return join_ipv4(socket, group, local->ip);
+    static const uint8_t loopback[4] = {127, 0, 0, 1};
+    const int here = join_ipv4(socket, group, loopback);
+    const int elsewhere = join_ipv4(socket, group, local->ip);
+    return here == 0 ? 0 : elsewhere;
+}
+
+int romano_udp_listen(struct romano_udp_board* udp, const struct romano_address* local,
+                      const struct romano_address* group) {
+    union any_address address;
+    const socklen_t length = to_socket(group, &address);
+    udp->cell = socket(group->family == 4 ? AF_INET : AF_INET6,
+                       SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
+    if (udp->cell < 0) return errno;
+    const int yes = 1; /* other robots on this machine listen there, too */
+    int error = 0;
+    if (setsockopt(udp->cell, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes) != 0 ||
+        bind(udp->cell, &address.any, length) != 0) {
+        error = errno;
+    } else {
+        error = join(udp->cell, &address, local);
+    }
+    if (error != 0) {
+        close(udp->cell);
+        udp->cell = -1;
+    }
+    return error;
+}
+
 void romano_udp_close(struct romano_udp_board* udp) {
     close(udp->socket);
     udp->socket = -1;
+    if (udp->cell >= 0) close(udp->cell);
+    udp->cell = -1;
 }
 
 void romano_udp_wait(const struct romano_udp_board* udp, uint32_t ms) {
-    struct pollfd ready = {.fd = udp->socket, .events = POLLIN, .revents = 0};
-    (void)poll(&ready, 1, (int)ms);
+    struct pollfd ready[] = {{.fd = udp->socket, .events = POLLIN, .revents = 0},
+                             {.fd = udp->cell, .events = POLLIN, .revents = 0}}; /* -1: ignored */
+    (void)poll(ready, 2, (int)ms);
 }

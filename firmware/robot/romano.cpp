@@ -74,6 +74,7 @@ bool romano_start(romano_robot* robot, const romano_settings* settings, const ro
     }
     out.node.heartbeat_every = std::chrono::seconds{settings->heartbeat_s};
     out.node.keep_session = settings->keep_session;
+    out.node.listens_to_cell = settings->listens_to_cell;
     out.broker = firmware::endpoint_of(settings->broker);
     out.seed = settings->seed;
     new (robot->storage) RobotForC(out, *board, controller);

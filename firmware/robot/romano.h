@@ -30,6 +30,7 @@ struct romano_settings {
     uint16_t keep_alive_s;        /* 0: 30 */
     uint16_t heartbeat_s;         /* 0: none */
     bool keep_session;            /* the broker keeps messages while the robot is away */
+    bool listens_to_cell;         /* to what the broker sends once for many */
     uint64_t seed;                /* differs between robots, a serial number for example */
 };
 

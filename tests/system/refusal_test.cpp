@@ -43,7 +43,8 @@ TEST(Refusal, NamesTheSettingAndTheValue) {
                                                          {"--gateway-id", "999"},
                                                          {"--config", "/no/such/file"},
                                                          {"--log-level", "loud"},
-                                                         {"--discovery-group", "1.2.3.4:5"}};
+                                                         {"--discovery-group", "1.2.3.4:5"},
+                                                         {"--cell-group", "1.2.3.4:5"}};
     for (const auto& arguments : cases) {
         auto with_address = arguments;
         with_address.emplace_back("--allow-plain");

@@ -246,6 +246,7 @@ TEST(CommandLine, HelpShowsExamplesAndAllOptions) {
                                "--predefined",
                                "--discovery-group",
                                "--advertise-period",
+                               "--cell-group",
                                "--log-level",
                                "--config",
                                "--version"}) {

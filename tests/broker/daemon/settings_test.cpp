@@ -330,5 +330,23 @@ TEST(Settings, RefusesADiscoveryGroupThatIsNone) {
                 names("discovery-group", "[ff02::1]:1883"));
 }
 
+TEST(Settings, ACellGroupIsAMulticastGroupOfAPlainAddressAndNotThatOfDiscovery) {
+    EXPECT_FALSE(check({}).cell_group);
+    EXPECT_TRUE(check({.listen = {"127.0.0.1:1883"}, .cell_group = "239.1.2.3:1884"}).cell_group);
+    for (const char* wrong : {"127.0.0.1:1884", "239.1.2.3:0", "239.1.2.3", "cell", "",
+                              "[ff05::1]:1884", "[ff02::1]:1884"}) {
+        EXPECT_THAT(refusal({.listen = {"127.0.0.1:1883"}, .cell_group = wrong}),
+                    names("cell-group", wrong));
+    }
+    EXPECT_THAT(refusal({.listen = {"127.0.0.1:1883"},
+                         .discovery_group = {"225.1.1.1:1883"},
+                         .cell_group = "225.1.1.1:1883"}),
+                names("cell-group", "225.1.1.1:1883"));
+    EXPECT_THAT(refusal({.listen = {"protected://127.0.0.1:1883"},
+                         .keys = "/",
+                         .cell_group = "239.1.2.3:1884"}),
+                names("cell-group", "239.1.2.3:1884"));
+}
+
 }  // namespace
 }  // namespace romano::daemon::settings_test
