@@ -62,6 +62,17 @@ bool ClientNetwork::is_bound(const Endpoint& address) const {
 }
 
 void ClientNetwork::send(Node sender, const Endpoint& from, const Endpoint& to, Bytes datagram) {
+    const auto group = groups_.find(to);
+    if (group == groups_.end()) return send_to_one(sender, from, to, datagram);
+    ++sent_to_groups_;
+    if (carrier_ && carrier_(sender, from, to, datagram)) return;
+    for (const auto& [listener, count] : group->second) {
+        send_to_one(sender, from, listener, datagram);
+    }
+}
+
+void ClientNetwork::send_to_one(Node sender, const Endpoint& from, const Endpoint& to,
+                                Bytes datagram) {
     const bool dropped =
         (filter_ && filter_(from, to, datagram)) || random_.happens(quality_.loss_ppm);
     trace_.note(events_.now(), from, dropped ? "-x" : "->", to, datagram);

@@ -33,7 +33,8 @@ public:
     using Receiver = std::function<void(const Endpoint& at, const Endpoint& from, Bytes datagram)>;
     /// True: this datagram does not arrive.
     using Filter = std::function<bool(const Endpoint& from, const Endpoint& to, Bytes datagram)>;
-    /// True: it takes this datagram to its receiver, by deliver(), or loses it; links do not.
+    /// True: it takes this datagram to its receiver, by deliver(), or loses it; links do not. What
+    /// is for a group is for each listener: it delivers copies to them.
     using Carrier =
         std::function<bool(Node sender, const Endpoint& from, const Endpoint& to, Bytes datagram)>;
     /// Whether what comes from there is for this binding.
@@ -46,6 +47,18 @@ public:
     [[nodiscard]] Binding bind(const Endpoint& address, Node node, Receiver receiver,
                                Judgement takes_from = {});
     void unbind(Binding binding);
+    /// What is sent to the group comes to that address too: a datagram for each listener, which its
+    /// link loses, delays and doubles by itself. Behind one another go all that one sends to one.
+    void join(const Endpoint& group, const Endpoint& listener) { ++groups_[group][listener]; }
+    void leave(const Endpoint& group, const Endpoint& listener) {
+        if (--groups_[group][listener] == 0) groups_[group].erase(listener);
+    }
+    [[nodiscard]] bool is_listening(const Endpoint& group, const Endpoint& listener) const {
+        const auto found = groups_.find(group);
+        return found != groups_.end() && found->second.contains(listener);
+    }
+    /// Datagrams that were sent to groups.
+    [[nodiscard]] std::uint64_t sent_to_groups() const { return sent_to_groups_; }
     [[nodiscard]] bool is_bound(const Endpoint& address) const;
 
     void send(Node sender, const Endpoint& from, const Endpoint& to, Bytes datagram);
@@ -69,6 +82,7 @@ public:
     void deliver(Node sender, const Endpoint& from, const Endpoint& to, Bytes datagram);
 
 private:
+    void send_to_one(Node sender, const Endpoint& from, const Endpoint& to, Bytes datagram);
     void play_back(Node sender, const Endpoint& from, const Endpoint& to, Bytes datagram);
 
     struct Bound {
@@ -90,6 +104,9 @@ private:
     Carrier carrier_;
     std::uint64_t last_binding_ = 0;
     std::map<Endpoint, std::vector<Bound>> bound_;  // oldest first
+    /// How many listen there, at each address.
+    std::map<Endpoint, std::map<Endpoint, unsigned>> groups_;
+    std::uint64_t sent_to_groups_ = 0;
     std::map<std::pair<Endpoint, Endpoint>, Instant> last_arrival_;
 };
 

@@ -29,6 +29,7 @@ ClusterBrokerOptions broker_options(const ClusterWorldOptions& world, std::size_
     options.broker.n_retry = 20;  // bad links must not make it drop a message
     options.broker.t_wait = world.t_wait;
     options.broker.limits.queued_per_session = 100'000;  // overload is another matter
+    if (world.has_cells) options.broker.cell_group = World::cell_group();
     options.wall_clock_error =
         random.between(-world.wall_clock_error_max, world.wall_clock_error_max);
     return options;

@@ -27,6 +27,7 @@ struct ClusterWorldOptions {
     Duration t_wait{std::chrono::seconds{1}};
     Duration wall_clock_error_max{std::chrono::milliseconds{20}};
     Machine machine;                    // all of them
+    bool has_cells = false;             // brokers send once for many that listen
     bool is_protected = false;          // robots and brokers seal their packets
     std::size_t robots = 0;             // of a protected world: so many at most
     bool are_invariants_judged = true;  // after every step: that is slow with many brokers

@@ -6,6 +6,7 @@
 #include <variant>
 
 #include "overlay/sim/seed.h"
+#include "romano/mqttsn/cell.h"
 
 namespace romano::sim {
 
@@ -37,7 +38,9 @@ Robot::Robot(const RobotOptions& options, EventQueue& events, ClientNetwork& net
       will_(will_of(options)) {}
 
 Robot::~Robot() {
-    if (on_) network_.unbind(binding_);
+    if (!on_) return;
+    network_.unbind(binding_);
+    if (listens()) network_.leave(options_.cell_group, options_.address);
 }
 
 void Robot::start() {
@@ -46,6 +49,7 @@ void Robot::start() {
         options_.address, options_.node,
         [this](const Endpoint&, const Endpoint&, Bytes datagram) { on_datagram(datagram); },
         [this](const Endpoint& from) { return from == options_.broker; });
+    if (listens()) network_.join(options_.cell_group, options_.address);
     connect(options_.clean_session);
 }
 
@@ -69,6 +73,7 @@ void Robot::switch_off() {
     on_ = false;
     publishing_ = false;
     network_.unbind(binding_);
+    if (listens()) network_.leave(options_.cell_group, options_.address);
     end_spans(nullptr);
     ledger_.silenced.emplace(options_.name, events_.now());
 }
@@ -105,6 +110,13 @@ void Robot::subscribe(const std::string& filter, Qos qos) {
     end_spans(&filter);
     const auto operation = client_.subscribe(events_.now(), client::topic_name(filter), qos, out_);
     if (operation) asked_.insert_or_assign(*operation, Subscribing{filter});
+    drain();
+}
+
+/// In each connection anew. The ledger has no such topic: nothing comes on it.
+void Robot::listen() {
+    (void)client_.subscribe(events_.now(), client::topic_name(mqttsn::cell_topic),
+                            Qos::at_most_once, out_);
     drain();
 }
 
@@ -230,6 +242,7 @@ void Robot::on_event(const client::Event& event) {
                     ledger_.subscriptions.push_back(lapsed);
                     ledger_.subscriptions.back().from = events_.now();
                 }
+                if (listens()) listen();
                 if (std::exchange(subscribed_, true)) return;
                 for (const auto& [filter, qos] : options_.subscriptions) subscribe(filter, qos);
             },

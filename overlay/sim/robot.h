@@ -38,6 +38,7 @@ struct RobotOptions {
     std::string name;
     Endpoint address;  // its own
     Endpoint broker;
+    Endpoint cell_group;  // listens there to what its broker sends once for many; or family none
     Node node{};
     std::vector<Filter> subscriptions;
     std::vector<std::string> topics;  // that it publishes on, in random order
@@ -96,7 +97,11 @@ private:
     };
     using Asked = std::variant<std::uint32_t, Subscribing>;
 
+    [[nodiscard]] bool listens() const {
+        return options_.cell_group.family != Endpoint::Family::none;
+    }
     void connect(bool clean);
+    void listen();
     void on_datagram(Bytes datagram);
     [[nodiscard]] std::vector<std::uint8_t> seal(Bytes message);
     void on_timer();

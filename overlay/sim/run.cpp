@@ -71,6 +71,7 @@ ClusterWorldOptions world_options(std::uint64_t seed, const RunOptions& run) {
     options.cluster.sessions_per_turn = one_of(turns, some_events);
     if (run.as_shipped) choose_as_shipped(seed, options);
     options.is_protected = run.is_protected;
+    options.has_cells = run.has_cells;
     options.robots = std::max(run.robots, most_random_robots);
     if (!run.elector.empty()) options.cluster.elector = run.elector;
     if (!run.detector.empty()) options.cluster.detector = run.detector;
@@ -99,6 +100,7 @@ void add_robots(ClusterWorld& world, std::uint64_t seed, const RunOptions& run) 
     static constexpr Qos some_qos[] = {Qos::at_least_once, Qos::exactly_once, Qos::exactly_once};
     Random random(seed_of(seed, "robots"));
     Random addresses(seed_of(seed, "addresses"));
+    Random cells(seed_of(seed, "cells"));
     const bool may_share = std::ranges::count(run.faults, Fault::share) > 0;
     const std::size_t count = run.robots > 0 ? run.robots : 2 + random.below(6);
     for (std::size_t i = 0; i < count; ++i) {
@@ -133,6 +135,12 @@ void add_robots(ClusterWorld& world, std::uint64_t seed, const RunOptions& run) 
         }
         adapt_to_scale(robot, world);
         if (run.is_protected) robot.sealed = &world.sealed();
+        if (run.has_cells) {
+            if (cells.below(4) != 0) robot.cell_group = World::cell_group();
+            robot.subscriptions.push_back({"common", one_of(cells, some_qos)});
+            robot.topics.push_back("common");
+            robot.topics.push_back("common");
+        }
         world.add_robot(std::move(robot));
     }
 }
@@ -220,6 +228,7 @@ private:
                 {Promise::sealed_once, std::to_string(repeated) + " nonces were used twice"});
         }
         result_.sealed = world_.sealed().count();
+        result_.sent_to_cells = world_.clients().sent_to_groups();
         result_.breaches = world_.breaches();
         result_.seed = world_.seed();
         result_.trace_hash = world_.trace().hash();
@@ -294,6 +303,7 @@ std::string replay_command(std::uint64_t seed, const RunOptions& options) {
     std::string command = "romano simulate --seeds " + std::to_string(seed);
     if (options.as_shipped) command += " --as-shipped";
     if (options.is_protected) command += " --protected";
+    if (options.has_cells) command += " --cells";
     if (!options.profile.empty()) command += " --profile " + options.profile;
     if (options.brokers > 0) command += " --brokers " + std::to_string(options.brokers);
     if (options.robots > 0) command += " --robots " + std::to_string(options.robots);

@@ -27,6 +27,8 @@ struct RunOptions {
     bool as_shipped = false;
     /// Robots and brokers seal their packets, and a stranger plays back what it recorded.
     bool is_protected = false;
+    /// Brokers send once for many; three robots of four listen, and all have one topic more.
+    bool has_cells = false;
     std::string profile{};
     std::size_t brokers = 0;
     std::size_t robots = 0;
@@ -49,8 +51,9 @@ struct RunResult {
     std::string elector;
     std::uint64_t acknowledged = 0;
     std::uint64_t received = 0;
-    std::uint64_t sealed = 0;  // packets of protected worlds
-    FaultCounts faults{};      // how often each kind happened
+    std::uint64_t sent_to_cells = 0;  // datagrams, each for several listeners
+    std::uint64_t sealed = 0;         // packets of protected worlds
+    FaultCounts faults{};             // how often each kind happened
     Duration virtual_time{0};
     Violations violations;
     Breaches breaches;  // of invariants; no failure by themselves

@@ -22,6 +22,10 @@ Endpoint World::service_address(std::size_t broker) {
     return endpoint(1, broker, 1883);
 }
 
+Endpoint World::cell_group() {
+    return {.address = {239, 18, 83, 1}, .port = 1884, .family = Endpoint::Family::ipv4};
+}
+
 Robot& World::add_robot(RobotOptions options) {
     const std::size_t index = robots_.size();
     if (options.address.family == Endpoint::Family::none) {

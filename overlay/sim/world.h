@@ -44,6 +44,8 @@ public:
 
     /// 10.0.1.1:1883, 10.0.1.2:1883, ...: the home address of each broker.
     [[nodiscard]] static Endpoint service_address(std::size_t broker);
+    /// Of each broker's cell; whose it is tells the sender's address.
+    [[nodiscard]] static Endpoint cell_group();
     [[nodiscard]] static Node broker_node(std::size_t broker) {
         return Node{static_cast<std::uint32_t>(broker)};
     }
