@@ -4,8 +4,8 @@
 #include <cstring>
 #include <utility>
 
+#include "broker/protection/client_names.h"
 #include "broker/protection/protected_node.h"
-#include "romano/mqttsn/codec.h"
 #include "romano/mqttsn/decode.h"
 
 namespace romano::broker {
@@ -21,34 +21,6 @@ namespace {
 
 // In front of a message there is room for the header of its packet, and for that of its forwarder.
 constexpr std::size_t room_in_front = 256;
-
-/// Whose the message says that it is: CONNECT, and a sleeping client's PINGREQ (6.14).
-std::optional<std::string_view> named_client(const mqttsn::Frame& frame) {
-    if (frame.type == MsgType::connect) {
-        const auto connect = mqttsn::decode_connect(frame.body);
-        if (connect) return connect->client_id;
-    } else if (frame.type == MsgType::pingreq) {
-        const auto ping = mqttsn::decode_pingreq(frame.body);
-        if (ping && !ping->client_id.empty()) return ping->client_id;
-    }
-    return std::nullopt;
-}
-
-std::size_t put_node_id(std::string_view node_id, MutableBytes out) {
-    return mqttsn::encode(
-        mqttsn::Encapsulated{.radius = 0, .wireless_node_id = as_octets(node_id), .message = {}},
-        out);
-}
-
-void refuse_connect(const Endpoint& via, const ClientAddress& to, Actions& out) {
-    const std::size_t wrapping = to.wireless_node_id.empty() ? 0 : 3 + to.wireless_node_id.size();
-    const MutableBytes room = out.reserve(wrapping + 8);
-    if (wrapping != 0) (void)put_node_id(to.wireless_node_id, room);
-    const std::size_t size =
-        mqttsn::encode(mqttsn::Connack{mqttsn::ReturnCode::not_supported}, room.subspan(wrapping));
-    const std::uint32_t offset = out.commit(wrapping + size);
-    out.push(Send{via, to, 0, offset, static_cast<std::uint32_t>(wrapping + size)});
-}
 
 void add_refusals(const BrokerEnd& end, ProtectionCounters& to) {
     for (std::size_t kind = 0; kind < protection::refusal_kinds; ++kind) {
@@ -157,7 +129,7 @@ Bytes ProtectedClients::admit_sealed(const Endpoint& via, const Endpoint& from, 
     if (message.empty()) return {};
     ++counters_.opened;
     note(client);
-    if (!is_own_name(client, message)) {
+    if (!is_own_name(client.id, message)) {
         ++counters_.foreign_client_id;
         if (mqttsn::decode_frame(message)->type == MsgType::connect) {
             refuse_connect(via, {from, client.node_id}, out);
@@ -165,17 +137,10 @@ Bytes ProtectedClients::admit_sealed(const Endpoint& via, const Endpoint& from, 
         return {};
     }
     // The forwarder's header goes in front of the message where it lies.
-    const std::size_t header = 3 + client.node_id.size();
+    const std::size_t header = node_id_octets(client.node_id);
     const auto at = static_cast<std::size_t>(message.data() - room_.data()) - header;
-    (void)put_node_id(client.node_id, MutableBytes{room_}.subspan(at, header));
+    put_node_id(client.node_id, MutableBytes{room_}.subspan(at, header));
     return Bytes{room_}.subspan(at, header + message.size());
-}
-
-bool ProtectedClients::is_own_name(const Client& client, Bytes message) {
-    const auto frame = mqttsn::decode_frame(message);
-    if (!frame) return true;  // the core counts it
-    const auto named = named_client(*frame);
-    return !named || *named == client.id;
 }
 
 Bytes ProtectedClients::admit_plain(const Endpoint& via, const Endpoint& from, Bytes datagram,

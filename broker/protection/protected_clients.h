@@ -90,7 +90,6 @@ private:
                                      Actions& out);
     [[nodiscard]] Bytes admit_plain(const Endpoint& via, const Endpoint& from, Bytes datagram,
                                     Actions& out);
-    [[nodiscard]] static bool is_own_name(const Client& client, Bytes message);
     void note(Client& client);
     void forget(Client& client);
     void count(protection::Refusal why) { ++counters_.refused[static_cast<std::size_t>(why)]; }

@@ -92,7 +92,7 @@ const Rights::Member* Rights::owner_of(std::string_view client_id) const {
 
 Rights::Identity Rights::identity_of(const Speaker& who) const {
     if (who.is_owner) return {uplink_, {}};
-    if (!broker::is_sealed(who.via)) return {plain_, who.client_id};
+    if (!broker::is_authenticated(who.via)) return {plain_, who.client_id};
     const std::string_view id = broker::authenticated_id(who.via, who.node_id);
     const Member* owner = owner_of(id);
     if (owner == nullptr) return {nobody_, {}};  // its key was withdrawn
@@ -146,7 +146,7 @@ Extent Rights::may_read_of(const Speaker& who, std::string_view filter) const {
 
 std::string Rights::name_of(const Speaker& who) const {
     if (who.is_owner) return "the uplink";
-    if (!broker::is_sealed(who.via)) {
+    if (!broker::is_authenticated(who.via)) {
         return who.client_id.empty() ? "a plain client without a session"
                                      : "plain client '" + std::string{who.client_id} + "'";
     }

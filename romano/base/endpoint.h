@@ -14,7 +14,8 @@ namespace romano {
 
 struct Endpoint {
     enum class Family : std::uint8_t { none, ipv4, ipv6 };
-    enum class Packets : std::uint8_t { plain, sealed };  // sealed: romano/protection
+    /// sealed: romano/protection; dtls: broker/dtls.
+    enum class Packets : std::uint8_t { plain, sealed, dtls };
 
     std::array<std::uint8_t, 16> address{};
     std::uint32_t scope = 0;
@@ -33,7 +34,7 @@ struct Endpoint {
         for (std::size_t i = 0; i < used; ++i) mix(address[i]);
         mix(port);
         mix(scope);
-        if (packets != Packets::plain) mix(1);
+        if (packets != Packets::plain) mix(static_cast<std::uint64_t>(packets));
         return static_cast<std::size_t>(h ^ (h >> 32U));
     }
 };

@@ -70,4 +70,8 @@ DirectionKeys direction_keys(const RobotKey& robot) {
             .to_robot = derived(robot.octets, "ROMANO to robot", {})};
 }
 
+Key pre_shared_key(const RobotKey& client) {
+    return derived(client.octets, "ROMANO DTLS PSK", {});
+}
+
 }  // namespace romano::protection

@@ -31,6 +31,8 @@ struct DirectionKeys {
 
 [[nodiscard]] RobotKey session_key(const OperatorKey& person, std::string_view client_id);
 [[nodiscard]] DirectionKeys direction_keys(const RobotKey& robot);
+/// For standard clients: the pre-shared key of DTLS (RFC 4279), with the client id as the identity.
+[[nodiscard]] Key pre_shared_key(const RobotKey& client);
 
 /// Fills `out`, which has 8,160 octets at most.
 void hkdf_sha256(Bytes secret, Bytes salt, std::string_view purpose, Bytes whose, MutableBytes out);

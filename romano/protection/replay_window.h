@@ -5,41 +5,46 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 
 namespace romano::protection {
 
-class ReplayWindow {
+/// As wide as `Number` has bits.
+template <typename Number>
+class WindowOf {
 public:
-    static constexpr std::uint32_t width = 32;
+    static constexpr Number width = std::numeric_limits<Number>::digits;
 
-    ReplayWindow() = default;
+    WindowOf() = default;
     /// All numbers below `floor` count as having been there.
-    explicit ReplayWindow(std::uint32_t floor) : end_(floor), seen_(~std::uint32_t{0}) {}
+    explicit WindowOf(Number floor) : end_(floor), seen_(~Number{0}) {}
 
-    [[nodiscard]] bool has_seen(std::uint32_t number) const {
+    [[nodiscard]] bool has_seen(Number number) const {
         if (number >= end_) return false;
-        const std::uint32_t age = end_ - 1 - number;
+        const Number age = end_ - 1 - number;
         return age >= width || (seen_ >> age & 1U) != 0;
     }
-    [[nodiscard]] bool is_newest(std::uint32_t number) const { return number >= end_; }
+    [[nodiscard]] bool is_newest(Number number) const { return number >= end_; }
 
-    /// `number` is below max_number (reserve.h) and was not seen.
-    void note(std::uint32_t number) {
+    /// `number` was not seen, and is not the highest there is.
+    void note(Number number) {
         if (number < end_) {
-            seen_ |= std::uint32_t{1} << (end_ - 1 - number);
+            seen_ |= Number{1} << (end_ - 1 - number);
             return;
         }
-        const std::uint32_t steps = number + 1 - end_;
+        const Number steps = number + 1 - end_;
         seen_ = steps >= width ? 1U : seen_ << steps | 1U;
         end_ = number + 1;
     }
 
     /// All numbers that were seen are below.
-    [[nodiscard]] std::uint32_t end() const { return end_; }
+    [[nodiscard]] Number end() const { return end_; }
 
 private:
-    std::uint32_t end_ = 0;
-    std::uint32_t seen_ = 0;  // bit n: end_ - 1 - n
+    Number end_ = 0;
+    Number seen_ = 0;  // bit n: end_ - 1 - n
 };
+
+using ReplayWindow = WindowOf<std::uint32_t>;
 
 }  // namespace romano::protection
