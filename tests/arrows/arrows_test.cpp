@@ -32,6 +32,8 @@ const std::map<std::string, Folders>& allowed() {
         {"romano/client", {"romano/base", "romano/mqttsn"}},
         {"broker/core", {"romano/base", "romano/mqttsn"}},
         {"broker/protection", {"romano/base", "romano/mqttsn", "romano/protection", "broker/core"}},
+        {"broker/dtls",
+         {"romano/base", "romano/mqttsn", "romano/protection", "broker/core", "broker/protection"}},
         {"broker/rights",
          {"romano/base", "romano/mqttsn", "romano/message", "romano/control", "romano/protection",
           "broker/core", "broker/protection"}},
@@ -42,14 +44,18 @@ const std::map<std::string, Folders>& allowed() {
         {"romano/control", {"romano/base", "romano/mqttsn", "romano/message"}},
         {"overlay/cluster", {"romano/base", "romano/mqttsn", "election", "broker/core"}},
         {"overlay",  // transport.h, packets_told.h
-         {"romano/base", "romano/protection", "broker/core", "broker/protection", "election",
-          "overlay/cluster"}},
+         {"romano/base", "romano/protection", "broker/core", "broker/protection", "broker/dtls",
+          "election", "overlay/cluster"}},
         {"overlay/member",
          {"romano/base", "romano/mqttsn", "election", "broker/core", "broker/server",
           "broker/uplink", "overlay", "overlay/cluster"}},
         {"overlay/ros2", {"romano/base", "romano/mqttsn", "romano/message"}},
         // shells
         {"romano/keys", {"romano/base", "romano/mqttsn", "romano/protection"}},
+        {"romano/dtls", {"romano/base", "romano/protection"}},
+        {"broker/dtls/openssl",
+         {"romano/base", "romano/mqttsn", "romano/protection", "romano/dtls", "broker/core",
+          "broker/protection", "broker/dtls"}},
         {"broker/net", {"romano/base", "romano/mqttsn", "broker/core"}},
         {"broker/uplink/mqtt", {"romano/base", "romano/mqttsn", "broker/core", "broker/uplink"}},
         {"broker/metrics", {"romano/base", "romano/mqttsn", "broker/core", "broker/net"}},
@@ -73,8 +79,9 @@ const std::map<std::string, Folders>& allowed() {
         // programs
         {"broker/daemon",
          {"romano/base", "romano/mqttsn", "romano/protection", "romano/keys", "election",
-          "broker/core", "broker/protection", "broker/rights", "broker/server", "broker/uplink",
-          "broker/uplink/mqtt", "broker/net", "broker/metrics", "broker/store"}},
+          "broker/core", "broker/protection", "broker/dtls", "broker/dtls/openssl", "broker/rights",
+          "broker/server", "broker/uplink", "broker/uplink/mqtt", "broker/net", "broker/metrics",
+          "broker/store"}},
         {"overlay/daemon",
          {"romano/base", "election", "broker/core", "broker/uplink", "broker/uplink/mqtt",
           "broker/net", "broker/metrics", "broker/daemon", "overlay", "overlay/cluster",
@@ -89,11 +96,11 @@ const std::map<std::string, Folders>& allowed() {
 // Folders whose code has no heap, clock, thread, file or socket of its own.
 const std::set<std::string>& cores() {
     static const std::set<std::string> folders = {
-        "romano/base",       "romano/mqttsn",     "romano/message",  "romano/protection",
-        "romano/client",     "romano/node",       "romano/control",  "romano/server",
-        "election",          "broker/core",       "broker/server",   "broker/uplink",
-        "broker/protection", "broker/rights",     "overlay/cluster", "overlay/member",
-        "overlay/ros2",      "experiments/fleet", "experiments/mcap"};
+        "romano/base",       "romano/mqttsn",     "romano/message",   "romano/protection",
+        "romano/client",     "romano/node",       "romano/control",   "romano/server",
+        "election",          "broker/core",       "broker/server",    "broker/uplink",
+        "broker/protection", "broker/rights",     "overlay/cluster",  "overlay/member",
+        "overlay/ros2",      "experiments/fleet", "experiments/mcap", "broker/dtls"};
     return folders;
 }
 

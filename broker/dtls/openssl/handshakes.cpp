@@ -1,0 +1,326 @@
+#include "broker/dtls/openssl/handshakes.h"
+
+#include <openssl/core_names.h>
+#include <openssl/crypto.h>
+#include <openssl/err.h>
+#include <openssl/kdf.h>
+#include <openssl/params.h>
+#include <openssl/ssl.h>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <new>
+#include <stdexcept>
+#include <utility>
+
+#include "romano/dtls/datagrams.h"
+
+namespace romano::dtls {
+
+using namespace std::chrono_literals;
+using broker::Actions;
+using broker::Send;
+
+namespace {
+
+// A client repeats what was lost after 1, 2, 4 s.
+constexpr auto patience = 15s;
+
+constexpr const char* psk_suites = "PSK-AES128-CCM8:PSK-AES128-GCM-SHA256";
+
+// RFC 5246 section 7.4 and RFC 6347 section 4.2.2: where a ClientHello has its random octets.
+constexpr std::uint8_t client_hello = 1;
+constexpr std::size_t random_at = 12 + 2;
+using Random = std::array<std::uint8_t, 32>;
+
+std::optional<Random> client_random_of(const Record& record) {
+    if (record.type != ContentType::handshake || record.epoch != 0 ||
+        record.body.size() < random_at + std::tuple_size_v<Random> ||
+        record.body[0] != client_hello) {
+        return std::nullopt;
+    }
+    Random random;
+    std::copy_n(record.body.begin() + random_at, random.size(), random.begin());
+    return random;
+}
+
+std::optional<Suite> suite_of(const SSL_CIPHER* cipher) {
+    if (cipher == nullptr) return std::nullopt;
+    switch (SSL_CIPHER_get_cipher_nid(cipher)) {
+        case NID_aes_128_ccm:
+            return Suite::aes_128_ccm_8;
+        case NID_aes_128_gcm:
+            return Suite::aes_128_gcm;
+        default:
+            return std::nullopt;
+    }
+}
+
+struct FreeKdf {
+    void operator()(EVP_KDF* kdf) const { EVP_KDF_free(kdf); }
+    void operator()(EVP_KDF_CTX* context) const { EVP_KDF_CTX_free(context); }
+};
+
+/// RFC 5246 section 6.3.
+bool expand(Bytes master, Bytes seed, MutableBytes out) {
+    static const std::unique_ptr<EVP_KDF, FreeKdf> kdf{
+        EVP_KDF_fetch(nullptr, OSSL_KDF_NAME_TLS1_PRF, nullptr)};
+    const std::unique_ptr<EVP_KDF_CTX, FreeKdf> context{EVP_KDF_CTX_new(kdf.get())};
+    if (!context) return false;
+    std::array<char, 7> digest{"SHA256"};
+    const auto octets = [](const char* name, Bytes value) {
+        return OSSL_PARAM_construct_octet_string(name, const_cast<std::uint8_t*>(value.data()),
+                                                 value.size());
+    };
+    const std::array<OSSL_PARAM, 4> parameters{
+        OSSL_PARAM_construct_utf8_string(OSSL_KDF_PARAM_DIGEST, digest.data(), 0),
+        octets(OSSL_KDF_PARAM_SECRET, master), octets(OSSL_KDF_PARAM_SEED, seed),
+        OSSL_PARAM_construct_end()};
+    return EVP_KDF_derive(context.get(), out.data(), out.size(), parameters.data()) == 1;
+}
+
+}  // namespace
+
+struct Handshakes::Handshake final : Datagrams {
+    struct FreeSsl {
+        void operator()(SSL* of) const { SSL_free(of); }
+    };
+
+    Handshake(const Handshakes& of, SSL_CTX* context) : owner(of), ssl(SSL_new(context)) {
+        if (!ssl) throw std::bad_alloc();
+        BIO* both = bio();
+        SSL_set_bio(ssl.get(), both, both);
+        SSL_set_app_data(ssl.get(), this);
+        SSL_set_mtu(ssl.get(), mtu);
+        SSL_set_accept_state(ssl.get());
+    }
+    static Handshake& of(const SSL* ssl) { return *static_cast<Handshake*>(SSL_get_app_data(ssl)); }
+
+    void write(Bytes datagram) override {
+        const MutableBytes room = out->reserve(datagram.size());
+        std::ranges::copy(datagram, room.begin());
+        const auto size = static_cast<std::uint32_t>(datagram.size());
+        out->push(Send{path.via, {path.from, {}}, 0, out->commit(datagram.size()), size});
+    }
+
+    const Handshakes& owner;
+    Path path;
+    Actions* out = nullptr;  // while OpenSSL works
+    std::string identity;    // that has a key
+    Instant began;
+    Random client_random{};
+    bool is_agreed = false;
+    std::unique_ptr<SSL, FreeSsl> ssl;  // gone before what it writes to
+};
+
+void Handshakes::FreeContext::operator()(ssl_ctx_st* context) const {
+    SSL_CTX_free(context);
+}
+
+Handshakes::Handshakes(const protection::Key& secret, FindKey find_key)
+    : secret_(secret), find_key_(std::move(find_key)), context_(SSL_CTX_new(DTLS_server_method())) {
+    SSL_CTX* context = context_.get();
+    if (context == nullptr || SSL_CTX_set_min_proto_version(context, DTLS1_2_VERSION) != 1 ||
+        SSL_CTX_set_cipher_list(context, psk_suites) != 1) {
+        throw std::runtime_error("OpenSSL has no DTLS 1.2 with AES-128-CCM-8 and pre-shared keys");
+    }
+    SSL_CTX_set_options(context, SSL_OP_NO_TICKET | SSL_OP_NO_RENEGOTIATION | SSL_OP_NO_QUERY_MTU |
+                                     SSL_OP_COOKIE_EXCHANGE | SSL_OP_NO_COMPRESSION);
+    SSL_CTX_set_session_cache_mode(context, SSL_SESS_CACHE_OFF);
+    SSL_CTX_set_mode(context, SSL_MODE_RELEASE_BUFFERS);
+    SSL_CTX_set_cookie_generate_cb(context, on_cookie_wanted);
+    SSL_CTX_set_cookie_verify_cb(context, on_cookie);
+    SSL_CTX_set_psk_server_callback(context, on_identity);
+    stranger_ = make();
+}
+Handshakes::~Handshakes() = default;
+
+std::unique_ptr<Handshakes::Handshake> Handshakes::make() const {
+    return std::make_unique<Handshake>(*this, context_.get());
+}
+
+// --- what OpenSSL asks
+
+protection::Key Handshakes::cookie_of(const Path& path) const {
+    std::array<std::uint8_t, 2 * 23> whose{};
+    std::size_t at = 0;
+    for (const Endpoint& end : {path.from, path.via}) {
+        std::copy(end.address.begin(), end.address.end(), whose.begin() + at);
+        put_be16(whose, at + 16, end.port);
+        whose[at + 18] = static_cast<std::uint8_t>(end.family);
+        for (std::size_t i = 0; i < 4; ++i) {
+            whose[at + 19 + i] = static_cast<std::uint8_t>(end.scope >> 8 * i);
+        }
+        at += 23;
+    }
+    protection::Key cookie;
+    protection::hkdf_sha256(secret_, {}, "ROMANO DTLS cookie ", whose, cookie);
+    return cookie;
+}
+
+int Handshakes::on_cookie_wanted(ssl_st* ssl, unsigned char* cookie, unsigned int* size) {
+    const Handshake& handshake = Handshake::of(ssl);
+    const protection::Key own = handshake.owner.cookie_of(handshake.path);
+    std::copy(own.begin(), own.end(), cookie);
+    *size = static_cast<unsigned int>(own.size());
+    return 1;
+}
+
+int Handshakes::on_cookie(ssl_st* ssl, const unsigned char* cookie, unsigned int size) {
+    const Handshake& handshake = Handshake::of(ssl);
+    const protection::Key own = handshake.owner.cookie_of(handshake.path);
+    return size == own.size() && CRYPTO_memcmp(cookie, own.data(), own.size()) == 0 ? 1 : 0;
+}
+
+unsigned int Handshakes::on_identity(ssl_st* ssl, const char* identity, unsigned char* key,
+                                     unsigned int most) {
+    Handshake& handshake = Handshake::of(ssl);
+    if (identity == nullptr || most < std::tuple_size_v<protection::Key>) return 0;
+    auto found = handshake.owner.find_key_(identity);
+    if (found) {
+        handshake.identity = identity;
+    } else {
+        // A key that nobody has: the stranger does not learn who is known here.
+        handshake.identity.clear();
+        found.emplace();
+        protection::hkdf_sha256(handshake.owner.secret_, {}, "ROMANO DTLS nobody ",
+                                as_octets(identity), *found);
+    }
+    std::copy(found->begin(), found->end(), key);
+    return static_cast<unsigned int>(found->size());
+}
+
+// --- steps
+
+std::optional<Agreed> Handshakes::take(Instant now, const Path& path, const Record& record,
+                                       Actions& out) {
+    const auto random = client_random_of(record);
+    const auto found = going_on_.find(path);
+    const bool is_known = found != going_on_.end();
+    // A client that began anew from the same port has another random.
+    if (random && (!is_known || found->second->client_random != *random)) {
+        return begin(now, path, record, out);
+    }
+    if (!is_known) return std::nullopt;
+    auto agreed = step(*found->second, record.whole, out);
+    if (found->second->ssl == nullptr) going_on_.erase(found);
+    return agreed;
+}
+
+std::optional<Agreed> Handshakes::begin(Instant now, const Path& path, const Record& record,
+                                        Actions& out) {
+    stranger_->path = path;
+    stranger_->out = &out;
+    stranger_->set_input(record.whole);
+    static const auto free_address = [](BIO_ADDR* address) { BIO_ADDR_free(address); };
+    static const std::unique_ptr<BIO_ADDR, decltype(free_address)> not_asked_for{BIO_ADDR_new(),
+                                                                                 free_address};
+    ERR_clear_error();
+    const int listened = DTLSv1_listen(stranger_->ssl.get(), not_asked_for.get());
+    stranger_->set_input({});
+    if (listened < 0) stranger_ = make();
+    if (listened <= 0) return std::nullopt;
+    going_on_.erase(path);
+    make_room();
+    auto& handshake = going_on_[path];
+    handshake = std::exchange(stranger_, make());
+    handshake->began = now;
+    handshake->client_random = *client_random_of(record);
+    auto agreed = step(*handshake, {}, out);
+    if (handshake->ssl == nullptr) going_on_.erase(path);
+    return agreed;
+}
+
+void Handshakes::make_room() {
+    if (going_on_.size() < most_handshakes) return;
+    const auto oldest = std::ranges::min_element(
+        going_on_, {}, [](const auto& each) { return each.second->began; });
+    if (!oldest->second->is_agreed) ++failed_;
+    going_on_.erase(oldest);
+}
+
+/// Without `ssl` afterwards it has failed.
+std::optional<Agreed> Handshakes::step(Handshake& handshake, Bytes record, Actions& out) {
+    SSL* ssl = handshake.ssl.get();
+    handshake.set_input(record);
+    handshake.out = &out;
+    std::optional<Agreed> agreed;
+    ERR_clear_error();
+    if (handshake.is_agreed) {  // a Finished that came again: its answer was lost
+        std::array<std::uint8_t, 64> nothing{};
+        (void)SSL_read(ssl, nothing.data(), static_cast<int>(nothing.size()));
+    } else {
+        const int done = SSL_do_handshake(ssl);
+        const bool goes_on = done != 1 && SSL_get_error(ssl, done) == SSL_ERROR_WANT_READ;
+        if (done == 1) agreed = agreement(handshake);
+        if (agreed) {
+            ++agreed_;
+            handshake.is_agreed = true;
+        } else if (!goes_on) {
+            ++failed_;
+            handshake.ssl.reset();
+        }
+    }
+    handshake.set_input({});
+    return agreed;
+}
+
+std::optional<Agreed> Handshakes::agreement(const Handshake& handshake) const {
+    const SSL* ssl = handshake.ssl.get();
+    const auto suite = suite_of(SSL_get_current_cipher(ssl));
+    if (!suite || handshake.identity.empty()) return std::nullopt;
+    std::array<std::uint8_t, 48> master{};
+    constexpr std::string_view label = "key expansion";
+    std::array<std::uint8_t, label.size() + 2 * 32> seed{};
+    std::copy(label.begin(), label.end(), seed.begin());
+    if (SSL_SESSION_get_master_key(SSL_get_session(ssl), master.data(), master.size()) !=
+            master.size() ||
+        SSL_get_server_random(ssl, seed.data() + label.size(), 32) != 32 ||
+        SSL_get_client_random(ssl, seed.data() + label.size() + 32, 32) != 32) {
+        return std::nullopt;
+    }
+    Agreed agreed{handshake.identity, {}, handshake.path, {*suite, {}, {}}};
+    // Keys and salts, and behind them what the association is called.
+    std::array<std::uint8_t, 2 * 16 + 2 * 4 + 8> block{};
+    const bool is_expanded = expand(master, seed, block);
+    OPENSSL_cleanse(master.data(), master.size());
+    if (!is_expanded) return std::nullopt;
+    const std::uint8_t* at = block.data();
+    const auto take = [&at](auto& to) {
+        std::copy_n(at, to.size(), to.begin());
+        at += to.size();
+    };
+    take(agreed.keys.client.key);
+    take(agreed.keys.server.key);
+    take(agreed.keys.client.salt);
+    take(agreed.keys.server.salt);
+    std::uint64_t id = 0;
+    for (int i = 0; i < 8; ++i) id = id << 8U | *at++;
+    agreed.id = AssociationId{id};
+    OPENSSL_cleanse(block.data(), block.size());
+    return agreed;
+}
+
+void Handshakes::on_heard(const Path& path) {
+    const auto found = going_on_.find(path);
+    if (found != going_on_.end() && found->second->is_agreed) going_on_.erase(found);
+}
+
+void Handshakes::on_time(Instant now, Actions& out) {
+    std::erase_if(going_on_, [&](const auto& each) {
+        Handshake& handshake = *each.second;
+        if (now - handshake.began > patience) {
+            if (!handshake.is_agreed) ++failed_;
+            return true;
+        }
+        if (!handshake.is_agreed) {
+            ERR_clear_error();
+            handshake.out = &out;
+            (void)DTLSv1_handle_timeout(handshake.ssl.get());
+        }
+        return false;
+    });
+}
+
+}  // namespace romano::dtls

@@ -1,0 +1,85 @@
+// Handshakes of DTLS 1.2 by OpenSSL: records in, records out, and in the end the keys of an
+// association. A shell, for OpenSSL's timers read the real clock; no socket.
+//
+// A stranger costs nothing that stays before it has answered the cookie of its address (RFC 6347
+// section 4.2.1), and then one of `most_handshakes` places for a while: the oldest makes room.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <unordered_map>
+
+#include "broker/core/actions.h"
+#include "broker/dtls/association.h"
+#include "broker/dtls/dtls_clients.h"
+#include "romano/base/bytes.h"
+#include "romano/base/time.h"
+#include "romano/protection/keys.h"
+
+struct ssl_ctx_st;
+struct ssl_st;
+
+namespace romano::dtls {
+
+class Handshakes {
+public:
+    /// The key that a client with that identity has (RFC 4279); nothing for an unknown one, which
+    /// then hears as little as one with a wrong key.
+    using FindKey = std::function<std::optional<protection::Key>(std::string_view identity)>;
+
+    /// `secret` is drawn at random.
+    Handshakes(const protection::Key& secret, FindKey find_key);
+    ~Handshakes();
+    Handshakes(const Handshakes&) = delete;
+    Handshakes& operator=(const Handshakes&) = delete;
+
+    /// A record of a handshake. Its answers go to `out`; what it agreed on is returned once, before
+    /// the answer that the client waits for has left.
+    [[nodiscard]] std::optional<Agreed> take(Instant now, const Path& path, const Record& record,
+                                             broker::Actions& out);
+    /// The client has spoken by what was agreed on: nothing needs to be repeated.
+    void on_heard(const Path& path);
+    /// About once a second: repeats what may be lost, and forgets what leads nowhere.
+    void on_time(Instant now, broker::Actions& out);
+
+    [[nodiscard]] std::size_t size() const { return going_on_.size(); }
+    [[nodiscard]] std::uint64_t agreed() const { return agreed_; }
+    [[nodiscard]] std::uint64_t failed() const { return failed_; }
+
+    static constexpr std::size_t most_handshakes = 256;
+
+private:
+    struct Handshake;
+    struct FreeContext {
+        void operator()(ssl_ctx_st* context) const;
+    };
+
+    [[nodiscard]] std::unique_ptr<Handshake> make() const;
+    [[nodiscard]] std::optional<Agreed> begin(Instant now, const Path& path, const Record& record,
+                                              broker::Actions& out);
+    [[nodiscard]] std::optional<Agreed> step(Handshake& handshake, Bytes record,
+                                             broker::Actions& out);
+    [[nodiscard]] std::optional<Agreed> agreement(const Handshake& handshake) const;
+    void make_room();
+
+    [[nodiscard]] protection::Key cookie_of(const Path& path) const;
+    static int on_cookie_wanted(ssl_st* ssl, unsigned char* cookie, unsigned int* size);
+    static int on_cookie(ssl_st* ssl, const unsigned char* cookie, unsigned int size);
+    static unsigned int on_identity(ssl_st* ssl, const char* identity, unsigned char* key,
+                                    unsigned int most);
+
+    protection::Key secret_;
+    FindKey find_key_;
+    std::unique_ptr<ssl_ctx_st, FreeContext> context_;
+    std::unique_ptr<Handshake> stranger_;  // whoever has not answered its cookie, one after another
+    std::unordered_map<Path, std::unique_ptr<Handshake>, PathHash> going_on_;
+    std::uint64_t agreed_ = 0;
+    std::uint64_t failed_ = 0;
+};
+
+}  // namespace romano::dtls

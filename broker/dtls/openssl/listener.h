@@ -1,0 +1,46 @@
+// A broker's DTLS addresses: between the sockets and the core, handshakes and what they lead to.
+#pragma once
+
+#include <functional>
+#include <span>
+
+#include "broker/core/actions.h"
+#include "broker/dtls/dtls_clients.h"
+#include "broker/dtls/openssl/handshakes.h"
+#include "broker/protection/protected_clients.h"
+#include "romano/base/bytes.h"
+#include "romano/base/time.h"
+#include "romano/protection/keys.h"
+
+namespace romano::dtls {
+
+class Listener {
+public:
+    /// What the core is to be given, valid until the call returns.
+    using Deliver = std::function<void(Bytes message)>;
+
+    /// `secret` is drawn at random.
+    Listener(const Speaker& self, const protection::Key& secret);
+
+    void set_clients(std::span<const broker::ProtectedClient> clients) {
+        clients_.set_clients(clients);
+    }
+    void take(Instant now, const Path& path, Bytes datagram, broker::Actions& out,
+              const Deliver& deliver);
+    void seal(broker::Actions& actions) { clients_.seal(actions); }
+    /// About once a second.
+    void on_time(Instant now, broker::Actions& out) { handshakes_.on_time(now, out); }
+
+    [[nodiscard]] DtlsClients& clients() { return clients_; }
+    [[nodiscard]] const DtlsClients& clients() const { return clients_; }
+    [[nodiscard]] const Handshakes& handshakes() const { return handshakes_; }
+
+private:
+    void take_record(Instant now, const Path& path, const Record& record, broker::Actions& out,
+                     const Deliver& deliver);
+
+    DtlsClients clients_;
+    Handshakes handshakes_;
+};
+
+}  // namespace romano::dtls

@@ -1,0 +1,49 @@
+// Records of DTLS 1.2 (RFC 6347 section 4.1): the octets in front of each, and nothing of what is
+// inside. A datagram holds one or more.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+
+#include "romano/base/bytes.h"
+
+namespace romano::dtls {
+
+enum class ContentType : std::uint8_t {
+    change_cipher_spec = 20,
+    alert = 21,
+    handshake = 22,
+    application_data = 23,
+};
+
+inline constexpr std::size_t header_octets = 13;
+inline constexpr std::uint16_t version_1_2 = 0xFEFD;
+/// RFC 6347 section 4.1: sequence numbers have 48 bits.
+inline constexpr std::uint64_t most_number = (std::uint64_t{1} << 48U) - 1;
+
+struct Record {
+    ContentType type = ContentType::alert;
+    std::uint16_t version = 0;
+    std::uint16_t epoch = 0;
+    std::uint64_t number = 0;
+    Bytes body{};
+    Bytes whole{};  // with its header
+};
+
+/// The first record of a datagram, a view into it; nothing when it is none of the four types, or
+/// its length goes beyond the datagram.
+[[nodiscard]] std::optional<Record> first_record(Bytes datagram);
+
+/// Epoch and number as one, as they stand in a header.
+[[nodiscard]] constexpr std::uint64_t epoch_and_number(std::uint16_t epoch, std::uint64_t number) {
+    return std::uint64_t{epoch} << 48U | number;
+}
+
+void put_be64(MutableBytes octets, std::size_t at, std::uint64_t value);
+
+/// `out` has room for header_octets.
+void put_header(MutableBytes out, ContentType type, std::uint64_t epoch_and_number,
+                std::size_t body_octets);
+
+}  // namespace romano::dtls

@@ -1,0 +1,129 @@
+#include "romano/dtls/client_end.h"
+
+#include <openssl/err.h>
+#include <openssl/ssl.h>
+
+#include <algorithm>
+#include <new>
+#include <stdexcept>
+#include <utility>
+
+#include "romano/dtls/datagrams.h"
+
+namespace romano::dtls {
+namespace {
+
+constexpr std::size_t most_message = 1U << 14U;
+
+}  // namespace
+
+struct ClientEnd::Session final : Datagrams {
+    struct Free {
+        void operator()(SSL_CTX* context) const { SSL_CTX_free(context); }
+        void operator()(SSL* of_it) const { SSL_free(of_it); }
+    };
+
+    Session(std::string name, const protection::Key& psk, Send sender, const char* suites)
+        : identity(std::move(name)),
+          key(psk),
+          send(std::move(sender)),
+          context(SSL_CTX_new(DTLS_client_method())),
+          room(most_message) {
+        if (!context || SSL_CTX_set_min_proto_version(context.get(), DTLS1_2_VERSION) != 1 ||
+            SSL_CTX_set_cipher_list(context.get(), suites) != 1) {
+            throw std::runtime_error("OpenSSL has no DTLS 1.2 with " + std::string{suites});
+        }
+        SSL_CTX_set_options(context.get(), SSL_OP_NO_TICKET | SSL_OP_NO_QUERY_MTU);
+        SSL_CTX_set_psk_client_callback(context.get(), on_hint);
+    }
+
+    static unsigned int on_hint(SSL* ssl, const char*, char* identity, unsigned int most_identity,
+                                unsigned char* key, unsigned int most_key) {
+        const auto& self = *static_cast<const Session*>(SSL_get_app_data(ssl));
+        if (self.identity.size() >= most_identity || self.key.size() > most_key) return 0;
+        *std::copy(self.identity.begin(), self.identity.end(), identity) = '\0';
+        std::copy(self.key.begin(), self.key.end(), key);
+        return static_cast<unsigned int>(self.key.size());
+    }
+
+    void write(Bytes datagram) override { send(datagram); }
+
+    void step() {
+        ERR_clear_error();
+        const int done = SSL_do_handshake(ssl.get());
+        if (done != 1 && SSL_get_error(ssl.get(), done) != SSL_ERROR_WANT_READ) is_closed = true;
+    }
+
+    std::string identity;
+    protection::Key key;
+    Send send;
+    std::unique_ptr<SSL_CTX, Free> context;
+    std::unique_ptr<SSL, Free> ssl;
+    std::vector<std::uint8_t> room;
+    bool is_closed = false;
+};
+
+ClientEnd::ClientEnd(std::string identity, const protection::Key& key, Send send,
+                     const char* suites)
+    : session_(std::make_unique<Session>(std::move(identity), key, std::move(send), suites)) {}
+ClientEnd::~ClientEnd() = default;
+
+void ClientEnd::connect() {
+    Session& session = *session_;
+    session.ssl.reset(SSL_new(session.context.get()));
+    if (!session.ssl) throw std::bad_alloc();
+    BIO* bio = session.bio();
+    SSL_set_bio(session.ssl.get(), bio, bio);
+    SSL_set_app_data(session.ssl.get(), &session);
+    SSL_set_mtu(session.ssl.get(), Datagrams::mtu);
+    SSL_set_connect_state(session.ssl.get());
+    session.is_closed = false;
+    session.step();
+}
+
+bool ClientEnd::is_connected() const {
+    return session_->ssl && !session_->is_closed && SSL_is_init_finished(session_->ssl.get()) == 1;
+}
+
+bool ClientEnd::is_closed() const {
+    return session_->is_closed;
+}
+
+Bytes ClientEnd::open(Bytes datagram) {
+    Session& session = *session_;
+    if (!session.ssl || session.is_closed) return {};
+    session.set_input(datagram);
+    if (!is_connected()) session.step();
+    Bytes message;
+    if (is_connected()) {
+        ERR_clear_error();
+        const int size =
+            SSL_read(session.ssl.get(), session.room.data(), static_cast<int>(session.room.size()));
+        if (size > 0) {
+            message = Bytes{session.room}.first(static_cast<std::size_t>(size));
+        } else if (SSL_get_error(session.ssl.get(), size) != SSL_ERROR_WANT_READ) {
+            session.is_closed = true;
+        }
+    }
+    session.set_input({});
+    return message;
+}
+
+bool ClientEnd::seal(Bytes message) {
+    if (!is_connected()) return false;
+    ERR_clear_error();
+    return SSL_write(session_->ssl.get(), message.data(), static_cast<int>(message.size())) > 0;
+}
+
+void ClientEnd::on_time() {
+    if (!session_->ssl || session_->is_closed || is_connected()) return;
+    ERR_clear_error();
+    (void)DTLSv1_handle_timeout(session_->ssl.get());
+}
+
+void ClientEnd::close() {
+    if (is_connected()) (void)SSL_shutdown(session_->ssl.get());
+    session_->is_closed = true;
+}
+
+}  // namespace romano::dtls

@@ -1,0 +1,49 @@
+// A client's end of DTLS 1.2 with a pre-shared key (RFC 4279), all of it by OpenSSL: handshake,
+// records, replay window. No socket: datagrams in, datagrams out. A shell, for OpenSSL's timers
+// read the real clock.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "romano/base/bytes.h"
+#include "romano/protection/keys.h"
+
+namespace romano::dtls {
+
+class ClientEnd {
+public:
+    using Send = std::function<void(Bytes datagram)>;
+
+    /// Throws std::runtime_error when OpenSSL cannot do it. `suites` as for `openssl ciphers`.
+    ClientEnd(std::string identity, const protection::Key& key, Send send,
+              const char* suites = default_suites);
+    ~ClientEnd();
+
+    /// A handshake, from its beginning.
+    void connect();
+    [[nodiscard]] bool is_connected() const;
+    /// The broker has closed the association, or the handshake has failed.
+    [[nodiscard]] bool is_closed() const;
+
+    /// The message in it, valid until the next call; empty when there is none.
+    [[nodiscard]] Bytes open(Bytes datagram);
+    /// False when there is no association.
+    bool seal(Bytes message);
+    /// A few times a second while it is not connected: repeats what may be lost.
+    void on_time();
+    /// Says goodbye.
+    void close();
+
+    static constexpr const char* default_suites = "PSK-AES128-CCM8:PSK-AES128-GCM-SHA256";
+
+private:
+    struct Session;
+
+    std::unique_ptr<Session> session_;
+};
+
+}  // namespace romano::dtls

@@ -1,0 +1,430 @@
+// DTLS clients of a broker core, from the first ClientHello on, and whoever else sends datagrams
+// there. The clients are OpenSSL's.
+
+#include "broker/dtls/openssl/listener.h"
+
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <memory>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "broker/core/broker_core.h"
+#include "broker/protection/protected_node.h"
+#include "romano/base/random.h"
+#include "romano/dtls/client_end.h"
+#include "romano/mqttsn/codec.h"
+#include "romano/mqttsn/decode.h"
+
+namespace romano::dtls::listener_test {
+namespace {
+
+using namespace std::chrono_literals;
+using broker::Action;
+using broker::Actions;
+using broker::Send;
+using mqttsn::MsgType;
+using Octets = std::vector<std::uint8_t>;
+
+Endpoint endpoint(std::uint8_t host, std::uint16_t port) {
+    Endpoint out;
+    out.family = Endpoint::Family::ipv4;
+    out.address = {192, 0, 2, host};
+    out.port = port;
+    return out;
+}
+Endpoint dtls_service() {
+    Endpoint out = endpoint(1, 8883);
+    out.packets = Endpoint::Packets::dtls;
+    return out;
+}
+
+const Endpoint service = dtls_service();
+const Endpoint place = endpoint(10, 5000);
+const Endpoint other_place = endpoint(11, 5000);
+const protection::RobotKey key_a{{0xA}};
+const protection::RobotKey key_b{{0xB}};
+
+template <typename M>
+Octets octets_of(const M& message) {
+    Octets out(300);
+    out.resize(mqttsn::encode(message, out));
+    return out;
+}
+Octets connect_as(std::string_view id) {
+    return octets_of(mqttsn::Connect{false, true, mqttsn::protocol_id, 60, id});
+}
+const Octets ping = octets_of(mqttsn::Pingreq{""});
+
+struct Sent {
+    Endpoint to;
+    Octets octets;
+};
+
+/// A broker core behind its DTLS address, as a shell composes them.
+struct Broker {
+    explicit Broker(std::uint32_t its_place)
+        : place_of(its_place), listener({place_of, reserve}, {0x5E}), core({}, 1) {
+        const std::vector<broker::ProtectedClient> all{{"a", key_a}, {"b", key_b}};
+        listener.set_clients(all);
+    }
+    std::vector<Sent> take(const Endpoint& from, Bytes datagram) {
+        Actions actions;
+        listener.take(now, {service, from}, datagram, actions, [&](Bytes message) {
+            delivered.emplace_back(message.begin(), message.end());
+            core.on_datagram(now, service, from, message, actions);
+        });
+        return drain(actions);
+    }
+    std::vector<Sent> wait(std::chrono::seconds time) {
+        now += Duration{time};
+        Actions actions;
+        listener.on_time(now, actions);
+        return drain(actions);
+    }
+    std::vector<Sent> drain(Actions& actions) {
+        if (const auto bound = reserve.to_store()) reserve.on_stored(*bound);
+        listener.seal(actions);
+        std::vector<Sent> sent;
+        for (const Action& action : actions.list()) {
+            const auto* send = std::get_if<Send>(&action);
+            if (send == nullptr || send->via.family == Endpoint::Family::none) continue;
+            const Bytes octets = actions.octets(*send);
+            sent.push_back({send->to.endpoint, {octets.begin(), octets.end()}});
+        }
+        return sent;
+    }
+    std::uint64_t refused(Refusal why) const {
+        return listener.clients().counters().refused.of(why);
+    }
+
+    std::uint32_t place_of;
+    protection::Reserve reserve{0};
+    Instant now{};
+    Listener listener;
+    broker::BrokerCore core;
+    std::vector<Octets> delivered;
+};
+
+/// OpenSSL's client, and the datagrams between it and a broker.
+struct Client {
+    explicit Client(std::string identity, const protection::RobotKey& key,
+                    const char* suites = ClientEnd::default_suites)
+        : end(
+              std::move(identity), protection::pre_shared_key(key),
+              [this](Bytes datagram) { outbox.emplace_back(datagram.begin(), datagram.end()); },
+              suites) {}
+
+    /// Until nobody has anything to say.
+    void exchange(Broker& broker) {
+        while (!outbox.empty()) {
+            const auto sent = std::exchange(outbox, {});
+            for (const Octets& datagram : sent) {
+                last_sent = datagram;
+                for (const Sent& answer : broker.take(from, datagram)) hear(answer.octets);
+            }
+        }
+    }
+    void hear(const Octets& datagram) {
+        last_heard = datagram;
+        const Bytes message = end.open(datagram);
+        if (!message.empty()) received.emplace_back(message.begin(), message.end());
+    }
+    bool connect(Broker& broker) {
+        end.connect();
+        exchange(broker);
+        return end.is_connected();
+    }
+    /// What is answered to a message; none when nothing is.
+    std::optional<MsgType> ask(Broker& broker, const Octets& message) {
+        received.clear();
+        if (!end.seal(message)) return std::nullopt;
+        exchange(broker);
+        if (received.size() != 1) return std::nullopt;
+        const auto frame = mqttsn::decode_frame(received[0]);
+        return frame ? std::optional{frame->type} : std::nullopt;
+    }
+
+    std::vector<Octets> outbox;
+    ClientEnd end;
+    Endpoint from = place;
+    Octets last_sent;
+    Octets last_heard;
+    std::vector<Octets> received;
+};
+
+struct AtADtlsAddress : testing::Test {
+    Broker broker{1};
+    Client a{"a", key_a};
+};
+
+TEST_F(AtADtlsAddress, AClientWithAKeyIsServed) {
+    ASSERT_TRUE(a.connect(broker));
+    EXPECT_EQ(a.ask(broker, connect_as("a")), MsgType::connack);
+    EXPECT_EQ(a.ask(broker, ping), MsgType::pingresp);
+    EXPECT_EQ(broker.core.session_count(), 1U);
+    EXPECT_EQ(broker.listener.handshakes().size(), 0U) << "OpenSSL's memory is given back";
+    EXPECT_EQ(broker.listener.handshakes().agreed(), 1U);
+}
+
+TEST_F(AtADtlsAddress, GcmWorksAsCcmDoes) {
+    Client gcm{"a", key_a, "PSK-AES128-GCM-SHA256"};
+    ASSERT_TRUE(gcm.connect(broker));
+    EXPECT_EQ(gcm.ask(broker, connect_as("a")), MsgType::connack);
+    EXPECT_EQ(gcm.ask(broker, ping), MsgType::pingresp);
+}
+
+TEST_F(AtADtlsAddress, WhoHasAnotherKeyOrAnUnknownNameIsNotServedAndHearsTheSame) {
+    for (const auto& [name, key] : {std::pair{"a", key_b}, std::pair{"nobody", key_b}}) {
+        Client stranger{name, key};
+        EXPECT_FALSE(stranger.connect(broker)) << name;
+        EXPECT_FALSE(stranger.end.is_closed()) << name << ": silence, and no alert";
+    }
+    EXPECT_EQ(broker.listener.clients().size(), 0U);
+    EXPECT_TRUE(broker.delivered.empty());
+}
+
+TEST_F(AtADtlsAddress, NobodyConnectsInAnothersName) {
+    ASSERT_TRUE(a.connect(broker));
+    EXPECT_EQ(a.ask(broker, connect_as("b")), MsgType::connack);
+    EXPECT_EQ(a.received[0][2], 3) << "not supported";
+    EXPECT_EQ(broker.refused(Refusal::foreign_client_id), 1U);
+    EXPECT_EQ(broker.core.session_count(), 0U);
+}
+
+TEST_F(AtADtlsAddress, ANodeBehindAForwarderIsNobody) {
+    ASSERT_TRUE(a.connect(broker));
+    const std::string node = broker::protected_node_id("b");
+    Octets wrapped(3 + node.size());
+    (void)mqttsn::encode(mqttsn::Encapsulated{0, as_octets(node), {}}, wrapped);
+    const Octets inner = connect_as("b");
+    wrapped.insert(wrapped.end(), inner.begin(), inner.end());
+    EXPECT_FALSE(a.ask(broker, wrapped));
+    EXPECT_EQ(broker.refused(Refusal::forwarded), 1U);
+}
+
+TEST_F(AtADtlsAddress, AStrangerGetsACookieAndNoMemory) {
+    for (std::uint16_t port = 1; port <= 1'000; ++port) {
+        Client stranger{"a", key_a};
+        stranger.end.connect();
+        const auto answers = broker.take(endpoint(77, port), stranger.outbox.at(0));
+        ASSERT_EQ(answers.size(), 1U);
+        EXPECT_EQ(answers[0].octets[13], 3) << "HelloVerifyRequest";
+        EXPECT_LE(answers[0].octets.size(), stranger.outbox.at(0).size()) << "no amplifier";
+    }
+    EXPECT_EQ(broker.listener.handshakes().size(), 0U);
+}
+
+TEST_F(AtADtlsAddress, ACookieIsOfOneAddressAlone) {
+    a.end.connect();
+    for (const Sent& answer : broker.take(place, a.outbox.at(0))) a.hear(answer.octets);
+    ASSERT_EQ(a.outbox.size(), 2U);
+    (void)broker.take(other_place, a.outbox[1]);
+    EXPECT_EQ(broker.listener.handshakes().size(), 0U);
+    (void)broker.take(place, a.outbox[1]);
+    EXPECT_EQ(broker.listener.handshakes().size(), 1U);
+}
+
+TEST_F(AtADtlsAddress, HandshakesThatLeadNowhereAreBoundedAndForgotten) {
+    for (std::uint16_t port = 1; port <= Handshakes::most_handshakes + 50; ++port) {
+        Client stranger{"nobody", key_b};
+        stranger.from = endpoint(77, port);
+        (void)stranger.connect(broker);
+    }
+    EXPECT_EQ(broker.listener.handshakes().size(), Handshakes::most_handshakes);
+    ASSERT_TRUE(a.connect(broker)) << "they do not keep others out";
+    (void)broker.wait(20s);
+    EXPECT_EQ(broker.listener.handshakes().size(), 0U);
+    EXPECT_EQ(a.ask(broker, connect_as("a")), MsgType::connack);
+}
+
+TEST_F(AtADtlsAddress, TheLastFlightIsSentAgainWhenItWasLost) {
+    a.end.connect();
+    while (!a.outbox.empty()) {
+        const auto sent = std::exchange(a.outbox, {});
+        for (const Octets& datagram : sent) {
+            const auto answers = broker.take(place, datagram);
+            if (broker.listener.clients().size() != 0) continue;  // the answer to Finished is lost
+            for (const Sent& answer : answers) a.hear(answer.octets);
+        }
+    }
+    ASSERT_FALSE(a.end.is_connected());
+    // OpenSSL's timer is the real clock's: a second.
+    const auto deadline = std::chrono::steady_clock::now() + 20s;
+    while (a.outbox.empty() && std::chrono::steady_clock::now() < deadline) {
+        std::this_thread::sleep_for(10ms);
+        a.end.on_time();
+    }
+    a.exchange(broker);
+    EXPECT_TRUE(a.end.is_connected());
+    EXPECT_EQ(a.ask(broker, connect_as("a")), MsgType::connack);
+}
+
+TEST_F(AtADtlsAddress, ClosingIsAnsweredAndEndsTheAssociation) {
+    ASSERT_TRUE(a.connect(broker));
+    ASSERT_EQ(a.ask(broker, connect_as("a")), MsgType::connack);
+    a.end.close();
+    ASSERT_EQ(a.outbox.size(), 1U);
+    const auto answers = broker.take(place, a.outbox[0]);
+    ASSERT_EQ(answers.size(), 1U);
+    EXPECT_EQ(answers[0].octets[0], 21) << "an alert";
+    EXPECT_EQ(broker.listener.clients().size(), 0U);
+    EXPECT_EQ(broker.listener.clients().counters().closed, 1U);
+}
+
+TEST_F(AtADtlsAddress, AClientBeginsAnewFromTheSamePortAndNobodyCanDoItInItsPlace) {
+    ASSERT_TRUE(a.connect(broker));
+    ASSERT_EQ(a.ask(broker, connect_as("a")), MsgType::connack);
+    Client thief{"a", key_b};  // at the same address
+    EXPECT_FALSE(thief.connect(broker));
+    EXPECT_EQ(a.ask(broker, ping), MsgType::pingresp) << "the association of before goes on";
+    for (int round = 0; round < 5; ++round) {
+        Client again{"a", key_a};
+        ASSERT_TRUE(again.connect(broker));
+        ASSERT_EQ(again.ask(broker, connect_as("a")), MsgType::connack);
+        EXPECT_EQ(again.ask(broker, ping), MsgType::pingresp);
+    }
+    EXPECT_EQ(broker.listener.clients().size(), 2U) << "a client has two at most";
+}
+
+TEST_F(AtADtlsAddress, AWithdrawnKeyEndsItsAssociations) {
+    ASSERT_TRUE(a.connect(broker));
+    ASSERT_EQ(a.ask(broker, connect_as("a")), MsgType::connack);
+    const std::vector<broker::ProtectedClient> others{{"b", key_b}};
+    broker.listener.set_clients(others);
+    EXPECT_FALSE(a.ask(broker, ping));
+    EXPECT_EQ(broker.refused(Refusal::unknown_sender), 1U);
+}
+
+TEST_F(AtADtlsAddress, SeveralRecordsOfADatagramAreSeveralMessages) {
+    ASSERT_TRUE(a.connect(broker));
+    ASSERT_EQ(a.ask(broker, connect_as("a")), MsgType::connack);
+    ASSERT_TRUE(a.end.seal(ping));
+    ASSERT_TRUE(a.end.seal(ping));
+    ASSERT_EQ(a.outbox.size(), 2U);
+    Octets both = a.outbox[0];
+    both.insert(both.end(), a.outbox[1].begin(), a.outbox[1].end());
+    EXPECT_EQ(broker.take(place, both).size(), 2U);
+}
+
+TEST_F(AtADtlsAddress, RepeatedReflectedForgedAndCutRecordsAreRefused) {
+    ASSERT_TRUE(a.connect(broker));
+    ASSERT_EQ(a.ask(broker, connect_as("a")), MsgType::connack);
+    ASSERT_EQ(a.ask(broker, ping), MsgType::pingresp);
+    const Octets record = a.last_sent;
+    const Octets answer = a.last_heard;
+    const std::size_t before = broker.delivered.size();
+    EXPECT_TRUE(broker.take(place, record).empty());
+    EXPECT_EQ(broker.refused(Refusal::replayed), 1U);
+    EXPECT_TRUE(broker.take(other_place, record).empty());
+    EXPECT_EQ(broker.refused(Refusal::unknown_sender), 1U);
+    EXPECT_TRUE(broker.take(place, answer).empty()) << "its own, sent back";
+    EXPECT_EQ(broker.refused(Refusal::bad_tag), 1U);
+
+    Random random{1};
+    for (int round = 0; round < 200'000; ++round) {
+        Octets bad = round % 2 == 0 ? record : answer;
+        switch (round % 5) {
+            case 0:
+                bad.resize(random.below(static_cast<std::uint32_t>(bad.size())));
+                break;
+            case 1:  // a number that was not there yet, and nothing else
+                bad[5 + random.below(6)] ^= static_cast<std::uint8_t>(1 + random.below(255));
+                break;
+            case 2:
+                for (std::size_t at = 11; at < bad.size(); ++at) {
+                    bad[at] = static_cast<std::uint8_t>(random.next());
+                }
+                break;
+            default:
+                bad[random.below(static_cast<std::uint32_t>(bad.size()))] ^=
+                    static_cast<std::uint8_t>(1 << random.below(8));
+        }
+        (void)broker.take(place, bad);
+    }
+    EXPECT_EQ(broker.delivered.size(), before);
+    EXPECT_EQ(broker.listener.clients().size(), 1U);
+    EXPECT_EQ(a.ask(broker, ping), MsgType::pingresp) << "its own go on";
+}
+
+TEST_F(AtADtlsAddress, LateRecordsAreTakenOnceInsideTheWindow) {
+    ASSERT_TRUE(a.connect(broker));
+    ASSERT_EQ(a.ask(broker, connect_as("a")), MsgType::connack);
+    for (int n = 0; n < 100; ++n) ASSERT_TRUE(a.end.seal(ping));
+    const auto records = std::exchange(a.outbox, {});
+    std::size_t answered = 0;
+    for (std::size_t at = records.size(); at-- > 0;)
+        answered += broker.take(place, records[at]).size();
+    EXPECT_EQ(answered, 64U);
+    for (const Octets& record : records) EXPECT_TRUE(broker.take(place, record).empty());
+}
+
+// --- several brokers
+
+struct WithAnHeir : AtADtlsAddress {
+    void SetUp() override {
+        ASSERT_TRUE(a.connect(broker));
+        heir.listener.clients().on_told(broker.listener.clients().to_tell());
+        ASSERT_EQ(a.ask(broker, connect_as("a")), MsgType::connack);
+    }
+    void tell_heir() { heir.listener.clients().on_told(broker.listener.clients().to_tell()); }
+    void adopt() {
+        Actions actions;
+        auto image = broker.core.image("a");
+        ASSERT_TRUE(image);
+        ASSERT_TRUE(heir.core.adopt(heir.now, std::move(*image), {}, actions));
+        (void)heir.drain(actions);
+    }
+    Broker heir{2};
+};
+
+TEST_F(WithAnHeir, TheClientGoesOnWithoutAHandshake) {
+    tell_heir();
+    adopt();
+    EXPECT_EQ(a.ask(heir, ping), MsgType::pingresp);
+    EXPECT_EQ(heir.listener.handshakes().agreed(), 0U);
+    broker.listener.clients().on_told(heir.listener.clients().to_tell());
+    EXPECT_EQ(a.ask(broker, ping), MsgType::pingresp) << "and back";
+    EXPECT_EQ(a.ask(broker, ping), MsgType::pingresp);
+}
+
+TEST_F(WithAnHeir, TheHeirTakesNoOldRecord) {
+    ASSERT_EQ(a.ask(broker, ping), MsgType::pingresp);
+    const Octets old = a.last_sent;
+    tell_heir();
+    adopt();
+    EXPECT_TRUE(heir.take(place, old).empty());
+    EXPECT_EQ(heir.refused(Refusal::replayed), 1U);
+}
+
+TEST_F(WithAnHeir, ThatABrokerBeginsToSpeakIsNews) {
+    tell_heir();
+    adopt();
+    EXPECT_FALSE(heir.listener.clients().has_news());
+    ASSERT_EQ(a.ask(heir, ping), MsgType::pingresp);
+    EXPECT_TRUE(heir.listener.clients().has_news());
+}
+
+TEST_F(WithAnHeir, AClosedAssociationIsClosedEverywhere) {
+    tell_heir();
+    a.end.close();
+    (void)broker.take(place, a.outbox.at(0));
+    tell_heir();
+    EXPECT_EQ(heir.listener.clients().size(), 0U);
+}
+
+TEST_F(WithAnHeir, ANewcomerHearsOfAllThatThereIs) {
+    tell_heir();
+    Broker newcomer{3};
+    newcomer.listener.clients().on_told(broker.listener.clients().to_tell());
+    EXPECT_EQ(newcomer.listener.clients().size(), 0U) << "nothing is new";
+    broker.listener.clients().tell_all();
+    newcomer.listener.clients().on_told(broker.listener.clients().to_tell());
+    EXPECT_EQ(newcomer.listener.clients().size(), 1U);
+}
+
+}  // namespace
+}  // namespace romano::dtls::listener_test
