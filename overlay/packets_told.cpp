@@ -3,19 +3,13 @@
 #include <algorithm>
 #include <iterator>
 #include <utility>
-#include <variant>
+
+#include "overlay/waited_for.h"
 
 namespace romano::overlay {
 namespace {
 
 constexpr std::size_t most_at_once = 2'000;  // 40,000 octets
-
-bool is_waited_for(const cluster::Outgoing& outgoing) {
-    return std::holds_alternative<cluster::LogBatch>(outgoing.message) ||
-           std::holds_alternative<cluster::Heartbeat>(outgoing.message) ||
-           std::holds_alternative<cluster::SnapshotPart>(outgoing.message) ||
-           std::holds_alternative<cluster::SessionHandoff>(outgoing.message);
-}
 
 std::uint64_t number_of(const protection::SenderId& id) {
     std::uint64_t number = 0;

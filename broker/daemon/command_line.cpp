@@ -49,14 +49,16 @@ std::string one_line(std::string text) {
 void add_options(CLI::App& app, SettingTexts& texts) {
     app.add_option("--listen", texts.listen,
                    "Serve clients at this address (repeatable; default 127.0.0.1:1883, with "
-                   "--allow-plain 0.0.0.0:1883); protected://ADDR:PORT for clients with keys")
+                   "--allow-plain 0.0.0.0:1883); protected://ADDR:PORT for clients with keys, "
+                   "dtls://ADDR:PORT for those that speak DTLS 1.2")
         ->type_name("ADDR:PORT");
     app.add_flag("--allow-plain", texts.allow_plain,
                  "Serve plain clients at addresses that other machines reach: whoever can send a "
                  "datagram there steers robots and reads everything");
-    app.add_option("--keys", texts.keys,
-                   "Folder with the keys of protected clients (romano keys new); the broker writes "
-                   "there, too. For all brokers of a cluster that has protected addresses")
+    app.add_option(
+           "--keys", texts.keys,
+           "Folder with the keys of clients (romano keys new); the broker writes there, too. "
+           "For all brokers of a cluster that has protected or DTLS addresses")
         ->type_name("DIR");
     app.add_option("--rights", texts.rights,
                    "File that says who may publish and read what (romano rights usual prints one); "

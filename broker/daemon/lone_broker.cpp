@@ -2,6 +2,7 @@
 
 #include <spdlog/spdlog.h>
 
+#include <functional>
 #include <nlohmann/json.hpp>
 
 #include "broker/daemon/broker_options.h"
@@ -28,7 +29,7 @@ LoneBroker::LoneBroker(boost::asio::io_context& io, const Settings& settings,
                        const OnServing& on_serving)
     : io_(io),
       name_(settings.name),
-      protection_(open_protection(settings.keys)),
+      protection_(open_protection(settings)),
       rights_(settings.rights),
       options_(options_of(settings)),
       core_(options_, random_seed()),
@@ -64,15 +65,20 @@ broker::BrokerOptions LoneBroker::options_of(const Settings& settings) {
 }
 
 void LoneBroker::on_datagram(const Endpoint& via, const Endpoint& from, Bytes octets) {
+    const auto take = [&](Bytes message) { on_message(via, from, message); };
     if (protection_) {
-        octets = protection_->admit(via, from, octets, actions_);
-        if (octets.empty()) return;
+        protection_->admit(net::now(), via, from, octets, actions_, std::ref(take));
+    } else {
+        take(octets);
     }
-    core_.on_datagram(net::now(), via, from, octets, actions_);
-    bad_senders_.look(core_.counters().malformed_total, from, octets);
     if (actions_.list().size() >= most_actions_held || actions_.octets_held() >= most_octets_held) {
         send();
     }
+}
+
+void LoneBroker::on_message(const Endpoint& via, const Endpoint& from, Bytes message) {
+    core_.on_datagram(net::now(), via, from, message, actions_);
+    bad_senders_.look(core_.counters().malformed_total, from, message);
 }
 
 void LoneBroker::on_batch_end() {
@@ -88,6 +94,7 @@ void LoneBroker::on_core_wakeup() {
 
 void LoneBroker::on_status_wakeup() {
     if (protection_ && protection_->look()) obey_rights();
+    if (protection_) protection_->on_time(net::now(), actions_);
     publish_status();
     server_.on_tick(net::now(), core_, {}, actions_);
     on_batch_end();

@@ -31,6 +31,7 @@ public:
 
 private:
     void on_datagram(const Endpoint& via, const Endpoint& from, Bytes octets) override;
+    void on_message(const Endpoint& via, const Endpoint& from, Bytes message);
     void on_batch_end() override;
     void on_core_wakeup();
     void on_status_wakeup();

@@ -2,16 +2,21 @@
 
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <array>
 #include <chrono>
 #include <system_error>
 #include <utility>
 #include <vector>
 
+#include "broker/daemon/dtls_metrics.h"
 #include "broker/daemon/refusal.h"
+#include "broker/net/endpoint_text.h"
+#include "broker/protection/protected_node.h"
 #include "romano/keys/client_keys.h"
 #include "romano/keys/key_error.h"
 #include "romano/keys/key_folder.h"
+#include "romano/keys/random_octets.h"
 
 namespace romano::daemon {
 namespace {
@@ -48,12 +53,27 @@ std::vector<rights::KeyOwner> owners_of(const keys::ClientKeys& table) {
 
 }  // namespace
 
-std::unique_ptr<Protection> open_protection(const std::optional<std::string>& folder) {
-    if (!folder) return nullptr;
+std::unique_ptr<Protection> open_protection(const Settings& settings) {
+    if (!settings.keys) return nullptr;
+    const std::string& folder = *settings.keys;
     try {
-        return std::make_unique<Protection>(*folder);
+        auto protection = std::make_unique<Protection>(folder);
+        const auto own =
+            std::ranges::find(settings.listen, Endpoint::Packets::dtls, &Endpoint::packets);
+        const bool has_own = own != settings.listen.end();
+        // In a cluster a peer may have such an address.
+        const bool is_served = (has_own || settings.cluster) && protection->serve_dtls();
+        if (has_own && !is_served) {
+            throw Refusal("--listen '" + net::to_text(*own) +
+                          "': needs a place among the brokers "
+                          "of the fleet, and --keys '" +
+                          folder +
+                          "' has none; say `romano keys new "
+                          "FLEET --broker NAME` and move the broker.place that it makes there");
+        }
+        return protection;
     } catch (const keys::KeyError& error) {
-        throw Refusal("--keys '" + *folder + "': " + error.what());
+        throw Refusal("--keys '" + folder + "': " + error.what());
     }
 }
 
@@ -68,6 +88,8 @@ Protection::Protection(fs::path folder)
             "is in use by another broker; each needs a folder of its own "
             "(`romano keys new DIR --broker NAME`)");
     }
+    const fs::path given = folder_ / keys::place_name;
+    if (const auto place = keys::read_given_place(given)) record_.place = *place;
     read_table();
     store_bound(0);
     end_storing();
@@ -76,6 +98,18 @@ Protection::Protection(fs::path folder)
             "its numbers cannot be stored, or are used up; the broker must be "
             "able to write there");
     }
+    std::error_code none;
+    fs::remove(given, none);  // it is in the record now
+}
+
+bool Protection::serve_dtls() {
+    static_assert(keys::most_places == dtls::most_places);
+    if (record_.place == 0 || record_.bound >= dtls::most_count) return false;
+    protection::Key secret;
+    keys::fill_at_random(secret);
+    dtls_.emplace(dtls::Speaker{record_.place, clients_.reserve()}, secret);
+    dtls_->set_clients(with_keys_);
+    return true;
 }
 
 void Protection::read_table() {
@@ -83,12 +117,23 @@ void Protection::read_table() {
     table_of_ = changed_at(table);
     const keys::ClientKeys keys = keys::read_table(table);
     owners_ = owners_of(keys);
-    clients_.set_clients(clients_of(keys),
-                         [this](const auto& sender) { return heard_.of(sender); });
+    with_keys_ = clients_of(keys);
+    clients_.set_clients(with_keys_, [this](const auto& sender) { return heard_.of(sender); });
+    if (dtls_) dtls_->set_clients(with_keys_);
 }
 
-Bytes Protection::admit(const Endpoint& via, const Endpoint& from, Bytes datagram,
-                        broker::Actions& out) {
+void Protection::admit(Instant now, const Endpoint& via, const Endpoint& from, Bytes datagram,
+                       broker::Actions& out, const dtls::Listener::Deliver& deliver) {
+    if (broker::is_dtls(via)) {
+        if (dtls_) dtls_->take(now, {via, from}, datagram, out, deliver);
+        return;
+    }
+    const Bytes admitted = admit_sealed(via, from, datagram, out);
+    if (!admitted.empty()) deliver(admitted);
+}
+
+Bytes Protection::admit_sealed(const Endpoint& via, const Endpoint& from, Bytes datagram,
+                               broker::Actions& out) {
     const Bytes admitted = clients_.admit(via, from, datagram, out);
     if (const auto heard = clients_.to_store()) {
         if (!heard_.add(*heard)) {
@@ -104,6 +149,11 @@ Bytes Protection::admit(const Endpoint& via, const Endpoint& from, Bytes datagra
 void Protection::seal(broker::Actions& actions) {
     store_bound(actions.list().size());
     clients_.seal(actions);
+    if (dtls_) dtls_->seal(actions);
+}
+
+void Protection::on_time(Instant now, broker::Actions& out) {
+    if (dtls_) dtls_->on_time(now, out);
 }
 
 /// Nothing is sealed beyond what is stored. There is a block ahead of the next one to be stored, so
@@ -144,7 +194,7 @@ bool Protection::look() {
     if (changed_at(folder_ / keys::table_name) == table_of_) return false;
     try {
         read_table();
-        spdlog::info("protected packets: {} clients have keys now", clients_.size());
+        spdlog::info("{} clients have keys now", clients_.size());
         return true;
     } catch (const keys::KeyError& error) {
         warn(std::string{error.what()} + "; the keys of before stay");
@@ -186,6 +236,7 @@ void Protection::add_metrics(metrics::Page& page) const {
     refused("needs_protection", counters.needs_protection);
     refused("keyless", counters.keyless);
     refused("not_stored", unstored_);
+    if (dtls_) add_dtls(page, *dtls_);
 }
 
 }  // namespace romano::daemon

@@ -2,7 +2,8 @@
 // so that no packet is taken twice and none is numbered twice.
 //
 //     clients.keys        the table: `romano keys` writes it, and a broker that runs reads it anew
-//     broker.numbers      the broker's identity and the bound of its numbers; never to be copied
+//     broker.numbers      the broker's identity, place and bound of its numbers; never to be copied
+//     broker.place        a place that was given and not taken yet
 //     clients.heard       how far each client's packets were taken
 #pragma once
 
@@ -15,6 +16,8 @@
 
 #include "broker/core/actions.h"
 #include "broker/daemon/heard_file.h"
+#include "broker/daemon/settings.h"
+#include "broker/dtls/openssl/listener.h"
 #include "broker/metrics/page.h"
 #include "broker/protection/protected_clients.h"
 #include "broker/rights/rights.h"
@@ -24,18 +27,22 @@
 namespace romano::daemon {
 
 /// Throws Refusal. Null when no folder is given.
-[[nodiscard]] std::unique_ptr<class Protection> open_protection(
-    const std::optional<std::string>& folder);
+[[nodiscard]] std::unique_ptr<class Protection> open_protection(const Settings& settings);
 
 class Protection {
 public:
     /// Throws keys::KeyError.
     explicit Protection(std::filesystem::path folder);
 
-    /// As of ProtectedClients.
-    [[nodiscard]] Bytes admit(const Endpoint& via, const Endpoint& from, Bytes datagram,
-                              broker::Actions& out);
+    /// From now on datagrams of DTLS addresses are understood. False when this broker has no place.
+    [[nodiscard]] bool serve_dtls();
+
+    /// Hands on what the core is to be given, which lives until the call returns.
+    void admit(Instant now, const Endpoint& via, const Endpoint& from, Bytes datagram,
+               broker::Actions& out, const dtls::Listener::Deliver& deliver);
     void seal(broker::Actions& actions);
+    /// About once a second.
+    void on_time(Instant now, broker::Actions& out);
 
     /// From time to time: the table may have changed. True when it has.
     [[nodiscard]] bool look();
@@ -45,8 +52,12 @@ public:
     void add_metrics(metrics::Page& page) const;
 
     [[nodiscard]] broker::ProtectedClients& clients() { return clients_; }
+    /// Null without serve_dtls().
+    [[nodiscard]] dtls::DtlsClients* dtls_clients() { return dtls_ ? &dtls_->clients() : nullptr; }
 
 private:
+    [[nodiscard]] Bytes admit_sealed(const Endpoint& via, const Endpoint& from, Bytes datagram,
+                                     broker::Actions& out);
     void read_table();
     void store_bound(std::size_t about_to_seal);
     void end_storing();
@@ -58,6 +69,8 @@ private:
     std::future<std::string> storing_;  // the record, and what went wrong: a disk takes its time
     HeardFile heard_;
     broker::ProtectedClients clients_;
+    std::optional<dtls::Listener> dtls_;
+    std::vector<broker::ProtectedClient> with_keys_;
     std::vector<rights::KeyOwner> owners_;
     std::filesystem::file_time_type table_of_;
     std::string warned_of_;       // the last one, not to be said again

@@ -112,15 +112,17 @@ std::vector<Endpoint> check_listen(const std::vector<std::string>& texts, bool a
 
 std::optional<std::string> check_keys(const SettingTexts& texts,
                                       const std::vector<Endpoint>& listen) {
-    const auto sealed = std::ranges::find(listen, Endpoint::Packets::sealed, &Endpoint::packets);
-    if (sealed != listen.end() && !texts.keys) {
-        refuse_option("listen", net::to_text(*sealed),
+    const auto keyed = std::ranges::find_if(
+        listen, [](const Endpoint& each) { return each.packets != Endpoint::Packets::plain; });
+    if (keyed != listen.end() && !texts.keys) {
+        refuse_option("listen", net::to_text(*keyed),
                       "needs the keys of its clients; give --keys DIR, which `romano keys new` "
                       "makes");
     }
-    if (texts.keys && sealed == listen.end() && !texts.domain) {
+    if (texts.keys && keyed == listen.end() && !texts.domain) {
         refuse_option("keys", *texts.keys,
-                      "is for protected clients; give --listen protected://ADDR:PORT too");
+                      "is for clients with keys; give --listen protected://ADDR:PORT or "
+                      "dtls://ADDR:PORT too");
     }
     return texts.keys;
 }

@@ -12,6 +12,19 @@ namespace romano::net {
 namespace {
 
 constexpr std::string_view sealed_scheme = "protected://";
+constexpr std::string_view dtls_scheme = "dtls://";
+
+std::string_view scheme_of(Endpoint::Packets packets) {
+    switch (packets) {
+        case Endpoint::Packets::sealed:
+            return sealed_scheme;
+        case Endpoint::Packets::dtls:
+            return dtls_scheme;
+        case Endpoint::Packets::plain:
+            break;
+    }
+    return {};
+}
 
 std::optional<std::uint16_t> parse_port(std::string_view text) {
     std::uint16_t port = 0;
@@ -49,18 +62,21 @@ std::optional<Endpoint> parse_endpoint(std::string_view text) {
 }
 
 std::optional<Endpoint> parse_service_address(std::string_view text) {
-    const bool is_sealed = text.starts_with(sealed_scheme);
-    if (is_sealed) text.remove_prefix(sealed_scheme.size());
+    auto packets = Endpoint::Packets::plain;
+    for (const auto each : {Endpoint::Packets::sealed, Endpoint::Packets::dtls}) {
+        if (text.starts_with(scheme_of(each))) packets = each;
+    }
+    text.remove_prefix(scheme_of(packets).size());
     auto endpoint = parse_endpoint(text);
-    if (endpoint && is_sealed) endpoint->packets = Endpoint::Packets::sealed;
+    if (endpoint) endpoint->packets = packets;
     return endpoint;
 }
 
 std::string to_text(const Endpoint& endpoint) {
-    if (endpoint.packets == Endpoint::Packets::sealed) {
+    if (endpoint.packets != Endpoint::Packets::plain) {
         Endpoint plain = endpoint;
         plain.packets = Endpoint::Packets::plain;
-        return std::string{sealed_scheme} + to_text(plain);
+        return std::string{scheme_of(endpoint.packets)} + to_text(plain);
     }
     const SocketAddress address = to_socket_address(endpoint);
     std::array<char, INET6_ADDRSTRLEN> text{};

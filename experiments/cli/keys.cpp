@@ -1,12 +1,15 @@
 #include "experiments/cli/keys.h"
 
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
 #include <string>
 #include <vector>
 
+#include "romano/keys/key_error.h"
 #include "romano/keys/key_folder.h"
+#include "romano/protection/keys.h"
 
 namespace romano::experiments {
 namespace {
@@ -18,6 +21,10 @@ constexpr const char* keys_examples = R"(Examples:
       one more robot: its own file, and a new table for all brokers
   romano keys withdraw fleet abcd1234
       its packets are refused as soon as brokers have the new table
+  romano keys psk fleet/robots/abcd1234.key
+      identity and pre-shared key for a standard client of DTLS 1.2:
+      read id psk < <(romano keys psk abcd1234.key)
+      openssl s_client -dtls1_2 -quiet -psk_identity $id -psk $psk -connect ADDR:PORT
   romano keys check fleet        (or a broker's folder, or one key file)
       says in a sentence what is wrong; exit code 1 if something is
 )";
@@ -88,6 +95,31 @@ void add_withdraw(CLI::App& keys, int& exit_code) {
     });
 }
 
+void add_psk(CLI::App& keys, int& exit_code) {
+    auto file = std::make_shared<std::string>();
+    auto client_id = std::make_shared<std::string>();
+    CLI::App& command = *keys.add_subcommand(
+        "psk", "Print a client's identity and pre-shared key for DTLS, in hexadecimal digits");
+    command.add_option("FILE", *file, "A robot's or a person's key file")->required();
+    command
+        .add_option("--client-id", *client_id,
+                    "Which of a person's clients: NAME/1 to NAME/15 (default: NAME)")
+        ->type_name("ID");
+    command.callback([file, client_id, &exit_code] {
+        const keys::OwnKey own = keys::read_own_key(*file);
+        const std::string id = client_id->empty() ? own.name : *client_id;
+        const auto ids = keys::client_ids_of(own.name, own.client.role);
+        if (std::ranges::find(ids, id) == ids.end()) {
+            throw keys::KeyError("--client-id '" + id + "': is not of the key " + *file +
+                                 ", which is of " +
+                                 (ids.size() == 1 ? ids[0] : ids.front() + " to " + ids.back()));
+        }
+        const auto key = protection::pre_shared_key(keys::key_of(own.client, id));
+        std::printf("%s %s\n", id.c_str(), keys::hex(key).c_str());
+        exit_code = 0;
+    });
+}
+
 void add_check(CLI::App& keys, int& exit_code) {
     auto path = std::make_shared<std::string>();
     CLI::App& command = *keys.add_subcommand("check", "Say what is wrong with keys");
@@ -103,12 +135,12 @@ void add_check(CLI::App& keys, int& exit_code) {
 }  // namespace
 
 void add_keys(CLI::App& program, int& exit_code) {
-    CLI::App& command =
-        *program.add_subcommand("keys", "Make and check the keys of protected packets");
+    CLI::App& command = *program.add_subcommand("keys", "Make and check the keys of clients");
     command.require_subcommand(1);
     command.footer(keys_examples);
     add_new(command, exit_code);
     add_withdraw(command, exit_code);
+    add_psk(command, exit_code);
     add_check(command, exit_code);
 }
 

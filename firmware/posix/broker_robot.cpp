@@ -50,7 +50,7 @@ firmware::SimulatedRobotOptions robot_options(const Settings& settings) {
         throw daemon::Refusal("--id '" + settings.id +
                               "': must be 8 lower-case hexadecimal digits, for example abcd1234");
     }
-    if (settings.broker.listen.front().packets == Endpoint::Packets::sealed) {
+    if (settings.broker.listen.front().packets != Endpoint::Packets::plain) {
         throw daemon::Refusal(
             "--listen: the robot in this process speaks plain; give it a plain address first, for "
             "example 127.0.0.1:1884");

@@ -206,6 +206,7 @@ private:
     void on(Effects& effects, BrokerId from, const SessionClaim& message);
     void on(Effects& effects, BrokerId from, const SettingsTold& message);
     static void on(Effects&, BrokerId, const PacketsTold&) {}
+    static void on(Effects&, BrokerId, const AssociationsTold&) {}
 
     void say(Effects& effects, const Beacon& beacon);
     void on_beacon(Effects& effects, const Beacon& beacon);

@@ -304,12 +304,38 @@ struct PacketsTold {
     std::vector<PacketsOfClient> clients{};
 };
 
+/// A client's DTLS association, and how far others are: for who stands in for the sender. The
+/// cluster core heeds them not; overlay/associations_told.h does.
+struct AssociationOfClient {
+    std::uint64_t id = 0;
+    std::string client{};
+    Endpoint via{};
+    Endpoint from{};
+    std::vector<std::uint8_t> keys{};  // wrapped: broker/dtls/wrapped_keys.h
+    std::uint32_t turn = 0;
+    std::uint64_t floor = 0;
+
+    friend bool operator==(const AssociationOfClient&, const AssociationOfClient&) = default;
+};
+struct ProgressOfAssociation {
+    std::uint64_t id = 0;
+    std::uint32_t turn = 0;
+    std::uint64_t floor = 0;
+    bool closed = false;
+
+    friend bool operator==(const ProgressOfAssociation&, const ProgressOfAssociation&) = default;
+};
+struct AssociationsTold {
+    std::vector<AssociationOfClient> associations{};
+    std::vector<ProgressOfAssociation> progress{};
+};
+
 using ClusterMessage =
     std::variant<Heartbeat, LogBatch, LogAck, ForwardBatch, ElectionMessage, ViewProposal,
                  ViewHoldings, TailRequest, LogTail, ViewAnnouncement, SnapshotRequest,
                  SnapshotPart, AddressOffer, AddressBound, SessionHandoff, SessionRequest,
                  HandoffAck, SessionClaim, Pulse, SettingsTold, Particulars, ParticularsRequest,
-                 PacketsTold>;
+                 PacketsTold, AssociationsTold>;
 
 /// How a message travels.
 enum class Delivery : std::uint8_t {

@@ -3,6 +3,7 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <functional>
 
 #include "broker/daemon/broker_options.h"
 #include "broker/daemon/refusal.h"
@@ -12,6 +13,7 @@
 #include "broker/net/endpoint_text.h"
 #include "broker/net/interface_address.h"
 #include "broker/net/socket_address.h"
+#include "overlay/associations_told.h"
 #include "overlay/daemon/cluster_metrics.h"
 #include "overlay/daemon/low_descriptors.h"
 #include "overlay/daemon/member_options.h"
@@ -42,7 +44,7 @@ constexpr const char* missing_right =
 
 constexpr const char* not_allowed =
     "this one was not given what it takes: --allow-plain for plain addresses that other machines "
-    "reach, --keys for protected ones";
+    "reach, --keys for protected ones, a place in its --keys (`romano keys new`) for DTLS";
 
 bool contains(const std::vector<Endpoint>& list, const Endpoint& address) {
     return std::ranges::find(list, address) != list.end();
@@ -55,7 +57,7 @@ ClusterBroker::ClusterBroker(boost::asio::io_context& io, const Settings& settin
     : io_(io),
       settings_(settings),
       on_serving_(std::move(on_serving)),
-      protection_(open_protection(settings.keys)),
+      protection_(open_protection(settings)),
       rights_(settings.rights),
       ros2_rules_(settings.ros2 ? read_ros2_rules(settings.ros2->rules_file)
                                 : std::vector<ros2::Rule>{}),
@@ -230,16 +232,21 @@ void ClusterBroker::start_member() {
 
 void ClusterBroker::on_datagram(const Endpoint& via, const Endpoint& from, Bytes octets) {
     if (!member_) return;  // clients ask again
+    const auto take = [&](Bytes message) { on_message(via, from, message); };
     if (protection_) {
-        octets = protection_->admit(via, from, octets, actions_.clients);
-        if (octets.empty()) return;
+        protection_->admit(net::now(), via, from, octets, actions_.clients, std::ref(take));
+    } else {
+        take(octets);
     }
-    member_->on_datagram(net::now(), via, from, octets, actions_);
-    bad_senders_.look(member_->broker().counters().malformed_total, from, octets);
     if (actions_.clients.list().size() >= most_actions_held ||
         actions_.clients.octets_held() >= most_octets_held) {
         carry_out();
     }
+}
+
+void ClusterBroker::on_message(const Endpoint& via, const Endpoint& from, Bytes message) {
+    member_->on_datagram(net::now(), via, from, message, actions_);
+    bad_senders_.look(member_->broker().counters().malformed_total, from, message);
 }
 
 void ClusterBroker::on_batch_end() {
@@ -256,6 +263,10 @@ void ClusterBroker::on_peer_message(const overlay::Envelope& envelope) {
     }
     if (const auto* told = std::get_if<cluster::PacketsTold>(&envelope.message)) {
         if (protection_) overlay::on_packets_told(*told, protection_->clients());
+    } else if (const auto* associations =
+                   std::get_if<cluster::AssociationsTold>(&envelope.message)) {
+        dtls::DtlsClients* dtls = protection_ ? protection_->dtls_clients() : nullptr;
+        if (dtls != nullptr) overlay::on_associations_told(*associations, *dtls);
     } else if (member_) {
         member_->on_peer_message(net::now(), envelope, actions_);
     }
@@ -317,6 +328,9 @@ void ClusterBroker::on_home_of_peer(const Endpoint& address) {
 /// Also in a dead peer's place it speaks plain, or for clients with keys, only as it was told.
 bool ClusterBroker::may_serve(const Endpoint& address) const {
     if (address.packets == Endpoint::Packets::sealed) return protection_ != nullptr;
+    if (address.packets == Endpoint::Packets::dtls) {
+        return protection_ && protection_->dtls_clients() != nullptr;
+    }
     return settings_.allow_plain || net::is_loopback(address);
 }
 
@@ -327,18 +341,23 @@ bool ClusterBroker::can_serve(const Endpoint& address) const {
 /// Once.
 void ClusterBroker::warn_of_missing_keys(const cluster::Beacon& beacon) {
     const auto& homes = beacon.home_addresses;
-    const auto sealed = std::ranges::find(homes, Endpoint::Packets::sealed, &Endpoint::packets);
-    if (protection_ || sealed == homes.end() || !not_served_.insert(*sealed).second) return;
+    const auto keyed = std::ranges::find_if(
+        homes, [](const Endpoint& each) { return each.packets != Endpoint::Packets::plain; });
+    if (protection_ || keyed == homes.end() || !not_served_.insert(*keyed).second) return;
     spdlog::warn(
         "broker {} serves {}, and this one has no --keys: it cannot stand in for it, and whoever "
         "reaches a plain address here can speak in the names of its clients",
-        beacon.name, net::to_text(*sealed));
+        beacon.name, net::to_text(*keyed));
 }
 
 void ClusterBroker::look_around() {
     if (protection_ && protection_->look()) obey_rights();
     for (const Endpoint& address : homes_of_peers_) {
         member_->on_ability(address, can_serve(address));
+    }
+    if (protection_) {
+        protection_->on_time(net::now(), actions_.clients);
+        if (!actions_.clients.empty()) carry_out();
     }
     const auto reading = condition_ ? condition_->look() : std::nullopt;
     if (reading) {
@@ -365,7 +384,7 @@ void ClusterBroker::carry_out() {
         dds::pack(actions_.peers);
         for (const auto& outgoing : actions_.peers) transport_->send(outgoing);
         member_->before_sending(net::now(), actions_);
-        if (protection_) protection_->seal(actions_.clients);
+        if (protection_) seal();
         udp_.carry_out(actions_.clients);
         for (const auto& action : actions_.uplink) uplink_->carry_out(action);
         actions_.clear();
@@ -381,9 +400,25 @@ void ClusterBroker::carry_out() {
 
 void ClusterBroker::tell_packets() {
     const cluster::ViewNumber& view = member_->view().number;
-    if (view != told_in_) protection_->clients().tell_all();
+    dtls::DtlsClients* dtls = protection_->dtls_clients();
+    if (view != told_in_) {
+        protection_->clients().tell_all();
+        if (dtls != nullptr) dtls->tell_all();
+    }
     told_in_ = view;
     overlay::tell_packets(protection_->clients(), actions_.peers);
+    if (dtls != nullptr) overlay::tell_associations(*dtls, actions_.peers);
+}
+
+/// That this broker begins to speak by an association is known to the peers before its first record
+/// leaves.
+void ClusterBroker::seal() {
+    protection_->seal(actions_.clients);
+    dtls::DtlsClients* dtls = protection_->dtls_clients();
+    if (dtls == nullptr || !dtls->has_news()) return;
+    std::vector<cluster::Outgoing> news;
+    overlay::tell_associations(*dtls, news);
+    for (const auto& outgoing : news) transport_->send(outgoing);
 }
 
 void ClusterBroker::carry_out_locally() {

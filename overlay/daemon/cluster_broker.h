@@ -58,6 +58,7 @@ private:
     void start_member();
 
     void on_datagram(const Endpoint& via, const Endpoint& from, Bytes octets) override;
+    void on_message(const Endpoint& via, const Endpoint& from, Bytes message);
     void on_batch_end() override;
     void on_peer_message(const overlay::Envelope& envelope);
     void on_particulars(const cluster::Beacon& beacon);
@@ -70,6 +71,7 @@ private:
 
     void carry_out();
     void tell_packets();
+    void seal();
     [[nodiscard]] bool may_serve(const Endpoint& address) const;
     [[nodiscard]] bool can_serve(const Endpoint& address) const;
     void warn_of_missing_keys(const cluster::Beacon& beacon);

@@ -274,6 +274,26 @@ struct MessageWriter {
             one.set_floor(client.floor);
         }
     }
+    void operator()(const cluster::AssociationsTold& m) const {
+        auto& to = *out.mutable_associations_told();
+        for (const auto& association : m.associations) {
+            auto& one = *to.add_associations();
+            one.set_id(association.id);
+            one.set_client(association.client);
+            to_proto(association.via, *one.mutable_via());
+            to_proto(association.from, *one.mutable_from());
+            one.set_keys(association.keys.data(), association.keys.size());
+            one.set_turn(association.turn);
+            one.set_floor(association.floor);
+        }
+        for (const auto& progress : m.progress) {
+            auto& one = *to.add_progress();
+            one.set_id(progress.id);
+            one.set_turn(progress.turn);
+            one.set_floor(progress.floor);
+            one.set_closed(progress.closed);
+        }
+    }
 };
 
 MaybeMessage read_heartbeat(const Heartbeat& in) {
@@ -433,6 +453,28 @@ MaybeMessage read_packets_told(const PacketsTold& in) {
     return out;
 }
 
+MaybeMessage read_associations_told(const AssociationsTold& in) {
+    cluster::AssociationsTold out;
+    for (const auto& association : in.associations()) {
+        const auto via = from_proto(association.via());
+        const auto from = from_proto(association.from());
+        if (!via || !from) return std::nullopt;
+        const Bytes keys = as_octets(association.keys());
+        out.associations.push_back({.id = association.id(),
+                                    .client = association.client(),
+                                    .via = *via,
+                                    .from = *from,
+                                    .keys = {keys.begin(), keys.end()},
+                                    .turn = association.turn(),
+                                    .floor = association.floor()});
+    }
+    for (const auto& progress : in.progress()) {
+        out.progress.push_back(
+            {progress.id(), progress.turn(), progress.floor(), progress.closed()});
+    }
+    return out;
+}
+
 }  // namespace
 
 void to_proto(const cluster::ClusterMessage& in, ClusterMessage& out) {
@@ -508,6 +550,8 @@ MaybeMessage from_proto(const ClusterMessage& in) {
             return read_settings_told(in.settings_told());
         case ClusterMessage::kPacketsTold:
             return read_packets_told(in.packets_told());
+        case ClusterMessage::kAssociationsTold:
+            return read_associations_told(in.associations_told());
         case ClusterMessage::MESSAGE_NOT_SET:
             break;
     }

@@ -18,6 +18,7 @@ void to_proto(const romano::Endpoint& in, Endpoint& out) {
     out.set_port(in.port);
     out.set_scope(in.scope);
     out.set_sealed(in.packets == romano::Endpoint::Packets::sealed);
+    out.set_dtls(in.packets == romano::Endpoint::Packets::dtls);
 }
 
 std::optional<romano::Endpoint> from_proto(const Endpoint& in) {
@@ -41,6 +42,7 @@ std::optional<romano::Endpoint> from_proto(const Endpoint& in) {
     out.port = *port;
     out.scope = in.scope();
     if (in.sealed()) out.packets = romano::Endpoint::Packets::sealed;
+    if (in.dtls()) out.packets = romano::Endpoint::Packets::dtls;
     return out;
 }
 

@@ -104,10 +104,11 @@ std::string differences_of(const BrokerStatus& status) {
 }  // namespace
 
 std::string to_text(const Endpoint& endpoint) {
-    if (endpoint.packets == Endpoint::Packets::sealed) {
+    if (endpoint.packets != Endpoint::Packets::plain) {
         Endpoint plain = endpoint;
         plain.packets = Endpoint::Packets::plain;
-        return "protected://" + to_text(plain);
+        return (endpoint.packets == Endpoint::Packets::dtls ? "dtls://" : "protected://") +
+               to_text(plain);
     }
     const std::string port = ':' + number(endpoint.port);
     if (endpoint.family == Endpoint::Family::none) return "none";

@@ -141,6 +141,14 @@ std::string line(const PacketsTold& m) {
     }
     return all;
 }
+std::string line(const AssociationsTold& m) {
+    std::string all = "AssociationsTold";
+    for (const auto& association : m.associations) all += ' ' + association.client;
+    for (const auto& progress : m.progress) {
+        all += ' ' + number(progress.id) + ':' + number(progress.floor);
+    }
+    return all;
+}
 std::string line(const ParticularsRequest&) {
     return "ParticularsRequest";
 }

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdio>
+#include <string>
 
 #include "romano/keys/key_error.h"
 #include "romano/keys/private_file.h"
@@ -26,9 +27,9 @@ BrokerRecord read_broker_record(const std::filesystem::path& file) {
     const std::string text = read_private_file(file);
     unsigned long long identity = 0;
     int end = 0;
-    if (std::sscanf(text.c_str(), "identity %16llx bound %10u %n", &identity, &record.bound,
-                    &end) != 2 ||
-        static_cast<std::size_t>(end) != text.size()) {
+    const int fields = std::sscanf(text.c_str(), "identity %16llx bound %10u %nplace %3u %n",
+                                   &identity, &record.bound, &end, &record.place, &end);
+    if (fields < 2 || static_cast<std::size_t>(end) != text.size() || record.place > most_places) {
         throw KeyError(file.string() +
                        ": is damaged; remove it, and the broker takes a new identity");
     }
@@ -43,8 +44,26 @@ void write_broker_record(const std::filesystem::path& file, const BrokerRecord& 
     unsigned long long identity = 0;
     for (const std::uint8_t octet : record.identity) identity = identity << 8U | octet;
     std::array<char, 64> line{};
-    std::snprintf(line.data(), line.size(), "identity %016llx bound %u\n", identity, record.bound);
+    std::snprintf(line.data(), line.size(), "identity %016llx bound %u place %u\n", identity,
+                  record.bound, record.place);
     write_private_file(file, line.data());
+}
+
+std::optional<std::uint32_t> read_given_place(const std::filesystem::path& file) {
+    if (!std::filesystem::exists(file)) return std::nullopt;
+    const std::string text = read_private_file(file);
+    std::uint32_t place = 0;
+    int end = 0;
+    if (std::sscanf(text.c_str(), "place %3u %n", &place, &end) != 1 ||
+        static_cast<std::size_t>(end) != text.size() || place == 0 || place > most_places) {
+        throw KeyError(file.string() +
+                       ": is damaged; `romano keys new FLEET --broker NAME` gives another place");
+    }
+    return place;
+}
+
+void write_given_place(const std::filesystem::path& file, std::uint32_t place) {
+    write_private_file(file, "place " + std::to_string(place) + '\n');
 }
 
 }  // namespace romano::keys

@@ -109,6 +109,7 @@ void check_broker_folder(const fs::path& folder, const ClientKeys* all, Findings
         if (all == nullptr) check_equal_keys(folder / table_name, keys, findings);
     });
     findings.look([&] { (void)read_broker_record(folder / record_name); });
+    findings.look([&] { (void)read_given_place(folder / place_name); });
 }
 
 }  // namespace
@@ -145,7 +146,10 @@ void KeyFolder::add(const Names& names) {
     for (const char* below : {of_brokers, folder_name(Role::robot), folder_name(Role::person)}) {
         make_private_folder(folder_ / below);
     }
-    for (const std::string& name : names.brokers) make_private_folder(broker_folder(name));
+    for (const std::string& name : names.brokers) {
+        make_private_folder(broker_folder(name));
+        give_place(broker_folder(name));
+    }
     const auto write_own = [&](const std::vector<std::string>& list, Role role) {
         for (const std::string& name : list) {
             write_own_key(own_file(name, role), {name, keys.at(name), 0});
@@ -154,6 +158,16 @@ void KeyFolder::add(const Names& names) {
     write_own(names.robots, Role::robot);
     write_own(names.operators, Role::person);
     write_tables(keys);
+}
+
+/// None that was given before; without one a broker does all but DTLS.
+void KeyFolder::give_place(const fs::path& broker) const {
+    if (read_given_place(broker / place_name)) return;  // not taken yet
+    const fs::path given = folder_ / "places.given";
+    const std::uint32_t place = read_given_place(given).value_or(0) + 1;
+    if (place > most_places) return;
+    write_given_place(given, place);
+    write_given_place(broker / place_name, place);
 }
 
 void KeyFolder::withdraw(const std::vector<std::string>& names) {

@@ -1,8 +1,10 @@
 // The folder of a fleet's keys, on the computer of whoever owns the fleet:
 //
 //     clients.keys               all clients and their keys
-//     brokers/NAME/              a broker's --keys folder: clients.keys, and what the broker keeps
-//     there robots/NAME.key            a robot's own file, to be moved to the robot
+//     places.given               how many places brokers were given
+//     brokers/NAME/              a broker's --keys folder: clients.keys, broker.place, and what the
+//                                broker keeps there
+//     robots/NAME.key            a robot's own file, to be moved to the robot
 //     operators/NAME.key         a person's own file
 #pragma once
 
@@ -16,6 +18,7 @@ namespace romano::keys {
 
 inline constexpr const char* table_name = "clients.keys";
 inline constexpr const char* record_name = "broker.numbers";
+inline constexpr const char* place_name = "broker.place";
 
 struct Names {
     std::vector<std::string> brokers;
@@ -27,8 +30,8 @@ class KeyFolder {
 public:
     explicit KeyFolder(std::filesystem::path folder) : folder_(std::move(folder)) {}
 
-    /// Draws keys for new names, and gives all brokers the new table. All or nothing of what is
-    /// wrong with names: a client has one key. Throws KeyError.
+    /// Draws keys for new names, gives each broker that is named a place, and all of them the new
+    /// table. All or nothing of what is wrong with names: a client has one key. Throws KeyError.
     void add(const Names& names);
     /// Takes clients from all tables; their own files stay.
     void withdraw(const std::vector<std::string>& clients);
@@ -40,6 +43,7 @@ public:
 
 private:
     void write_tables(const ClientKeys& keys) const;
+    void give_place(const std::filesystem::path& broker) const;
 
     std::filesystem::path folder_;
 };

@@ -40,10 +40,9 @@ struct ProtectedFleet : BrokerFixture {
     }
     BrokerProcess& start_protected(int n, const std::vector<std::string>& more = {}) {
         const std::string name = "r" + std::to_string(n);
-        std::vector<std::string> arguments{"--listen",  "protected://" + addresses.service(n),
-                                           "--name",    name,
-                                           "--keys",    keys.broker_folder(name),
-                                           "--metrics", addresses.service(n)};
+        std::vector<std::string> arguments{
+            "--listen", scheme + addresses.service(n), "--name",    name,
+            "--keys",   keys.broker_folder(name),      "--metrics", addresses.service(n)};
         arguments.insert(arguments.end(), more.begin(), more.end());
         brokers.push_back(std::make_unique<BrokerProcess>(arguments));
         brokers.back()->wait_until_serving();
@@ -80,6 +79,7 @@ struct ProtectedFleet : BrokerFixture {
         expect_both_in_view();
     }
 
+    std::string scheme = "protected://";
     tests::TemporaryFolder folder;
     std::filesystem::path fleet = folder / "fleet";
     keys::KeyFolder keys{fleet};

@@ -64,12 +64,20 @@ Endpoint endpoint(Random& r) {
     }
     out.port = static_cast<std::uint16_t>(r.below(0x10000));
     out.scope = r.below(4);
-    out.packets = up_to(r, Endpoint::Packets::sealed);
+    out.packets = up_to(r, Endpoint::Packets::dtls);
     return out;
 }
 
 cluster::PacketsOfClient packets_of_client(Random& r) {
     return {wide(r), r.next(), r.next()};
+}
+
+cluster::AssociationOfClient association_of_client(Random& r) {
+    return {wide(r), text(r), endpoint(r), endpoint(r), octets(r), r.next(), wide(r)};
+}
+
+cluster::ProgressOfAssociation progress_of_association(Random& r) {
+    return {wide(r), r.next(), wide(r), flag(r)};
 }
 
 broker::MessagePtr message(Random& r) {
@@ -303,10 +311,13 @@ cluster::ClusterMessage random_message(std::size_t kind, Random& r) {
             return cluster::ParticularsRequest{};
         case 22:
             return cluster::PacketsTold{some(r, packets_of_client)};
+        case 23:
+            return cluster::AssociationsTold{some(r, association_of_client),
+                                             some(r, progress_of_association)};
         default:
             return cluster::SettingsTold{some(r, setting), flag(r)};
     }
 }
-static_assert(message_kinds == 23, "random_message() makes every kind");
+static_assert(message_kinds == 24, "random_message() makes every kind");
 
 }  // namespace romano::dds

@@ -7,6 +7,7 @@
 
 #include <fstream>
 
+#include "romano/keys/broker_record.h"
 #include "romano/keys/key_error.h"
 #include "tests/temporary_folder.h"
 
@@ -86,6 +87,26 @@ TEST_F(KeysOfAFleet, WhoIsWithdrawnIsInNoTableAndMayGetANewKey) {
     fleet.add({.brokers = {}, .robots = {"abcd1234"}, .operators = {}});
     EXPECT_NE(read_own_key(robot).client.key, before.client.key);
     EXPECT_THAT(problems_of(root), IsEmpty());
+}
+
+TEST_F(KeysOfAFleet, EachBrokerHasAPlaceThatNoOtherHadOrWillHave) {
+    KeyFolder places(folder / "places");
+    places.add({.brokers = {"a", "b"}, .robots = {}, .operators = {}});
+    const auto place = [&](const char* broker) {
+        return read_given_place(places.broker_folder(broker) / place_name);
+    };
+    EXPECT_EQ(place("a"), 1U);
+    EXPECT_EQ(place("b"), 2U);
+    places.add({.brokers = {"a"}, .robots = {}, .operators = {}});
+    EXPECT_EQ(place("a"), 1U) << "not taken yet";
+    fs::remove(places.broker_folder("a") / place_name);
+    fs::remove_all(places.broker_folder("b"));
+    places.add({.brokers = {"a", "b"}, .robots = {}, .operators = {}});
+    EXPECT_EQ(place("a"), 3U);
+    EXPECT_EQ(place("b"), 4U);
+    write_given_place(folder / "places" / "places.given", most_places);
+    places.add({.brokers = {"c"}, .robots = {}, .operators = {}});
+    EXPECT_FALSE(place("c")) << "all are given";
 }
 
 TEST_F(KeysOfAFleet, FilesThatOthersMayReadAreRefused) {

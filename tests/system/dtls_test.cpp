@@ -1,0 +1,155 @@
+// Brokers at DTLS addresses as processes, and clients that nobody here wrote: they connect once,
+// and go on through whatever happens to their brokers.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+
+#include <chrono>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "romano/keys/broker_record.h"
+#include "tests/system/protected_fleet.h"
+#include "tests/system/standard_client.h"
+
+namespace romano::system::dtls_test {
+namespace {
+
+using testing::HasSubstr;
+using Octets = StandardClient::Octets;
+
+// MQTT-SN 1.2, octet by octet.
+const Octets connect{10, 4, 4, 1, 0, 60, 'a', 'n', 'n', 'a'};
+const Octets connack{3, 5, 0};
+const Octets subscribe{7, 18, 0x22, 0, 1, 'a', 'b'};
+const Octets suback{8, 19, 0x20, 'a', 'b', 0, 1, 0};
+const Octets ping{2, 22};
+const Octets pong{2, 23};
+Octets publish(std::uint8_t msg_id) {
+    return {9, 12, 0x22, 'a', 'b', 0, msg_id, 'x', msg_id};
+}
+Octets puback(std::uint8_t msg_id) {
+    return {7, 13, 'a', 'b', 0, msg_id, 0};
+}
+
+struct DtlsFleet : ProtectedFleet {
+    DtlsFleet() { scheme = "dtls://"; }
+
+    std::string psk(const std::string& name, keys::Role role = keys::Role::person) {
+        EXPECT_EQ(romano({"keys", "psk", keys.own_file(name, role)}), 0) << said;
+        return said;
+    }
+    std::unique_ptr<StandardClient> standard_client(bool is_gnutls, int broker,
+                                                    const std::string& identity_and_key) {
+        const std::string at = addresses.service(broker);
+        const auto pipes = folder / ("client" + std::to_string(++clients_));
+        std::filesystem::create_directory(pipes);
+        return std::make_unique<StandardClient>(
+            pipes, is_gnutls ? StandardClient::gnutls(at, identity_and_key)
+                             : StandardClient::openssl(at, identity_and_key));
+    }
+    std::string metric(int broker, const std::string& name_and_labels) {
+        const std::string page = metrics_page_at(addresses.service_endpoint(broker));
+        const auto at = page.find('\n' + name_and_labels + ' ');
+        if (at == std::string::npos) return {};
+        const auto from = at + name_and_labels.size() + 2;
+        return page.substr(from, page.find('\n', from) - from);
+    }
+    bool comes_to_say(int broker, const std::string& name_and_labels, const std::string& value) {
+        const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds{30};
+        while (std::chrono::steady_clock::now() < deadline) {
+            if (metric(broker, name_and_labels) == value) return true;
+            std::this_thread::sleep_for(std::chrono::milliseconds{20});  // it is made anew as often
+        }
+        return false;
+    }
+    static constexpr const char* handshakes = "romano_dtls_handshakes_total{end=\"agreed\"}";
+
+private:
+    int clients_ = 0;
+};
+
+struct EitherClient : DtlsFleet, testing::WithParamInterface<bool> {};
+INSTANTIATE_TEST_SUITE_P(OpensslAndGnutls, EitherClient, testing::Bool(),
+                         [](const auto& each) { return each.param ? "Gnutls" : "Openssl"; });
+
+TEST_P(EitherClient, IsServedByALoneBroker) {
+    start_protected(1);
+    const auto anna = standard_client(GetParam(), 1, psk("anna"));
+    EXPECT_TRUE(anna->asks(connect, connack));
+    EXPECT_TRUE(anna->asks(subscribe, suback));
+    anna->say(publish(2));
+    std::vector<Octets> heard{anna->hear(), anna->hear()};
+    EXPECT_THAT(heard, testing::Contains(puback(2)));
+    EXPECT_EQ(metric(1, handshakes), "1");
+}
+
+TEST_P(EitherClient, GoesOnAfterItsBrokerIsKilledAndAfterItIsBack) {
+    start_both();
+    const auto anna = standard_client(GetParam(), 1, psk("anna"));
+    ASSERT_TRUE(anna->asks(connect, connack));
+    ASSERT_TRUE(anna->asks(subscribe, suback));
+    brokers[0]->kill_9();
+    // On one machine the kernel says that nobody has a dead broker's port, and these clients end
+    // when they hear that. From a dead machine nothing is heard.
+    ASSERT_TRUE(comes_to_say(2, "romano_sessions{state=\"active\"}", "1"));
+    EXPECT_TRUE(anna->asks(publish(2), puback(2)));
+    EXPECT_TRUE(anna->asks(ping, pong));
+    EXPECT_EQ(metric(2, handshakes), "0");
+    EXPECT_EQ(metric(2, "romano_dtls_associations"), "1");
+
+    start_member(1);  // waits until its address was handed back
+    EXPECT_TRUE(anna->asks(publish(3), puback(3)));
+    EXPECT_TRUE(anna->asks(ping, pong));
+    EXPECT_EQ(metric(1, handshakes), "0") << "nor was there one now";
+    EXPECT_EQ(metric(1, "romano_dtls_associations"), "1");
+}
+
+TEST_P(EitherClient, IsNotAnsweredWithAWrongKey) {
+    start_protected(1);
+    std::string wrong = psk("anna");
+    wrong[5] = wrong[5] == '0' ? '1' : '0';
+    const auto stranger = standard_client(GetParam(), 1, wrong);
+    stranger->say(connect);
+    EXPECT_EQ(stranger->hear(std::chrono::milliseconds{1'500}), Octets{});
+    const auto anna = standard_client(GetParam(), 1, psk("anna"));
+    EXPECT_TRUE(anna->asks(connect, connack));
+    EXPECT_EQ(metric(1, handshakes), "1");
+}
+
+TEST_F(DtlsFleet, ARobotHasTheSameRightsAsWithProtectedPackets) {
+    start_protected(1);
+    const auto robot = standard_client(false, 1, psk("abcd1234", keys::Role::robot));
+    Octets as_robot{14, 4, 4, 1, 0, 60, 'a', 'b', 'c', 'd', '1', '2', '3', '4'};
+    ASSERT_TRUE(robot->asks(as_robot, connack));
+    EXPECT_TRUE(robot->asks(subscribe, {8, 19, 0, 0, 0, 0, 1, 3})) << "not supported";
+    EXPECT_TRUE(robot->asks(connect, {3, 5, 3})) << "in anna's name";
+}
+
+TEST_F(DtlsFleet, APlaceIsTakenOnceAndGoesWithTheRecordOfTheNumbers) {
+    start_protected(1);
+    brokers[0]->signal(SIGTERM);
+    ASSERT_EQ(brokers[0]->wait_for_exit(), 0);
+    const auto own = keys.broker_folder("r1");
+    EXPECT_FALSE(std::filesystem::exists(own / keys::place_name)) << "it is in the record";
+    std::filesystem::remove(own / keys::record_name);
+    BrokerProcess again({"--listen", "dtls://" + addresses.service(1), "--keys", own});
+    EXPECT_EQ(again.wait_for_exit(), 2);
+    EXPECT_THAT(again.errors(), HasSubstr("has none; say `romano keys new FLEET --broker NAME`"));
+    ASSERT_EQ(romano({"keys", "new", fleet.string(), "--broker", "r1"}), 0) << said;
+    EXPECT_EQ(keys::read_given_place(own / keys::place_name), 3U) << "r2 has the second";
+    start_protected(1);
+}
+
+TEST_F(DtlsFleet, AnAddressForDtlsNeedsKeys) {
+    BrokerProcess broker({"--listen", "dtls://" + addresses.service(1)});
+    EXPECT_EQ(broker.wait_for_exit(), 2);
+    EXPECT_THAT(broker.errors(), HasSubstr("give --keys DIR"));
+}
+
+}  // namespace
+}  // namespace romano::system::dtls_test
