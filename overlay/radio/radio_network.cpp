@@ -4,6 +4,7 @@
 #include <chrono>
 #include <deque>
 #include <limits>
+#include <set>
 
 #include "overlay/sim/seed.h"
 
@@ -22,6 +23,10 @@ constexpr std::uint32_t fastest_baud = 10'000'000;
 
 Device router_of(const Device& device) {
     return {device.cell, 0};
+}
+
+bool is_group(const Endpoint& address) {
+    return address.family == Endpoint::Family::ipv4 && address.address[0] >> 4U == 0xEU;
 }
 
 std::int64_t to_ns(Instant at) {
@@ -53,6 +58,7 @@ std::optional<std::string> problem_with(const RadioOptions& options) {
 /// A border router's host is the broker's machine.
 struct RadioNetwork::Station {
     Device device;
+    Endpoint robot;  // its address; a router's has none
     Place place;
     std::deque<Carried> queue;  // the first one is with the radio, unless that is ready
     bool ready = true;
@@ -73,6 +79,7 @@ RadioNetwork::RadioNetwork(sim::World& world, const RadioOptions& options)
             Radios& radios = radios_of(robot.robot);
             if (radios.all.empty()) radios.joined = device;
             stations_.at(device)->is_on = radios.all.empty();
+            stations_.at(device)->robot = world_.robot(robot.robot).options().address;
             radios.all.push_back(device);
         }
         plan.push_back({cell.channel, cell.robots.size()});
@@ -115,17 +122,31 @@ void RadioNetwork::add_station(const Device& device, const Place& place) {
 }
 
 bool RadioNetwork::carry(const Carried& datagram) {
+    if (is_group(datagram.to)) return carry_to_listeners(datagram);
     const auto sender = robots_.find(datagram.from);
     const auto receiver = robots_.find(datagram.to);
     if (sender == robots_.end() && receiver == robots_.end()) return false;
     const Device enters =
         sender != robots_.end() ? sender->second.joined : router_of(receiver->second.joined);
-    Station& station = *stations_.at(enters);
-    if (!station.is_on) return true;  // lost
-    if (!station.to_radio->send(datagram) && enters.number == 0 && !first_overflow_) {
+    enter(*stations_.at(enters), datagram);
+    return true;
+}
+
+void RadioNetwork::enter(Station& station, const Carried& datagram) {
+    if (!station.is_on) return;  // lost
+    if (!station.to_radio->send(datagram) && station.device.number == 0 && !first_overflow_) {
         first_overflow_ = world_.now();
     }
-    return true;
+}
+
+/// Once by the router of each cell where somebody listens.
+bool RadioNetwork::carry_to_listeners(const Carried& datagram) {
+    std::set<std::size_t> cells;
+    for (const auto& [address, radios] : robots_) {
+        if (world_.clients().is_listening(datagram.to, address)) cells.insert(radios.joined.cell);
+    }
+    for (const std::size_t cell : cells) enter(*stations_.at({cell, 0}), datagram);
+    return !cells.empty();
 }
 
 /// Robots talk to their cell's router, and that to them.
@@ -139,10 +160,15 @@ bool RadioNetwork::queue_for_radio(Station& station, const Carried& datagram) {
 void RadioNetwork::transmit(Station& station) {
     if (!station.ready || station.queue.empty()) return;
     const Carried& datagram = station.queue.front();
+    station.ready = false;
+    if (is_group(datagram.to)) {
+        channel_->broadcast(to_ns(world_.now()), station.device, datagram.octets);
+        rearm();
+        return;
+    }
     // A router goes on calling a robot that has left: nobody tells it.
     const Device to = station.device.number == 0 ? *robots_.at(datagram.to).in(station.device.cell)
                                                  : router_of(station.device);
-    station.ready = false;
     channel_->send(to_ns(world_.now()), station.device, to, datagram.octets);
     rearm();
 }
@@ -163,7 +189,13 @@ void RadioNetwork::on_received(const Device& at, const Device& from,
                                const std::vector<std::uint8_t>& octets) {
     const Station& sender = *stations_.at(from);
     if (sender.queue.empty() || sender.queue.front().octets != octets) return;
-    (void)stations_.at(at)->to_host->send(sender.queue.front());
+    Carried datagram = sender.queue.front();
+    Station& station = *stations_.at(at);
+    if (is_group(datagram.to)) {  // a radio passes on what its host has joined
+        if (!world_.clients().is_listening(datagram.to, station.robot)) return;
+        datagram.to = station.robot;
+    }
+    (void)station.to_host->send(datagram);
 }
 
 /// At the end of the line: a robot, or the machine of a broker, which knows the way to any other.

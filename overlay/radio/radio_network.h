@@ -88,6 +88,8 @@ private:
     };
 
     bool carry(const Carried& datagram);
+    bool carry_to_listeners(const Carried& datagram);
+    void enter(Station& station, const Carried& datagram);
     void add_station(const lowpan::Device& device, const Place& place);
     bool queue_for_radio(Station& station, const Carried& datagram);
     bool hand_over(const Carried& datagram);
