@@ -38,7 +38,8 @@ std::uint16_t number_of(const Session& session) {
 bool can_listen(const Session& session) {
     const SessionHeader& header = session.header;
     const bool is_named_by_its_address = header.client_id.starts_with('@');
-    return header.address.wireless_node_id.empty() && !is_named_by_its_address;
+    return header.via.packets == Endpoint::Packets::plain &&
+           header.address.wireless_node_id.empty() && !is_named_by_its_address;
 }
 
 bool Cell::takes(std::string_view topic, Qos qos) const {

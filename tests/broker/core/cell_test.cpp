@@ -262,13 +262,19 @@ TEST_F(OneCell, AKeptSessionListensAgainOnlyWhenItsClientSaysSo) {
     broker.expects_mirror_to_agree();
 }
 
-TEST_F(OneCell, AClientBehindAForwarderOrWithoutAnIdCannotListen) {  // nor one that is protected
+TEST_F(OneCell, AProtectedClientCannotListenNorOneBehindAForwarderOrWithoutAnId) {
     ScriptedClient behind{broker, "behind"};
     behind.address.wireless_node_id = "protected:behind";
     behind.connects();
     behind.says(Subscribe{
         false, Qos::at_most_once, MsgId{1}, {TopicIdType::normal, cell_topic, no_topic_id}});
     EXPECT_EQ(behind.hears<Suback>().return_code, ReturnCode::not_supported);
+    ScriptedClient sealed{broker, "sealed"};
+    sealed.via.packets = Endpoint::Packets::sealed;
+    sealed.connects();
+    sealed.says(Subscribe{
+        false, Qos::at_most_once, MsgId{1}, {TopicIdType::normal, cell_topic, no_topic_id}});
+    EXPECT_EQ(sealed.hears<Suback>().return_code, ReturnCode::not_supported);
     ScriptedClient nameless{broker, ""};
     nameless.connects();
     nameless.says(Subscribe{
