@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <utility>
 
-#include "broker/net/clock.h"
-
 namespace romano::net {
 
 void TurnClock::end(Instant time) {

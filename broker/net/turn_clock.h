@@ -6,8 +6,11 @@
 
 #include <boost/asio/execution_context.hpp>
 #include <boost/asio/io_context.hpp>
+#include <boost/asio/post.hpp>
 #include <chrono>
+#include <utility>
 
+#include "broker/net/clock.h"
 #include "romano/base/time.h"
 
 namespace romano::net {
@@ -44,6 +47,15 @@ private:
     Duration longest_{0};  // in this window
     Duration before_{0};   // in the one before it
 };
+
+/// As boost::asio::post, for what another thread has to say: the handler's work is a turn.
+template <typename Handler>
+void post_turn(boost::asio::io_context& io, Handler handler) {
+    boost::asio::post(io, [&clock = TurnClock::of(io), handler = std::move(handler)]() mutable {
+        clock.begin(now());
+        handler();
+    });
+}
 
 /// As io.run(), with each turn measured.
 void run_in_turns(boost::asio::io_context& io);

@@ -2,10 +2,10 @@
 
 #include <spdlog/spdlog.h>
 
-#include <boost/asio/post.hpp>
 #include <chrono>
 #include <utility>
 
+#include "broker/net/turn_clock.h"
 #include "broker/uplink/mqtt/mqtt_thread.h"
 
 namespace romano::uplink {
@@ -84,7 +84,7 @@ void MqttLink::publish(const PublishUp& message) {
     if (packet_id == 0) {
         spdlog::warn("uplink: {} does not take a message on {}", where_, message.topic);
         // It never will. Said later: whoever hands it over is not done yet.
-        boost::asio::post(
+        net::post_turn(
             io_, [alive = std::weak_ptr(thread_), this, position = message.message->position] {
                 if (!alive.expired()) events_.on_answer(position, Answer::done);
             });

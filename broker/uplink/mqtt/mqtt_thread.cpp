@@ -7,7 +7,6 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
-#include <boost/asio/post.hpp>
 #include <cerrno>
 #include <chrono>
 #include <cstdlib>
@@ -17,6 +16,8 @@
 #include <string_view>
 #include <thread>
 #include <utility>
+
+#include "broker/net/turn_clock.h"
 
 namespace romano::uplink {
 namespace {
@@ -164,7 +165,7 @@ void MqttThread::tell(Event event) {
     // Under the lock: after stop() the io_context may be gone at any moment.
     const std::lock_guard posting(mutex_);
     if (stopping_) return;
-    boost::asio::post(io_, [self = shared_from_this(), event = std::move(event)] {
+    net::post_turn(io_, [self = shared_from_this(), event = std::move(event)] {
         {
             const std::lock_guard lock(self->mutex_);
             if (self->stopping_) return;

@@ -2,11 +2,11 @@
 
 #include <spdlog/spdlog.h>
 
-#include <boost/asio/post.hpp>
 #include <chrono>
 #include <utility>
 
 #include "broker/net/clock.h"
+#include "broker/net/turn_clock.h"
 
 namespace romano::ros2 {
 namespace {
@@ -264,7 +264,7 @@ void Ros2Thread::send_report() {
     }
     waiting_in_ += report_.messages.size();
     report_.life = open_life_;
-    boost::asio::post(io_, [weak = weak_from_this(), report = std::move(report_)]() mutable {
+    net::post_turn(io_, [weak = weak_from_this(), report = std::move(report_)]() mutable {
         if (const auto self = weak.lock()) self->on_report(report);
     });
     report_ = {};

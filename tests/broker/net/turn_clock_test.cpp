@@ -59,5 +59,11 @@ TEST_F(Turns, WaitingIsNoTurnAndATimersWorkIsOne) {
     EXPECT_LT(clock.longest(now()), now() - began - 150ms) << "it waited for 200 ms";
 }
 
+TEST_F(Turns, WhatAnotherThreadHadToSayIsOne) {
+    std::thread([this] { post_turn(io, [] { std::this_thread::sleep_for(30ms); }); }).join();
+    run_in_turns(io);
+    EXPECT_GE(clock.longest(now()), 30ms);
+}
+
 }  // namespace
 }  // namespace romano::net::turn_clock_test
