@@ -130,10 +130,15 @@ std::string link_text(const SimulatedLink& link) {
 }
 
 /// What the cells ran in.
-std::string world_text(const SweepSettings& settings) {
+std::string world_text(const SweepSettings& settings, const Manifest& manifest) {
     switch (settings.world) {
         case World::processes:
-            return "real brokers and real MQTT-SN robots over UDP on one host";
+            if (manifest.hosts.empty()) {
+                return "real brokers and real MQTT-SN robots over UDP on one host";
+            }
+            return "real brokers on " + std::to_string(manifest.hosts.size()) +
+                   (manifest.hosts.size() == 1 ? " host" : " hosts") +
+                   " and real MQTT-SN robots on another machine, over UDP";
         case World::simulated:
             break;
     }
@@ -141,6 +146,23 @@ std::string world_text(const SweepSettings& settings) {
            "core computes takes no time; links between robots and brokers take " +
            link_text(settings.client_link) + ", those between brokers " +
            link_text(settings.broker_link);
+}
+
+/// Says nothing when the brokers ran beside the robots.
+std::string hosts_section(const Manifest& manifest) {
+    if (manifest.hosts.empty()) return "";
+    SummaryTable table{
+        .head = {"host", "addresses of brokers", "processor", "broker"}, .units = {}, .rows = {}};
+    for (const BrokerHost& host : manifest.hosts) {
+        std::string addresses;
+        for (const std::string& address : host.addresses) {
+            addresses += (addresses.empty() ? "" : " ") + address;
+        }
+        table.rows.push_back({host.name, addresses, host.architecture, host.broker_version});
+    }
+    return "<h2>Hosts of the brokers</h2>\n<div class=\"wide\">\n" + to_html(table) +
+           "</div>\n<p class=\"how\">The robots ran on the machine below; <code>hosts.json</code> "
+           "has what each host said of itself.</p>\n";
 }
 
 std::string setting(const char* name, const std::string& value) {
@@ -155,7 +177,7 @@ std::string report_of(const Sweep& sweep, const Manifest& manifest, std::span<co
     std::ostringstream html;
     html << page_begin(sweep.settings.name) << "<p class=\"sub\">Sweep <b>"
          << html_text(sweep.settings.name) << "</b>, " << rows.size() << " of "
-         << sweep.cells.size() << " cells: " << world_text(sweep.settings)
+         << sweep.cells.size() << " cells: " << world_text(sweep.settings, manifest)
          << "; traffic pattern <b>" << name_of(sweep.settings.pattern) << "</b>. "
          << html_text(manifest.started_utc) << "</p>\n"
          << tiles_of(rows, sweep.settings.probe_per_s);
@@ -179,7 +201,7 @@ std::string report_of(const Sweep& sweep, const Manifest& manifest, std::span<co
          << certainty_section(configurations) << failures_of(rows);
 
     const Machine& machine = manifest.machine;
-    html << "<h2>Machine and build</h2>\n<dl>\n"
+    html << hosts_section(manifest) << "<h2>Machine and build</h2>\n<dl>\n"
          << setting("CPU", machine.cpu) << setting("Cores", std::to_string(machine.cores))
          << setting("Memory", number_text(Measured{machine.memory_gib}, 1) + " GiB")
          << setting("Load average before", number_text(Measured{machine.load_average}, 2))
@@ -189,9 +211,9 @@ std::string report_of(const Sweep& sweep, const Manifest& manifest, std::span<co
          << setting("Compiler",
                     std::string{manifest.build.compiler} + ", " + std::string{manifest.build.type})
          << "</dl>\n<h2>Run it again</h2>\n<p>The whole sweep, or one of its cells alone (here the "
-            "first):</p>\n<pre>romano sweep '"
-         << html_text(manifest.sweep_file) << "' --fresh\n"
-         << html_text(rerun_command(manifest.sweep_file, sweep.cells.front()))
+            "first):</p>\n<pre>"
+         << html_text(run_command(manifest)) << " --fresh\n"
+         << html_text(rerun_command(manifest, sweep.cells.front()))
          << "</pre>\n<p>Beside this file: <code>runs.csv</code> (one row a run), "
             "<code>samples/</code> (every message), <code>traces/</code> (what the brokers said), "
             "<code>plots/</code> (gnuplot scripts with their numbers), "

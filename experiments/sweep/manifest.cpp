@@ -1,8 +1,20 @@
 #include "experiments/sweep/manifest.h"
 
 #include <nlohmann/json.hpp>
+#include <utility>
 
 namespace romano::experiments {
+
+namespace {
+
+nlohmann::ordered_json to_json(const BrokerHost& host) {
+    return {{"name", host.name},
+            {"addresses", host.addresses},
+            {"architecture", host.architecture},
+            {"broker", host.broker_version}};
+}
+
+}  // namespace
 
 std::string to_json(const Manifest& manifest, const Sweep& sweep) {
     using nlohmann::ordered_json;
@@ -11,8 +23,10 @@ std::string to_json(const Manifest& manifest, const Sweep& sweep) {
         cells.push_back({{"cell", cell.number},
                          {"what", describe(cell)},
                          {"seed", cell.seed},
-                         {"rerun", rerun_command(manifest.sweep_file, cell)}});
+                         {"rerun", rerun_command(manifest, cell)}});
     }
+    ordered_json hosts = ordered_json::array();
+    for (const BrokerHost& host : manifest.hosts) hosts.push_back(to_json(host));
     const ordered_json json = {
         {"sweep", sweep.settings.name},
         {"world", name_of(sweep.settings.world)},
@@ -30,6 +44,8 @@ std::string to_json(const Manifest& manifest, const Sweep& sweep) {
           {"load_average_1_min", manifest.machine.load_average},
           {"kernel", manifest.machine.kernel},
           {"system", manifest.machine.system}}},
+        {"hosts_file", manifest.hosts_file},
+        {"hosts", hosts},
         {"sweep_file", manifest.sweep_file},
         {"sweep_text", sweep.text},
         {"cells", cells},
@@ -44,6 +60,13 @@ Manifest parse_manifest(const std::string& text, const std::string& file) {
     try {
         const auto build = part("romano");
         const auto machine = part("machine");
+        std::vector<BrokerHost> hosts;
+        for (const auto& host : json.value("hosts", nlohmann::json::array())) {
+            hosts.push_back({.name = host.value("name", ""),
+                             .addresses = host.value("addresses", std::vector<std::string>{}),
+                             .architecture = host.value("architecture", ""),
+                             .broker_version = host.value("broker", "")});
+        }
         return {.build = {.version = build.value("version", ""),
                           .commit = build.value("commit", ""),
                           .compiler = build.value("compiler", ""),
@@ -56,14 +79,22 @@ Manifest parse_manifest(const std::string& text, const std::string& file) {
                             .load_average = machine.value("load_average_1_min", 0.0)},
                 .started_utc = json.value("started_utc", ""),
                 .sweep_file = json.value("sweep_file", ""),
-                .broker_version = json.value("broker", "")};
+                .broker_version = json.value("broker", ""),
+                .hosts_file = json.value("hosts_file", ""),
+                .hosts = std::move(hosts)};
     } catch (const nlohmann::json::exception& wrong) {
         throw SweepError("`" + file + "` is no manifest of a sweep: " + wrong.what());
     }
 }
 
-std::string rerun_command(const std::string& sweep_file, const Cell& cell) {
-    return "romano sweep '" + sweep_file + "' --cell " + std::to_string(cell.number);
+std::string run_command(const Manifest& manifest) {
+    const std::string command = "romano sweep '" + manifest.sweep_file + "'";
+    if (manifest.hosts_file.empty()) return command;
+    return command + " --hosts '" + manifest.hosts_file + "'";
+}
+
+std::string rerun_command(const Manifest& manifest, const Cell& cell) {
+    return run_command(manifest) + " --cell " + std::to_string(cell.number);
 }
 
 }  // namespace romano::experiments

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "experiments/sweep/build_info.h"
 #include "experiments/sweep/machine.h"
@@ -9,12 +10,22 @@
 
 namespace romano::experiments {
 
+/// A machine on which brokers ran.
+struct BrokerHost {
+    std::string name;
+    std::vector<std::string> addresses;  // of its brokers
+    std::string architecture;
+    std::string broker_version;
+};
+
 struct Manifest {
     BuildInfo build;
     Machine machine;
     std::string started_utc;  // when the sweep was begun, or gone on with
     std::string sweep_file;   // absolute, as it was called
     std::string broker_version;
+    std::string hosts_file = {};  // absolute; empty: the brokers ran on `machine`, too
+    std::vector<BrokerHost> hosts = {};
 };
 
 [[nodiscard]] std::string to_json(const Manifest& manifest, const Sweep& sweep);
@@ -22,7 +33,9 @@ struct Manifest {
 /// it.
 [[nodiscard]] Manifest parse_manifest(const std::string& text, const std::string& file);
 
+/// The command that runs all of it.
+[[nodiscard]] std::string run_command(const Manifest& manifest);
 /// The command that runs one cell again, exactly.
-[[nodiscard]] std::string rerun_command(const std::string& sweep_file, const Cell& cell);
+[[nodiscard]] std::string rerun_command(const Manifest& manifest, const Cell& cell);
 
 }  // namespace romano::experiments

@@ -240,11 +240,15 @@ int run_sweep(const SweepRequest& request) {
     ResultsFolder results{sweep.settings.output, sweep,
                           request.fresh || (request.only_cell && !request.replace)};
     if (testbed) testbed->leave_word(results.path(), request.fresh);
-    const Manifest manifest{.build = build_info(),
-                            .machine = this_machine(),
-                            .started_utc = utc_now_for_people(),
-                            .sweep_file = std::filesystem::absolute(request.file).string(),
-                            .broker_version = broker_version};
+    Manifest manifest{.build = build_info(),
+                      .machine = this_machine(),
+                      .started_utc = utc_now_for_people(),
+                      .sweep_file = std::filesystem::absolute(request.file).string(),
+                      .broker_version = broker_version};
+    if (testbed) {
+        manifest.hosts_file = std::filesystem::absolute(*request.hosts).string();
+        manifest.hosts = testbed->hosts();
+    }
     write_text(results.path() / "manifest.json", to_json(manifest, sweep));
 
     listen_for_interrupts();

@@ -65,6 +65,12 @@ TestbedPlace::TestbedPlace(const std::filesystem::path& hosts_file, const SweepS
     for (const HostFinding& warning : findings) tell(warning.host + ": " + warning.sentence);
     seen_ = to_json(testbed_, seen, findings);
     broker_version_ = seen[seats_.front().host].facts->broker_version;
+    for (std::size_t i = 0; i < testbed_.hosts.size(); ++i) {
+        hosts_.push_back({.name = testbed_.hosts[i].name,
+                          .addresses = testbed_.hosts[i].addresses,
+                          .architecture = seen[i].facts->architecture,
+                          .broker_version = seen[i].facts->broker_version});
+    }
 }
 
 void TestbedPlace::leave_word(const std::filesystem::path& results, bool fresh) const {

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "experiments/sweep/manifest.h"
 #include "experiments/sweep/sweep_file.h"
 #include "experiments/testbed/examination.h"
 #include "experiments/testbed/hosts_file.h"
@@ -33,6 +34,8 @@ public:
     [[nodiscard]] const Connections& connections() const { return connections_; }
     [[nodiscard]] const std::vector<Seat>& seats() const { return seats_; }
     [[nodiscard]] const std::string& broker_version() const { return broker_version_; }
+    /// For the report.
+    [[nodiscard]] const std::vector<BrokerHost>& hosts() const { return hosts_; }
     /// hosts.toml and hosts.json, into the results. Throws SettingError when they are of other
     /// hosts.
     void leave_word(const std::filesystem::path& results, bool fresh) const;
@@ -42,6 +45,7 @@ private:
     Connections connections_{testbed_};
     std::vector<Seat> seats_;
     std::string broker_version_;
+    std::vector<BrokerHost> hosts_;
     nlohmann::json seen_;
 };
 

@@ -118,6 +118,27 @@ TEST_F(Reports, StandAloneWithTheirFigures) {
     std::ofstream(folder_ / "report.html") << html;
 }
 
+TEST_F(Reports, NameTheHostsOfTheBrokers) {
+    EXPECT_THAT(report(), Not(HasSubstr("Hosts of the brokers")));
+    EXPECT_THAT(report(), HasSubstr("over UDP on one host"));
+    manifest_.hosts_file = "/some/where/hosts.toml";
+    manifest_.hosts = {
+        {.name = "pi1",
+         .addresses = {"192.168.1.101", "192.168.1.102"},
+         .architecture = "aarch64",
+         .broker_version = "romano-broker 0.1.0"},
+        {.name = "<b>pi2", .addresses = {}, .architecture = "", .broker_version = ""}};
+    manifest_ = parse_manifest(to_json(manifest_, sweep_), "manifest.json");
+    const std::string html = report();
+    for (const char* part :
+         {"Hosts of the brokers", "pi1", "192.168.1.101 192.168.1.102", "aarch64", "&lt;b&gt;pi2",
+          "real brokers on 2 hosts and real MQTT-SN robots on another machine",
+          "romano sweep '/some/where/synthetic.toml' --hosts '/some/where/hosts.toml' --fresh",
+          "--hosts '/some/where/hosts.toml' --cell 1"}) {
+        EXPECT_THAT(html, HasSubstr(part));
+    }
+}
+
 TEST_F(Reports, DrawEveryFigureAsSvgAndKeepItsScript) {
     const auto configurations = configurations_of(rows_);
     for (const Figure& figure : figures_of(configurations, sweep_.settings, folder_)) {
