@@ -3,6 +3,7 @@
 #include <stdlib.h>
 
 #include <stdexcept>
+#include <string_view>
 #include <system_error>
 
 #include "experiments/process/shell_word.h"
@@ -86,9 +87,20 @@ std::string Ssh::copy(const std::vector<std::filesystem::path>& files,
     std::vector<std::string> words = options();
     words.insert(words.end(), {"-q", "-p", "--"});
     words.insert(words.end(), files.begin(), files.end());
-    words.push_back(host_.ssh + ":" + folder + "/");
+    words.push_back(scp_target(host_.ssh, folder));
     const ProgramEnd end = run_both("scp", words);
     return end.ok() ? std::string{} : "scp: " + reason_in(end.output);
+}
+
+std::string scp_target(const std::string& destination, const std::string& folder) {
+    constexpr std::string_view scheme = "ssh://";
+    if (destination.starts_with(scheme)) {
+        return "scp://" + destination.substr(scheme.size()) + "/" + folder + "/";
+    }
+    // The colons of an IPv6 address are none before a folder.
+    const std::size_t host = destination.rfind('@') + 1;  // 0 without a user
+    if (destination.find(':', host) == std::string::npos) return destination + ":" + folder + "/";
+    return destination.substr(0, host) + "[" + destination.substr(host) + "]:" + folder + "/";
 }
 
 std::string as_root(const std::string& line) {

@@ -52,6 +52,8 @@ private:
     std::string socket_;
 };
 
+/// A folder there, for scp, by a destination as ssh takes it: "pi@[fd00::11]:/tmp/".
+[[nodiscard]] std::string scp_target(const std::string& destination, const std::string& folder);
 /// As root there, if need be through sudo: "sudo -n ".
 [[nodiscard]] std::string as_root(const std::string& line);
 /// The line that runs romano-host there: the one in the host's folder, or else a package's.

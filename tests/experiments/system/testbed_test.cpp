@@ -1,5 +1,6 @@
 // A testbed of three machines, each with a real sshd in a network namespace of its own, and the
-// experimenter's machine beside them. Needs root.
+// experimenter's machine beside them. Needs root. ROMANO_TESTBED_USER=NAME logs in as a user of
+// this machine who may use sudo without a password, instead of root.
 
 #include <arpa/inet.h>
 #include <gmock/gmock.h>
@@ -10,6 +11,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <functional>
@@ -62,6 +64,7 @@ protected:
                                                    (folder_ / key).string()})
                             .ok());
         }
+        fs::permissions(folder_.path(), fs::perms{0755});  // the user's sshd reads the key there
         std::ofstream(folder_ / "sshd_config")
             << "HostKey " << (folder_ / "host_key").string() << "\nAuthorizedKeysFile "
             << (folder_ / "user_key.pub").string()
@@ -98,16 +101,22 @@ protected:
                            fs::path{folder_of(machine)} / "romano-host");
     }
     static std::string address_of(int machine) { return "10.60.0.10" + std::to_string(machine); }
-    void write_hosts(const std::string& first_interface = "eth0") const {
+    static std::string user() {
+        const char* name = std::getenv("ROMANO_TESTBED_USER");
+        return name == nullptr ? "root" : name;
+    }
+    void write_hosts(const std::string& first_interface = "eth0",
+                     const std::string& network = "10.60.0.",
+                     const std::string& services = "10") const {
         std::ofstream file(folder_ / "hosts.toml");
         file << "ssh_options = [\"-F\", \"none\", \"-i\", \"" << (folder_ / "user_key").string()
              << "\", \"-o\", \"StrictHostKeyChecking=no\", \"-o\", \"UserKnownHostsFile=/dev/null\""
              << ", \"-o\", \"LogLevel=ERROR\"]\n"
              << "broker_options = [\"--profile\", \"wifi\"]\n";
         for (int machine = 1; machine <= machines; ++machine) {
-            file << "[[hosts]]\nname = \"pi" << machine << "\"\nssh = \"root@10.60.0." << machine
-                 << "\"\nfolder = \"" << folder_of(machine) << "\"\naddresses = [\""
-                 << address_of(machine) << "\"]\ninterface = \""
+            file << "[[hosts]]\nname = \"pi" << machine << "\"\nssh = \"" << user() << "@"
+                 << network << machine << "\"\nfolder = \"" << folder_of(machine)
+                 << "\"\naddresses = [\"" << network << services << machine << "\"]\ninterface = \""
                  << (machine == 1 ? first_interface : "eth0") << "\"\n";
         }
     }
@@ -257,6 +266,35 @@ TEST_F(TestbedOfThree, IsInstalledStartedReadAndStopped) {
     EXPECT_THAT(testbed("stop").output, HasSubstr("pi1: nothing ran"));
 }
 
+TEST_F(TestbedOfThree, MayHaveIpv6AddressesAlone) {
+    write_hosts("eth0", "fd60::", "10");
+    fs::remove_all(folder_of(1));
+    const Ran installed = testbed("install");
+    EXPECT_EQ(installed.exit_code, 0) << installed.output;
+    EXPECT_EQ(testbed("check").output, "3 hosts are ready\n");
+    const Ran started = testbed("start");
+    ASSERT_EQ(started.exit_code, 0) << started.output;
+    EXPECT_TRUE(eventually([this] {
+        return romano("brokers -h fd60::102").output.find("pi3") != std::string::npos;
+    })) << romano("brokers -h fd60::102").output;
+    EXPECT_EQ(testbed("stop").exit_code, 0);
+    EXPECT_FALSE(lan_.has_address(2, "fd60::102"));
+}
+
+TEST_F(TestbedOfThree, HasRobotsOnMachinesOfTheirOwn) {
+    std::string hosts = read(folder_ / "hosts.toml");
+    const std::string address = "addresses = [\"" + address_of(3) + "\"]";
+    hosts.replace(hosts.find(address), address.size(), "role = \"robots\"\nrobots = 5");
+    std::ofstream(folder_ / "hosts.toml") << hosts;
+    const Ran started = testbed("start");
+    ASSERT_EQ(started.exit_code, 0) << started.output;
+    EXPECT_TRUE(eventually([this] {
+        return romano("robots -h " + address_of(1)).output.find("5 robots") != std::string::npos;
+    })) << romano("robots -h " + address_of(1)).output;
+    EXPECT_THAT(testbed("logs", "--host pi3").output, HasSubstr("established"));
+    EXPECT_EQ(testbed("stop").exit_code, 0);
+}
+
 // Nothing is half-started: a broker that cannot start takes the others with it.
 TEST_F(TestbedOfThree, IsStartedWholeOrNotAtAll) {
     std::ofstream(folder_ / "hosts.toml", std::ios::app)
@@ -325,6 +363,10 @@ TEST_F(Sweep, RunsBrokersThereAndFetchesWhatTheySaid) {
     EXPECT_THAT(read(out() / "traces/cell-0001-b1-metrics.txt"), HasSubstr("romano_"));
     EXPECT_THAT(read(out() / "traces/cell-0002-b3.txt"), HasSubstr("serving 10.60.0.103:1900"));
     EXPECT_THAT(read(out() / "hosts.json"), HasSubstr("10.60.0.1"));
+    const std::string report = read(out() / "report.html");
+    for (const char* part : {"real brokers on 3 hosts", "10.60.0.103", "--hosts "}) {
+        EXPECT_THAT(report, HasSubstr(part));
+    }
     EXPECT_FALSE(has_any_service_address());
 
     // One hosts file is one result.
