@@ -26,8 +26,11 @@ std::vector<std::string> sentences_about(const mcap::Reader& reader) {
         if (count > 0) out.push_back(std::to_string(count) + ' ' + words);
     };
     if (!reader.is_finished()) {
-        out.push_back("the recording was not ended: what came after " + utc_text(reader.end()) +
-                      " is lost (" + std::to_string(left_out.octets_cut) +
+        const std::string lost = reader.end() == 0
+                                     ? "it holds no whole chunk of messages"
+                                     : "what came after " + utc_text(reader.end()) + " is lost";
+        out.push_back("the recording was not ended: " + lost + " (" +
+                      std::to_string(left_out.octets_cut) +
                       " octets at the end are no whole record)");
     }
     tell(left_out.chunks_damaged, "chunks are damaged and left out");

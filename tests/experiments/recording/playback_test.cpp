@@ -220,7 +220,16 @@ TEST(Playback, SaysWhatTheRecordingDoesNotHave) {
     mcap::Reader reader{film.file};
     FleetPicture picture{Duration{0}};
     Playback playback{reader, "film.mcap", picture};
-    EXPECT_THAT(picture.recording()->lost, ElementsAre(HasSubstr("the recording was not ended")));
+    EXPECT_THAT(picture.recording()->lost,
+                ElementsAre(HasSubstr("not ended: what came after 2025-11-24 16:00:00.000 UTC")));
+}
+
+TEST(Playback, OfARecordingThatWasCutBeforeItsFirstChunkSaysSo) {
+    Film film;  // its header alone
+    mcap::Reader reader{film.file};
+    FleetPicture picture{Duration{0}};
+    Playback playback{reader, "film.mcap", picture};
+    EXPECT_THAT(picture.recording()->lost, ElementsAre(HasSubstr("it holds no whole chunk")));
 }
 
 }  // namespace
