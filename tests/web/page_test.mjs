@@ -65,6 +65,9 @@ async function itFitsAPhone() {
             await page.waitForTimeout(300);  // its events come, and a frame
             const wide = await page.evaluate(() => document.documentElement.scrollWidth);
             assert.ok(wide <= width, `${hash || 'the fleet'} is ${wide} px wide at ${width}`);
+            const small = await page.evaluate(() => [...document.querySelectorAll('a, button, input, select')]
+                .filter((node) => node.checkVisibility() && node.getBoundingClientRect().height < 24).map((node) => node.outerHTML));
+            assert.deepEqual(small, [], 'a finger hits everything');
             await shoot(`${hash.slice(-8) || 'fleet'}-${width}-${scheme}`);
         }
     }
