@@ -4,6 +4,9 @@
 
 #include <cmath>
 
+#include "experiments/cli/real_number.h"
+#include "romano/mqttsn/topic.h"
+
 namespace romano::experiments {
 
 void BrokerOptions::add_to(CLI::App& command) {
@@ -21,7 +24,7 @@ void BrokerOptions::add_to(CLI::App& command) {
     command
         .add_option("--broker-timeout", timeout_s,
                     "Seconds within which the broker must answer, with 4 attempts")
-        ->check(CLI::Range(0.1, 3600.0))
+        ->check(real_number(0.1, 3600.0))
         ->capture_default_str();
 }
 
@@ -67,6 +70,13 @@ std::string BrokerOptions::unreachable(bool was_refused) const {
     return "no broker answered at " + where() +
            " (see -h, -p, --key, --broker-timeout; a broker that waits for its peers, or for a "
            "leader, answers nobody: its trace says so)";
+}
+
+void check_filters(const std::vector<std::string>& filters) {
+    for (const std::string& filter : filters) {
+        if (mqttsn::is_valid_topic_filter(filter)) continue;
+        throw CommandError("--topics `" + filter + "`: must be a topic filter such as # or a/+/b");
+    }
 }
 
 void TopicOption::add_to(CLI::App& command, const char* what) {

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "experiments/robots/socket_client.h"
 
@@ -48,6 +49,9 @@ struct TopicOption {
     /// For sentences about it: "`robots/7/pose`", "predefined topic id 3".
     [[nodiscard]] std::string words() const;
 };
+
+/// --topics, of which each must be a filter. Throws CommandError.
+void check_filters(const std::vector<std::string>& filters);
 
 /// A command cannot be carried out: one sentence, exit code 2.
 struct CommandError : std::runtime_error {

@@ -5,6 +5,7 @@
 #include <memory>
 #include <string>
 
+#include "experiments/cli/real_number.h"
 #include "experiments/compare/compare_report.h"
 #include "experiments/sweep/results_folder.h"
 #include "experiments/sweep/text_file.h"
@@ -82,7 +83,7 @@ void add_compare(CLI::App& program, int& exit_code) {
         .add_option("--confidence", options->confidence_percent,
                     "How surely an interval covers the true difference")
         ->type_name("PERCENT")
-        ->check(CLI::Range(50.0, 99.9))
+        ->check(real_number(50.0, 99.9))
         ->capture_default_str();
     command.add_option("--output", options->output,
                        "Write a page with the figures overlaid, CSV and JSON into this folder");

@@ -14,6 +14,7 @@
 #include "experiments/cli/broker_options.h"
 #include "experiments/cli/denial.h"
 #include "experiments/cli/interrupt.h"
+#include "experiments/cli/real_number.h"
 #include "experiments/operator/loop_request.h"
 #include "experiments/operator/node_watch.h"
 #include "experiments/operator/own_id.h"
@@ -266,7 +267,7 @@ void add_control(CLI::App& program, int& exit_code) {
         ->capture_default_str();
     command.add_flag("--end-then", options->ends_then, "The loop ends when the plant falls back");
     command.add_option("--seconds", options->seconds, "End it after so long (default: Ctrl-C)")
-        ->check(CLI::Range(0.1, 1e6));
+        ->check(real_number(0.1, 1e6));
     CLI::Option* detach =
         command.add_flag("--detach", options->detaches, "Leave it going, until --end");
     command.add_flag("--end", options->ends, "End the loop of the plant")->excludes(detach);

@@ -14,6 +14,7 @@
 #include <utility>
 #include <vector>
 
+#include "experiments/cli/real_number.h"
 #include "experiments/report/plot.h"
 #include "experiments/report/summary_table.h"
 #include "experiments/sweep/csv.h"
@@ -210,7 +211,7 @@ void add_cost(CLI::App& program, int& exit_code) {
         ->check(CLI::Range(0, 50))
         ->capture_default_str();
     command.add_option("--rate", options->publishes_per_s, "Publishes of each robot, in 1/s")
-        ->check(CLI::Range(0.1, 1000.0))
+        ->check(real_number(0.1, 1000.0))
         ->capture_default_str();
     command.add_option("--acks", options->acks, "Peers that must hold a publish")
         ->check(CLI::Range(0, 99))
@@ -221,7 +222,7 @@ void add_cost(CLI::App& program, int& exit_code) {
         ->check(CLI::Range(1, 1000))
         ->capture_default_str();
     command.add_option("--seconds", options->seconds, "Of virtual time for each count")
-        ->check(CLI::Range(0.1, 600.0))
+        ->check(real_number(0.1, 600.0))
         ->capture_default_str();
     command.add_option("--output", options->output, "Leave cost.csv and cost.svg in this folder");
     command.add_flag("--json", options->as_json, "Print the result as JSON");

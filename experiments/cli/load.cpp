@@ -13,6 +13,7 @@
 
 #include "broker/net/socket_address.h"
 #include "experiments/cli/broker_options.h"
+#include "experiments/cli/real_number.h"
 #include "experiments/load/load_run.h"
 #include "experiments/load/mqttsn_clients.h"
 #include "romano/mqttsn/topic.h"
@@ -176,7 +177,7 @@ void add_load(CLI::App& program, int& exit_code) {
         command
             .add_option("--rate", options->rate_per_s,
                         "Messages a second, of all publishers together (else a closed loop)")
-            ->check(CLI::Range(0.001, 1e7));
+            ->check(real_number(0.001, 1e7));
     command
         .add_option("--in-flight", plan.in_flight,
                     "Messages on their way at the same time, in the closed loop")
@@ -184,15 +185,15 @@ void add_load(CLI::App& program, int& exit_code) {
         ->capture_default_str()
         ->excludes(rate);
     command.add_option("--warm-up", options->warm_up_s, "Seconds of load before measuring")
-        ->check(CLI::Range(0.0, 3600.0))
+        ->check(real_number(0.0, 3600.0))
         ->capture_default_str();
     command.add_option("--duration", options->duration_s, "Seconds to measure")
-        ->check(CLI::Range(0.05, 86'400.0))
+        ->check(real_number(0.05, 86'400.0))
         ->capture_default_str();
     command
         .add_option("--drain", options->drain_s,
                     "Seconds without an arrival after which the rest is taken for lost")
-        ->check(CLI::Range(0.1, 600.0))
+        ->check(real_number(0.1, 600.0))
         ->capture_default_str();
     command.add_option("--topic", plan.topic_prefix, "The topics are NAME/0, NAME/1...")
         ->type_name("NAME")

@@ -10,6 +10,7 @@
 #include <system_error>
 #include <vector>
 
+#include "experiments/cli/real_number.h"
 #include "experiments/loops/deviation.h"
 #include "experiments/loops/formation.h"
 #include "experiments/loops/margins.h"
@@ -111,14 +112,14 @@ void add_loops(CLI::App& program, int& exit_code) {
         ->capture_default_str();
     command.add_option("--losses", margins.losses_percent, "margins: of rounds, in %")
         ->delimiter(',')
-        ->check(CLI::Range(0.0, 90.0))
+        ->check(real_number(0.0, 90.0))
         ->capture_default_str();
     command
         .add_option("--poles", margins.poles, "margins: that try each delay, where rounds are lost")
         ->check(CLI::Range(1, 1000))
         ->capture_default_str();
     command.add_option("--seconds", margins.seconds, "margins: that a pole has to stand")
-        ->check(CLI::Range(1.0, 1000.0))
+        ->check(real_number(1.0, 1000.0))
         ->capture_default_str();
     command
         .add_option("--brokers", options->deviation.brokers,
@@ -134,7 +135,7 @@ void add_loops(CLI::App& program, int& exit_code) {
     command
         .add_option("--shove", options->deviation.shove_rad_s,
                     "deviation: how much faster the pole turns at the fault, rad/s")
-        ->check(CLI::Range(0.0, 2.0))
+        ->check(real_number(0.0, 2.0))
         ->capture_default_str();
     command.add_option("--seed", options->seed, "Of all runs")->capture_default_str();
     command.add_option("--jobs", options->jobs, "Runs at a time, a process each")

@@ -10,6 +10,7 @@
 #include <system_error>
 #include <vector>
 
+#include "experiments/cli/real_number.h"
 #include "experiments/paper/backbone.h"
 #include "experiments/paper/cells_plan.h"
 #include "experiments/paper/energy.h"
@@ -113,7 +114,7 @@ void add_paper(CLI::App& program, int& exit_code) {
         ->capture_default_str();
     command.add_option("--rates", plan.rates, "table: messages a second, such as 100,200,300")
         ->delimiter(',')
-        ->check(CLI::Range(0.1, 2000.0))
+        ->check(real_number(0.1, 2000.0))
         ->capture_default_str();
     command
         .add_option("--baud", plan.router_bauds,

@@ -18,6 +18,7 @@
 #include "experiments/cli/broker_options.h"
 #include "experiments/cli/denial.h"
 #include "experiments/cli/interrupt.h"
+#include "experiments/cli/real_number.h"
 #include "romano/mqttsn/topic.h"
 
 namespace romano::experiments {
@@ -261,7 +262,7 @@ void add_pub(CLI::App& program, int& exit_code) {
         ->check(CLI::Range(1U, 1'000'000'000U))
         ->capture_default_str();
     command.add_option("--repeat-delay", options->repeat_delay_s, "Seconds between them")
-        ->check(CLI::Range(0.0, 86'400.0))
+        ->check(real_number(0.0, 86'400.0))
         ->capture_default_str();
     command.footer(pub_examples);
     command.callback([options, &exit_code] {

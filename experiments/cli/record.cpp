@@ -15,6 +15,7 @@
 #include "experiments/cli/broker_options.h"
 #include "experiments/cli/denial.h"
 #include "experiments/cli/interrupt.h"
+#include "experiments/cli/real_number.h"
 #include "experiments/recording/recorder.h"
 #include "experiments/sweep/build_info.h"
 #include "experiments/watch/broker_status.h"
@@ -181,17 +182,13 @@ void add_record(CLI::App& program, int& exit_code) {
         ->capture_default_str();
     command.add_option("--for", options->for_s, "End after so many seconds; 0: with Ctrl-C")
         ->type_name("SECONDS")
-        ->check(CLI::Range(0.0, 1e9))
+        ->check(real_number(0.0, 1e9))
         ->capture_default_str();
     command.add_flag("--json", options->as_json, "Say in the end what is in it as a JSON object");
     command.footer(record_examples);
     command.callback([options, &exit_code] {
         std::signal(SIGXFSZ, SIG_IGN);  // a file that may not grow is told of like a full disk
-        for (const std::string& filter : options->filters) {
-            if (mqttsn::is_valid_topic_filter(filter)) continue;
-            throw CommandError("--topics `" + filter +
-                               "`: must be a topic filter such as # or a/+/b");
-        }
+        check_filters(options->filters);
         Recording{*options}.run();
         exit_code = 0;
     });

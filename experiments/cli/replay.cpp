@@ -18,6 +18,7 @@
 #include "experiments/cli/broker_options.h"
 #include "experiments/cli/denial.h"
 #include "experiments/cli/interrupt.h"
+#include "experiments/cli/real_number.h"
 #include "experiments/mcap/reader.h"
 #include "experiments/recording/left_out_text.h"
 #include "experiments/recording/recorded_message.h"
@@ -290,13 +291,6 @@ private:
     std::string error_;
 };
 
-void check(const ReplayOptions& options) {
-    for (const std::string& filter : options.filters) {
-        if (mqttsn::is_valid_topic_filter(filter)) continue;
-        throw CommandError("--topics `" + filter + "`: must be a topic filter such as # or a/+/b");
-    }
-}
-
 }  // namespace
 
 void add_replay(CLI::App& program, int& exit_code) {
@@ -307,7 +301,7 @@ void add_replay(CLI::App& program, int& exit_code) {
     options->broker.add_key_to(command);
     command.add_option("file", options->file, "The recording")->required()->type_name("FILE");
     command.add_option("--speed", options->speed, "So many times as fast, 0.1 to 100")
-        ->check(CLI::Range(0.1, 100.0))
+        ->check(real_number(0.1, 100.0))
         ->capture_default_str();
     command.add_option("--topics", options->filters, "Only these (repeatable); default: all")
         ->type_name("FILTER");
@@ -319,16 +313,16 @@ void add_replay(CLI::App& program, int& exit_code) {
                      "Messages that robots and brokers act on too: ROBOTS MOVE");
     command.add_option("--from", options->from_s, "Begin so many seconds after the beginning")
         ->type_name("SECONDS")
-        ->check(CLI::Range(0.0, 1e9))
+        ->check(real_number(0.0, 1e9))
         ->capture_default_str();
     command.add_option("--for", options->for_s, "So many seconds of it; 0: to its end")
         ->type_name("SECONDS")
-        ->check(CLI::Range(0.0, 1e9))
+        ->check(real_number(0.0, 1e9))
         ->capture_default_str();
     command.add_flag("--json", options->as_json, "Say in the end what became of it, as JSON");
     command.footer(replay_examples);
     command.callback([options, &exit_code] {
-        check(*options);
+        check_filters(options->filters);
         Replay{*options}.run();
         exit_code = 0;
     });

@@ -13,6 +13,7 @@
 #include "experiments/cli/broker_options.h"
 #include "experiments/cli/denial.h"
 #include "experiments/cli/interrupt.h"
+#include "experiments/cli/real_number.h"
 #include "experiments/cli/robots.h"
 #include "experiments/operator/message_text.h"
 #include "experiments/operator/node_watch.h"
@@ -237,7 +238,7 @@ CLI::App& add_command(CLI::App& program, int& exit_code, const char* name, const
                     "Wait so many seconds for an answer of the robot itself, and print it; of a "
                     "topic's listeners for the first")
         ->type_name("SECONDS")
-        ->check(CLI::Range(0.1, 3600.0));
+        ->check(real_number(0.1, 3600.0));
     command.add_flag("--json", options->as_json, "Print what was sent, as a JSON array");
     command.footer(examples);
     command.callback([options, encode = std::move(encode), &exit_code] {

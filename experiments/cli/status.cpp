@@ -11,6 +11,7 @@
 #include <thread>
 
 #include "experiments/cli/broker_options.h"
+#include "experiments/cli/real_number.h"
 #include "experiments/report/summary_table.h"
 
 namespace romano::experiments {
@@ -250,7 +251,7 @@ void add_status(CLI::App& program, int& exit_code) {
         ->capture_default_str();
     command.add_option("--every", options->every_s, "Time over which rates are measured")
         ->type_name("SECONDS")
-        ->check(CLI::Range(0.1, 3600.0))
+        ->check(real_number(0.1, 3600.0))
         ->capture_default_str();
     command.add_flag("--json", options->as_json, "Print all metrics as a JSON object");
     command.footer(status_examples);

@@ -15,6 +15,7 @@
 
 #include "experiments/cli/broker_options.h"
 #include "experiments/cli/denial.h"
+#include "experiments/cli/real_number.h"
 #include "experiments/operator/message_text.h"
 #include "romano/mqttsn/topic.h"
 
@@ -239,7 +240,7 @@ void add_sub(CLI::App& program, int& exit_code) {
         ->excludes(raw);
     command.add_option("-C,--count", options->count, "End after so many messages");
     command.add_option("-W,--timeout", options->timeout_s, "End after so many seconds")
-        ->check(CLI::Range(0.0, 1e9));
+        ->check(real_number(0.0, 1e9));
     command.footer(sub_examples);
     command.callback([options, &exit_code] {
         if (options->topics.empty() && options->predefined.empty()) {
