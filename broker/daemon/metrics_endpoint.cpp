@@ -22,9 +22,7 @@ MetricsEndpoint::MetricsEndpoint(boost::asio::io_context& io, const Settings& se
         throw Refusal("--metrics '" + net::to_text(*settings.metrics) + "': cannot be served (" +
                       error.message() + "); choose a free port of this machine");
     }
-    Endpoint at = *settings.metrics;
-    at.port = server_.port();
-    spdlog::info("metrics: http://{}/metrics", net::to_text(at));
+    spdlog::info("metrics: http://{}/metrics", net::to_text(server_.address()));
 }
 
 std::string MetricsEndpoint::page() {

@@ -8,39 +8,35 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <boost/asio/ip/tcp.hpp>
 #include <cerrno>
 #include <csignal>
 #include <cstring>
 #include <filesystem>
 #include <system_error>
+#include <thread>
 
 #include "broker/daemon/refusal.h"
 #include "broker/net/clock.h"
 #include "broker/net/endpoint_text.h"
 #include "broker/net/socket_address.h"
+#include "broker/net/tcp_acceptor.h"
 #include "romano/keys/client_keys.h"
 #include "romano/keys/key_error.h"
 
 namespace romano::daemon {
 namespace {
 
-using boost::asio::ip::tcp;
-
-/// Nobody else has the address, and it is this machine's.
-boost::system::error_code why_not_open(const Endpoint& at) {
-    const net::SocketAddress address = net::to_socket_address(at);
-    tcp::endpoint endpoint;
-    endpoint.resize(address.size);
-    std::memcpy(endpoint.data(), &address.any, address.size);
-    boost::asio::io_context io;
-    tcp::acceptor acceptor(io);
-    boost::system::error_code error;
-    acceptor.open(endpoint.protocol(), error);
-    if (!error) acceptor.set_option(tcp::acceptor::reuse_address(true), error);
-    if (!error) acceptor.bind(endpoint, error);
-    if (!error) acceptor.listen(1, error);
-    return error;
+/// Nobody else has the address, and it is this machine's. A page whose broker was killed a moment
+/// ago holds its own until the kernel has ended it.
+boost::system::error_code why_not_open(const Endpoint& address) {
+    const auto end = std::chrono::steady_clock::now() + std::chrono::seconds{1};
+    for (;;) {
+        boost::asio::io_context io;
+        const auto error = net::TcpAcceptor(io, nullptr).open(address, 1);
+        const bool may_change = error == boost::asio::error::address_in_use;
+        if (!may_change || std::chrono::steady_clock::now() >= end) return error;
+        std::this_thread::sleep_for(std::chrono::milliseconds{20});
+    }
 }
 
 std::string program_beside_this_one(const std::string& name) {

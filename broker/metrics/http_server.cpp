@@ -2,11 +2,8 @@
 
 #include <boost/beast/core.hpp>
 #include <boost/beast/http.hpp>
-#include <cstring>
 #include <memory>
 #include <utility>
-
-#include "broker/net/socket_address.h"
 
 namespace romano::metrics {
 namespace {
@@ -16,14 +13,6 @@ namespace http = boost::beast::http;
 using boost::asio::ip::tcp;
 
 constexpr std::size_t most_header_octets = 4096;
-
-tcp::endpoint to_asio(const Endpoint& endpoint) {
-    const net::SocketAddress address = net::to_socket_address(endpoint);
-    tcp::endpoint out;
-    out.resize(address.size);
-    std::memcpy(out.data(), &address.any, address.size);
-    return out;
-}
 
 }  // namespace
 
@@ -95,40 +84,12 @@ private:
 
 HttpServer::HttpServer(boost::asio::io_context& io, std::function<std::string()> make_page)
     : make_page_(std::move(make_page)),
-      acceptor_(io),
-      pause_(io),
+      acceptor_(io, [this](tcp::socket socket) { on_connection(std::move(socket)); }),
       open_connections_(std::make_shared<std::size_t>(0)) {}
 
-boost::system::error_code HttpServer::open(const Endpoint& address) {
-    const tcp::endpoint at = to_asio(address);
-    boost::system::error_code error;
-    acceptor_.open(at.protocol(), error);
-    if (!error) acceptor_.set_option(tcp::acceptor::reuse_address(true), error);
-    if (!error) acceptor_.bind(at, error);
-    if (!error) acceptor_.listen(static_cast<int>(most_connections), error);
-    if (!error) accept();
-    return error;
-}
-
-std::uint16_t HttpServer::port() const {
-    return acceptor_.local_endpoint().port();
-}
-
-void HttpServer::accept() {
-    acceptor_.async_accept([this](const boost::system::error_code& error, tcp::socket socket) {
-        if (error == boost::asio::error::operation_aborted) return;
-        if (error) {  // no file descriptor is left: later there may be
-            pause_.expires_after(std::chrono::seconds{1});
-            pause_.async_wait([this](const boost::system::error_code& stopped) {
-                if (!stopped) accept();
-            });
-            return;
-        }
-        if (*open_connections_ < most_connections) {
-            std::make_shared<Connection>(*this, std::move(socket))->read();
-        }
-        accept();
-    });
+void HttpServer::on_connection(tcp::socket socket) {
+    if (*open_connections_ >= most_connections) return;
+    std::make_shared<Connection>(*this, std::move(socket))->read();
 }
 
 const std::string& HttpServer::page() {

@@ -7,7 +7,6 @@
 
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
-#include <boost/asio/steady_timer.hpp>
 #include <boost/system/error_code.hpp>
 #include <chrono>
 #include <cstddef>
@@ -15,6 +14,7 @@
 #include <memory>
 #include <string>
 
+#include "broker/net/tcp_acceptor.h"
 #include "romano/base/endpoint.h"
 
 namespace romano::metrics {
@@ -29,19 +29,20 @@ public:
     HttpServer(const HttpServer&) = delete;
     HttpServer& operator=(const HttpServer&) = delete;
 
-    [[nodiscard]] boost::system::error_code open(const Endpoint& address);
+    [[nodiscard]] boost::system::error_code open(const Endpoint& address) {
+        return acceptor_.open(address, most_connections);
+    }
     /// With the port that was chosen for port 0.
-    [[nodiscard]] std::uint16_t port() const;
+    [[nodiscard]] Endpoint address() const { return acceptor_.address(); }
 
 private:
     class Connection;
 
-    void accept();
+    void on_connection(boost::asio::ip::tcp::socket socket);
     const std::string& page();
 
     std::function<std::string()> make_page_;
-    boost::asio::ip::tcp::acceptor acceptor_;
-    boost::asio::steady_timer pause_;
+    net::TcpAcceptor acceptor_;
     std::shared_ptr<std::size_t> open_connections_;  // a connection may outlive this
     std::string page_;
     std::chrono::steady_clock::time_point page_until_{};

@@ -3,10 +3,8 @@
 #include <unistd.h>
 
 #include <boost/asio/io_context.hpp>
-#include <boost/asio/ip/tcp.hpp>
 #include <chrono>
 #include <cstdio>
-#include <cstring>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -19,6 +17,7 @@
 #include "experiments/cli/broker_options.h"
 #include "experiments/cli/denial.h"
 #include "experiments/cli/interrupt.h"
+#include "experiments/cli/real_number.h"
 #include "experiments/fleet/fleet_picture.h"
 #include "experiments/mcap/reader.h"
 #include "experiments/recording/playback.h"
@@ -31,7 +30,6 @@ namespace romano::experiments {
 namespace {
 
 using namespace std::chrono_literals;
-using boost::asio::ip::tcp;
 
 constexpr const char* web_examples = R"(Examples:
   romano web                                  (then open http://127.0.0.1:8080/)
@@ -55,24 +53,20 @@ struct WebOptions {
     std::string recording;
 };
 
-tcp::endpoint address_in(const WebOptions& options) {
+Endpoint address_in(const WebOptions& options) {
     const auto endpoint = net::parse_endpoint(options.listen);
     if (!endpoint) {
         throw CommandError("--listen `" + options.listen +
                            "`: must be an IP address and a port, for example 127.0.0.1:8080");
     }
-    const net::SocketAddress address = net::to_socket_address(*endpoint);
-    tcp::endpoint out;
-    out.resize(address.size);
-    std::memcpy(out.data(), &address.any, address.size);
     const bool can_steer = options.recording.empty();
-    if (can_steer && !out.address().is_loopback() && !options.lets_everybody_steer) {
+    if (can_steer && !net::is_loopback(*endpoint) && !options.lets_everybody_steer) {
         throw CommandError("--listen `" + options.listen +
                            "`: other machines reach this address, and whoever reaches the page can "
                            "steer all robots; allowed is an address of this machine alone such as "
                            "127.0.0.1:8080, or any with --let-everybody-steer");
     }
-    return out;
+    return *endpoint;
 }
 
 /// What browsers on this machine and others may call it.
@@ -89,10 +83,7 @@ void open(WebServer& server, const WebOptions& options) {
 }
 
 void tell_where(const WebServer& server, const char* what) {
-    const tcp::endpoint at = server.address();
-    const std::string host = at.address().to_string();
-    std::printf("%s is shown at http://%s:%u/\n", what,
-                (at.address().is_v6() ? '[' + host + ']' : host).c_str(), unsigned{at.port()});
+    std::printf("%s is shown at http://%s/\n", what, net::to_text(server.address()).c_str());
     std::fflush(stdout);
 }
 
@@ -169,7 +160,7 @@ void add_web(CLI::App& program, int& exit_code) {
         .add_option("--ask", options->ask_s,
                     "Ask each robot where it is, if it has not said so for so long; 0: never")
         ->type_name("SECONDS")
-        ->check(CLI::Range(0.0, 3600.0))
+        ->check(real_number(0.0, 3600.0))
         ->capture_default_str();
     command
         .add_option("--recording", options->recording,
@@ -181,6 +172,7 @@ void add_web(CLI::App& program, int& exit_code) {
         ->excludes("--topics");
     command.footer(web_examples);
     command.callback([options, &exit_code] {
+        check_filters(options->filters);
         options->recording.empty() ? serve_fleet(*options) : serve_recording(*options);
         exit_code = 0;
     });

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <boost/asio/buffer.hpp>
+#include <boost/asio/steady_timer.hpp>
 #include <boost/asio/write.hpp>
 #include <boost/beast/core.hpp>
 #include <boost/beast/http.hpp>
@@ -221,39 +222,12 @@ private:
 WebServer::WebServer(boost::asio::io_context& io, const FleetPicture& picture, WebApi& api)
     : picture_(picture),
       api_(api),
-      acceptor_(io),
-      pause_(io),
+      acceptor_(io, [this](tcp::socket socket) { on_connection(std::move(socket)); }),
       open_(std::make_shared<OpenOnes>()) {}
 
-boost::system::error_code WebServer::open(const tcp::endpoint& address) {
-    boost::system::error_code error;
-    acceptor_.open(address.protocol(), error);
-    if (!error) acceptor_.set_option(tcp::acceptor::reuse_address(true), error);
-    if (!error) acceptor_.bind(address, error);
-    if (!error) acceptor_.listen(static_cast<int>(most_connections), error);
-    if (!error) accept();
-    return error;
-}
-
-tcp::endpoint WebServer::address() const {
-    return acceptor_.local_endpoint();
-}
-
-void WebServer::accept() {
-    acceptor_.async_accept([this](const boost::system::error_code& error, tcp::socket socket) {
-        if (error == boost::asio::error::operation_aborted) return;
-        if (error) {  // no file descriptor is left: later there may be
-            pause_.expires_after(std::chrono::seconds{1});
-            pause_.async_wait([this](const boost::system::error_code& stopped) {
-                if (!stopped) accept();
-            });
-            return;
-        }
-        if (open_->connections < most_connections) {
-            std::make_shared<Connection>(picture_, api_, open_, std::move(socket))->read();
-        }
-        accept();
-    });
+void WebServer::on_connection(tcp::socket socket) {
+    if (open_->connections >= most_connections) return;
+    std::make_shared<Connection>(picture_, api_, open_, std::move(socket))->read();
 }
 
 }  // namespace romano::experiments

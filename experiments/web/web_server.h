@@ -7,12 +7,12 @@
 
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
-#include <boost/asio/steady_timer.hpp>
 #include <boost/system/error_code.hpp>
 #include <chrono>
 #include <cstddef>
 #include <memory>
 
+#include "broker/net/tcp_acceptor.h"
 #include "experiments/fleet/fleet_picture.h"
 #include "experiments/web/web_api.h"
 
@@ -29,9 +29,11 @@ public:
     WebServer(const WebServer&) = delete;
     WebServer& operator=(const WebServer&) = delete;
 
-    [[nodiscard]] boost::system::error_code open(const boost::asio::ip::tcp::endpoint& address);
+    [[nodiscard]] boost::system::error_code open(const Endpoint& address) {
+        return acceptor_.open(address, most_connections);
+    }
     /// With the port that was chosen for port 0.
-    [[nodiscard]] boost::asio::ip::tcp::endpoint address() const;
+    [[nodiscard]] Endpoint address() const { return acceptor_.address(); }
 
 private:
     class Connection;
@@ -40,12 +42,11 @@ private:
         std::size_t streams = 0;
     };
 
-    void accept();
+    void on_connection(boost::asio::ip::tcp::socket socket);
 
     const FleetPicture& picture_;
     WebApi& api_;
-    boost::asio::ip::tcp::acceptor acceptor_;
-    boost::asio::steady_timer pause_;
+    net::TcpAcceptor acceptor_;
     std::shared_ptr<OpenOnes> open_;
 };
 

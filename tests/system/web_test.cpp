@@ -15,10 +15,10 @@
 #include <filesystem>
 #include <fstream>
 #include <functional>
+#include <iterator>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
-#include <system_error>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -270,10 +270,11 @@ struct WebOfABroker : Web {
         }
         return 0;
     }
-    static bool lives(pid_t process) {  // a dead one that nobody has waited for has no program
-        std::error_code none;
-        (void)std::filesystem::read_symlink("/proc/" + std::to_string(process) + "/exe", none);
-        return !none;
+    static bool lives(pid_t process) {  // a dead one that nobody has waited for does not
+        std::ifstream file("/proc/" + std::to_string(process) + "/stat");
+        const std::string stat{std::istreambuf_iterator<char>(file), {}};
+        const std::size_t name_end = stat.rfind(')');
+        return name_end != std::string::npos && stat.compare(name_end, 3, ") Z") != 0;
     }
     [[nodiscard]] static std::string free_port() {
         boost::asio::io_context io;

@@ -36,7 +36,7 @@ struct HttpServerTest : testing::Test {
 
     std::shared_ptr<Client> client() {
         auto made = std::make_shared<Client>(io);
-        made->socket.connect({boost::asio::ip::address_v4::loopback(), server.port()});
+        made->socket.connect({boost::asio::ip::address_v4::loopback(), server.address().port});
         boost::asio::async_read(made->socket, boost::asio::dynamic_buffer(made->heard),
                                 [made](const auto&, std::size_t) { made->closed = true; });
         return made;
@@ -121,7 +121,8 @@ TEST_F(HttpServerTest, MakesThePageAtMostTenTimesASecond) {
 
 TEST_F(HttpServerTest, SaysWhyAPortCannotBeServed) {
     HttpServer second(io, [] { return std::string(); });
-    EXPECT_TRUE(second.open(*net::parse_endpoint("127.0.0.1:" + std::to_string(server.port()))));
+    EXPECT_TRUE(
+        second.open(*net::parse_endpoint("127.0.0.1:" + std::to_string(server.address().port))));
 }
 
 }  // namespace

@@ -14,6 +14,8 @@
 #include <deque>
 #include <string>
 
+#include "broker/net/endpoint_text.h"
+
 namespace romano::experiments::web_server_test {
 namespace {
 
@@ -29,14 +31,15 @@ struct Nobody final : Steering {
 /// Server and clients share one thread: what a client waits for, the server does meanwhile.
 struct Served : ::testing::Test {
     Served() {
-        const auto failed = server.open({boost::asio::ip::make_address("127.0.0.1"), 0});
+        const auto failed = server.open(*net::parse_endpoint("127.0.0.1:0"));
         EXPECT_FALSE(failed) << failed.message();
     }
 
     class Client {
     public:
         explicit Client(Served& served) : io_(served.io), socket_(io_) {
-            socket_.connect(served.server.address());
+            socket_.connect(
+                {boost::asio::ip::address_v4::loopback(), served.server.address().port});
             socket_.non_blocking(true);
         }
         void send(const std::string& text) {
