@@ -224,7 +224,6 @@ bool World::await_first(int number, Duration time) {
 
 std::vector<Packet> World::run(Duration time) {
     const Instant end = net::now() + time;
-    (void)tap_.take();
     (void)tap_.lost();
     std::vector<Packet> packets;
     while (net::now() < end) {

@@ -1,7 +1,6 @@
 // What runs leave is what the report reads, and its verdict is what the numbers say.
 #include "bench/ros/ros_report.h"
 
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "bench/ros/samples.h"
@@ -9,9 +8,6 @@
 
 namespace romano::bench::ros::ros_report_test {
 namespace {
-
-using testing::HasSubstr;
-using testing::Not;
 
 TEST(Samples, AreReadAsTheyWereWritten) {
     const tests::TemporaryFolder folder;
@@ -78,6 +74,17 @@ TEST_F(Verdict, LooksAtTheReliableOfTheTwoAlone) {
     give("ros2_fastdds_best_effort", 0.01);
     give("ros1", 0.1);
     give("romano_1", 0.2);
+    EXPECT_EQ(words(), "ROS is better, 2.00 times");
+}
+
+TEST_F(Verdict, LeavesOutWhoLostMessages) {
+    give("ros1", 0.1);
+    give("romano_1", 0.2);
+    Figures figures;
+    figures.set("one_way_p50_ms", 0.05);
+    figures.set("messages", 1000);
+    figures.set("lost", 11);
+    results.add("romano_3", "delay_100_32", figures);
     EXPECT_EQ(words(), "ROS is better, 2.00 times");
 }
 
