@@ -59,8 +59,8 @@ public:
     void await_first(const std::vector<int>& numbers);
     /// False when it has heard nothing by then.
     bool await_first(int number, Duration patience);
-    /// Lets everything run, and returns the packets since the last run: of a node that was started in
-    /// between, all.
+    /// Lets everything run, and returns the packets since the last run: also the first ones of a
+    /// node that was started in between.
     std::vector<Packet> run(Duration time);
 
     /// Ends all nodes, which then leave their samples.
