@@ -171,8 +171,8 @@ int main(int argc, char** argv) {
     try {
         program.parse(argc, argv);
         return report(options, run_all(options));
-    } catch (const CLI::ParseError& asked) {
-        return program.exit(asked) == 0 ? 0 : 2;
+    } catch (const CLI::Success& asked) {
+        return program.exit(asked);
     } catch (const std::exception& error) {
         std::fprintf(stderr, "romano_broker_bench: %s\n", error.what());
         return 2;

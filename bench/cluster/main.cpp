@@ -6,6 +6,9 @@
 #include <cstdio>
 #include <exception>
 #include <fstream>
+#include <stdexcept>
+#include <string>
+#include <vector>
 
 #include "bench/cluster/cost.h"
 
@@ -20,6 +23,17 @@ constexpr const char* examples = R"(Examples:
   romano_cluster_bench --seconds 0.3 --repetitions 1      (does everything work?)
 Three brokers and the load generator share this machine's cores. Writes runs.csv into --output.
 Exit code: 0; 2 when something could not be run.)";
+
+void check(const std::vector<std::string>& only) {
+    const std::vector<CostScenario> scenarios = cost_scenarios(std::chrono::seconds{1});
+    std::string names;
+    for (const CostScenario& scenario : scenarios) names += ' ' + scenario.name;
+    for (const std::string& name : only) {
+        if (std::ranges::find(scenarios, name, &CostScenario::name) == scenarios.end()) {
+            throw std::invalid_argument("--only `" + name + "` is no scenario; there are:" + names);
+        }
+    }
+}
 
 int run_all(const Options& options, double seconds, unsigned repetitions,
             const std::vector<std::string>& only) {
@@ -68,17 +82,22 @@ int main(int argc, char** argv) {
         ->check(CLI::Range(1, 1000))
         ->capture_default_str();
     app.add_option("--only", only, "Run this scenario (repeatable); see what it prints");
-    app.add_option("--domain", options.domain, "DDS domain of the brokers")->capture_default_str();
+    app.add_option("--domain", options.domain, "DDS domain of the brokers")
+        ->check(CLI::Range(0, 230))
+        ->capture_default_str();
     app.add_option("--network", options.network, "Loopback network of the brokers")
         ->capture_default_str();
     app.add_option("--output", options.output, "Results folder")->capture_default_str();
     app.add_option("BROKER-OPTION", options.broker_arguments, "After --: options of the brokers");
     app.footer(examples);
-    CLI11_PARSE(app, argc, argv);
     try {
+        app.parse(argc, argv);
+        check(only);
         options.broker_program =
             std::filesystem::read_symlink("/proc/self/exe").parent_path() / "romano-broker";
         return run_all(options, seconds, repetitions, only);
+    } catch (const CLI::Success& asked) {
+        return app.exit(asked);
     } catch (const std::exception& error) {
         std::fprintf(stderr, "romano_cluster_bench: %s\n", error.what());
         return 2;

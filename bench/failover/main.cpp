@@ -5,7 +5,6 @@
 #include <csignal>
 #include <cstdio>
 #include <exception>
-#include <map>
 #include <stdexcept>
 #include <string>
 
@@ -33,28 +32,36 @@ the bench could not run.)";
 volatile std::sig_atomic_t interrupted = 0;
 
 void read(CLI::App& app, Options& options) {
-    const std::map<std::string, Fault> faults = {{"crash", Fault::crash},
-                                                 {"silence", Fault::silence}};
-    const std::map<std::string, Victim> victims = {{"leader", Victim::leader},
-                                                   {"other", Victim::other}};
     app.add_option("--trials", options.trials, "Trials in all, with those of before")
         ->capture_default_str();
     app.add_option("--brokers", options.brokers, "Brokers, at least 2")
         ->check(CLI::Range(2, 32))
         ->capture_default_str();
-    app.add_option("--fault", options.fault, "crash: kill -9; silence: SIGSTOP")
-        ->transform(CLI::CheckedTransformer(faults).description(""))
+    app.add_option_function<std::string>(
+           "--fault",
+           [&options](const std::string& name) {
+               options.fault = name == "crash" ? Fault::crash : Fault::silence;
+           },
+           "crash: kill -9; silence: SIGSTOP")
+        ->check(CLI::IsMember({"crash", "silence"}).description(""))
         ->type_name("crash|silence")
         ->default_str("crash");
-    app.add_option("--victim", options.victim, "Whom it befalls")
-        ->transform(CLI::CheckedTransformer(victims).description(""))
+    app.add_option_function<std::string>(
+           "--victim",
+           [&options](const std::string& name) {
+               options.victim = name == "leader" ? Victim::leader : Victim::other;
+           },
+           "Whom it befalls")
+        ->check(CLI::IsMember({"leader", "other"}).description(""))
         ->type_name("leader|other")
         ->default_str("other");
     app.add_option("--qos", options.qos, "Of publishes and subscriptions")
         ->check(CLI::Range(0, 2))
         ->capture_default_str();
     app.add_option("--seed", options.seed, "Who is struck, and when")->capture_default_str();
-    app.add_option("--domain", options.domain, "DDS domain of the brokers")->capture_default_str();
+    app.add_option("--domain", options.domain, "DDS domain of the brokers")
+        ->check(CLI::Range(0, 230))
+        ->capture_default_str();
     app.add_option("--network", options.network, "Loopback network of the brokers")
         ->capture_default_str();
     app.add_option("--port", options.port, "Their UDP port")->capture_default_str();
@@ -125,11 +132,13 @@ int main(int argc, char** argv) {
         "romano_failover_bench"};
     Options options;
     read(app, options);
-    CLI11_PARSE(app, argc, argv);
     std::signal(SIGINT, [](int) { interrupted = 1; });
     std::signal(SIGTERM, [](int) { interrupted = 1; });
     try {
+        app.parse(argc, argv);
         return run(std::move(options));
+    } catch (const CLI::Success& asked) {
+        return app.exit(asked);
     } catch (const std::exception& error) {
         std::fprintf(stderr, "romano_failover_bench: %s\n", error.what());
         return 2;
