@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "experiments/cli/real_number.h"
+#include "romano/keys/key_error.h"
 #include "romano/mqttsn/topic.h"
 
 namespace romano::experiments {
@@ -36,8 +37,11 @@ void BrokerOptions::add_key_to(CLI::App& command) {
 }
 
 std::shared_ptr<keys::ClientPackets> BrokerOptions::packets() const {
-    if (!packets_ && !key_file.empty()) {
+    if (packets_ || key_file.empty()) return packets_;
+    try {
         packets_ = std::make_shared<keys::ClientPackets>(key_file, client_id);
+    } catch (const keys::KeyError& error) {
+        throw CommandError("--key: " + std::string{error.what()});
     }
     return packets_;
 }

@@ -22,7 +22,7 @@ struct BrokerOptions {
     void add_to(CLI::App& command);
     /// For commands whose client can be protected.
     void add_key_to(CLI::App& command);
-    /// Of the key; null when none is given. Throws keys::KeyError.
+    /// Of the key; null when none is given. Throws CommandError.
     [[nodiscard]] std::shared_ptr<keys::ClientPackets> packets() const;
     /// The client id, or a fresh one such as "romano-sub-4711", or the key's.
     [[nodiscard]] std::string id_or(const char* made_up) const;

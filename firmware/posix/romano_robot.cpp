@@ -22,6 +22,7 @@
 #include "firmware/posix/simulated_robot.h"
 #include "firmware/robot/address.h"
 #include "romano/keys/client_keys.h"
+#include "romano/keys/key_error.h"
 
 namespace {
 
@@ -147,11 +148,14 @@ void check_room_for_ids(const Settings& settings, std::uint32_t first) {
 
 std::uint32_t first_id(const Settings& settings) {
     std::string text = settings.id;
-    if (text.empty() && is_one_key(settings)) text = keys::read_own_key(settings.key).name;
+    const bool is_of_key = text.empty() && is_one_key(settings);
+    if (is_of_key) text = keys::read_own_key(settings.key).name;
     if (text.empty()) return std::random_device{}();
     if (!message::RomanoId::parse(text)) {
-        refuse("--id '" + text +
-               "': must be 8 lower-case hexadecimal digits, for example abcd1234");
+        const std::string given = is_of_key
+                                      ? "--key '" + settings.key + "': its name '" + text + "'"
+                                      : "--id '" + text + "':";
+        refuse(given + " must be 8 lower-case hexadecimal digits, for example abcd1234");
     }
     const auto first = static_cast<std::uint32_t>(std::stoul(text, nullptr, 16));
     check_room_for_ids(settings, first);
@@ -389,6 +393,9 @@ int main(int argc, char** argv) {
         return 0;
     } catch (const CLI::Success& asked) {
         return app.exit(asked);
+    } catch (const keys::KeyError& error) {
+        std::fprintf(stderr, "romano-robot: --key: %s\n", error.what());
+        return 2;
     } catch (const std::exception& error) {
         std::fprintf(stderr, "romano-robot: %s\n", error.what());
         return 2;

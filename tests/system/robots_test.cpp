@@ -306,6 +306,8 @@ TEST_F(Robots, WhatARobotCannotBeIsOneSentenceBeforeItStarts) {
         {{"--every", "2"}, "--every requires --telemetry"},
         {{"--group", "225.1.1.1:1883"}, "--group requires --discover"},
         {{"--local", "::1"}, "is not of the family of --local '::1'"},
+        {{"--key", "/nowhere"}, "--key: /nowhere: cannot be read"},
+        {{"--id", "R2"}, "--id 'R2': must be 8 lower-case hexadecimal digits"},
         {{"--id", "fffffffe", "--count", "3"}, "--count '3': from --id fffffffe on there are 2"}};
     for (auto [arguments, sentence] : cases) {
         arguments.insert(arguments.end(), {"--broker", broker});

@@ -255,6 +255,7 @@ INSTANTIATE_TEST_SUITE_P(
         Refused{"control 00000001 00000002 --period-ms 300 -h 127.50.250.9 -p 9",
                 "--deadline-ms 200: must be more than --period-ms, which is 300"},
         Refused{"control 00000001 --deadline-ms 700 -h 127.50.250.9 -p 9", "20, and 640 at most"},
+        Refused{"sub -t a --key /nowhere", "--key: /nowhere: cannot be read"},
         Refused{"control 00000001 --detach --end", "--detach excludes --end"},
         Refused{"move abcd1234 sideways 1m -h 127.50.250.9 -p 9", "movement `sideways`: must be"},
         Refused{"move abcd1234 front 3 -h 127.50.250.9 -p 9", "amount `3`: must be a distance"},
