@@ -212,7 +212,7 @@ TEST_F(ProtectedFleet, WhatIsWrongWithKeysIsOneSentence) {
     EXPECT_THAT(refusal({"--listen", at}), HasSubstr("needs the keys of its clients"));
     EXPECT_THAT(refusal({"--listen", at, "--keys", folder / "none"}), HasSubstr("--keys '"));
     EXPECT_THAT(refusal({"--listen", addresses.service(1), "--keys", fleet.string()}),
-                HasSubstr("is for protected clients"));
+                HasSubstr("is for clients with keys; give --listen"));
     const auto table = keys.broker_folder("r1") / keys::table_name;
     std::filesystem::permissions(table, std::filesystem::perms::others_read,
                                  std::filesystem::perm_options::add);
