@@ -101,9 +101,9 @@ private:
         robot.name = name_of(robots_++);
         robot.broker = sim::World::service_address(broker);
         robot.subscriptions = {{robot.name, Qos::at_most_once}};
-        world_.add_robot(robot);
+        const sim::Robot& added = world_.add_robot(robot);
         const double angle = 2 * std::numbers::pi * static_cast<double>(number) / robots_of_a_cell;
-        cell.robots.push_back({world_.robot_count() - 1,
+        cell.robots.push_back({added.options().address,
                                {cell.router.x_m + metres_to_robot * std::cos(angle),
                                 cell.router.y_m + metres_to_robot * std::sin(angle)}});
     }

@@ -71,11 +71,11 @@ public:
             options.cells[cell].channel = lowpan::first_channel + 5 * static_cast<unsigned>(cell);
             options.cells[cell].router = {metres_between_routers * static_cast<double>(cell), 0};
             for (std::size_t i = 0; i < robots; ++i) {
-                options.cells[cell].robots.push_back({index_of(i), places_[i]});
+                options.cells[cell].robots.push_back({address_of(i), places_[i]});
             }
         }
         network_.emplace(world_, options);
-        for (std::size_t i = 0; i < robots; ++i) network_->join(index_of(i), struck);
+        for (std::size_t i = 0; i < robots; ++i) network_->join(address_of(i), struck);
         settle();
     }
 
@@ -103,6 +103,9 @@ public:
 
 private:
     static std::size_t index_of(std::size_t robot) { return publisher + 1 + robot; }
+    [[nodiscard]] const Endpoint& address_of(std::size_t robot) {
+        return world_.robot(index_of(robot)).options().address;
+    }
 
     void settle() {
         world_.start_brokers();
@@ -130,7 +133,7 @@ private:
             double& x = places_[i].x_m;
             x = std::min(x + metres_per_s * step.count(),
                          metres_between_routers * static_cast<double>(brokers - 1));
-            network_->move(index_of(i), places_[i]);
+            network_->move(address_of(i), places_[i]);
         }
     }
 
@@ -138,7 +141,7 @@ private:
     void look(std::size_t robot) {
         auto& heard = heard_[robot];
         for (std::size_t cell = 0; cell < brokers; ++cell) {
-            const double now = network_->hears_dbm(index_of(robot), cell);
+            const double now = network_->hears_dbm(address_of(robot), cell);
             const auto [mean, is_first] = heard.emplace(cell, now);
             if (!is_first) mean->second += weight_of_a_look * (now - mean->second);
         }
@@ -148,7 +151,7 @@ private:
         if (best->second < heard.at(joined) + better_by_db) return;
         joined = best->first;
         ++joins_;
-        network_->join(index_of(robot), joined);
+        network_->join(address_of(robot), joined);
         world_.robot(index_of(robot)).roam_to(sim::World::service_address(joined));
     }
 

@@ -54,11 +54,11 @@ public:
             sim::RobotOptions robot;
             robot.name = name_of(i);
             robot.subscriptions = {{robot.name, Qos::at_most_once}, {"common", Qos::at_most_once}};
-            world_.add_robot(robot);
+            const sim::Robot& added = world_.add_robot(robot);
             const double angle =
                 2 * std::numbers::pi * static_cast<double>(i) / static_cast<double>(cell.robots);
             options.cells[0].robots.push_back(
-                {server + 1 + i, {metres * std::cos(angle), metres * std::sin(angle)}});
+                {added.options().address, {metres * std::cos(angle), metres * std::sin(angle)}});
         }
         network_.emplace(world_, options);
         for (std::size_t i = 0; i < world_.robot_count(); ++i) world_.robot(i).start();

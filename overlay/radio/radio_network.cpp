@@ -76,10 +76,10 @@ RadioNetwork::RadioNetwork(sim::World& world, const RadioOptions& options)
         for (const RadioRobot& robot : cell.robots) {
             ++device.number;
             add_station(device, robot.place);
-            Radios& radios = radios_of(robot.robot);
+            Radios& radios = robots_[robot.address];
             if (radios.all.empty()) radios.joined = device;
             stations_.at(device)->is_on = radios.all.empty();
-            stations_.at(device)->robot = world_.robot(robot.robot).options().address;
+            stations_.at(device)->robot = robot.address;
             radios.all.push_back(device);
         }
         plan.push_back({cell.channel, cell.robots.size()});
@@ -244,16 +244,12 @@ std::optional<Device> RadioNetwork::Radios::in(std::size_t cell) const {
     return radio == all.end() ? std::nullopt : std::optional{*radio};
 }
 
-RadioNetwork::Radios& RadioNetwork::radios_of(std::size_t robot) {
-    return robots_[world_.robot(robot).options().address];
+void RadioNetwork::move(const Endpoint& robot, const Place& place) {
+    for (const Device& device : robots_.at(robot).all) stations_.at(device)->place = place;
 }
 
-void RadioNetwork::move(std::size_t robot, const Place& place) {
-    for (const Device& device : radios_of(robot).all) stations_.at(device)->place = place;
-}
-
-void RadioNetwork::join(std::size_t robot, std::size_t cell) {
-    Radios& radios = radios_of(robot);
+void RadioNetwork::join(const Endpoint& robot, std::size_t cell) {
+    Radios& radios = robots_.at(robot);
     stations_.at(radios.joined)->is_on = false;
     radios.joined = radios.in(cell).value();
     stations_.at(radios.joined)->is_on = true;
@@ -263,9 +259,9 @@ void RadioNetwork::switch_off_router(std::size_t cell) {
     stations_.at({cell, 0})->is_on = false;
 }
 
-double RadioNetwork::hears_dbm(std::size_t robot, std::size_t cell) {
+double RadioNetwork::hears_dbm(const Endpoint& robot, std::size_t cell) {
     const Device router{cell, 0};
-    const auto radio = radios_of(robot).in(cell);
+    const auto radio = robots_.at(robot).in(cell);
     return radio && stations_.at(router)->is_on ? link_dbm(router, *radio) : nothing_dbm;
 }
 

@@ -23,11 +23,12 @@
 #include "overlay/sim/client_network.h"
 #include "overlay/sim/event_queue.h"
 #include "overlay/sim/world.h"
+#include "romano/base/endpoint.h"
 
 namespace romano::radio {
 
 struct RadioRobot {
-    std::size_t robot = 0;  // its index in the world
+    Endpoint address;  // by which the world's clients know it
     Place place;
 };
 
@@ -54,19 +55,19 @@ struct RadioOptions {
 
 class RadioNetwork {
 public:
-    /// The robots have been added to the world, which lives longer. Options are without problem.
+    /// The world lives longer. Options are without problem.
     RadioNetwork(sim::World& world, const RadioOptions& options);
     ~RadioNetwork();
     RadioNetwork(const RadioNetwork&) = delete;
     RadioNetwork& operator=(const RadioNetwork&) = delete;
 
-    void move(std::size_t robot, const Place& place);
+    void move(const Endpoint& robot, const Place& place);
     /// From now on it is in this cell, with its channel. What waits for it elsewhere is lost.
-    void join(std::size_t robot, std::size_t cell);
+    void join(const Endpoint& robot, std::size_t cell);
     /// The border router loses its power, for good.
     void switch_off_router(std::size_t cell);
     /// The strength of a frame that the robot would hear from the cell's router now.
-    [[nodiscard]] double hears_dbm(std::size_t robot, std::size_t cell);
+    [[nodiscard]] double hears_dbm(const Endpoint& robot, std::size_t cell);
 
     [[nodiscard]] const lowpan::Counters& counters() const { return channel_->counters(); }
     [[nodiscard]] const lowpan::Air& sent_by_router(std::size_t cell) const {
@@ -94,7 +95,6 @@ private:
     bool queue_for_radio(Station& station, const Carried& datagram);
     bool hand_over(const Carried& datagram);
     void transmit(Station& station);
-    [[nodiscard]] Radios& radios_of(std::size_t robot);
     void on_ready(const lowpan::Device& device);
     void on_received(const lowpan::Device& at, const lowpan::Device& from,
                      const std::vector<std::uint8_t>& octets);

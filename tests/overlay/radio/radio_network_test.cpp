@@ -37,8 +37,8 @@ public:
             sim::RobotOptions robot;
             robot.name = "robot" + std::to_string(i);
             robot.subscriptions = {{"common", Qos::at_most_once}};
-            world_.add_robot(robot);
-            options.cells[0].robots.push_back({operators + i, {2, 0}});
+            const sim::Robot& added = world_.add_robot(robot);
+            options.cells[0].robots.push_back({added.options().address, {2, 0}});
         }
         network_.emplace(world_, options);
         for (std::size_t i = 0; i < world_.robot_count(); ++i) world_.robot(i).start();
@@ -116,10 +116,11 @@ TEST(RadioNetwork, AQueueThatIsFullLosesAndCounts) {
 TEST(RadioNetwork, RobotsThatLeaveTheCellHearNothingUntilTheyAreBack) {
     Cell cell(2, std::nullopt);
     ASSERT_TRUE(cell.is_ready());
-    cell.network().move(operators, {2'000, 0});
+    const Endpoint leaves = cell.world().robot(operators).options().address;
+    cell.network().move(leaves, {2'000, 0});
     cell.publish(10, 100ms);
     EXPECT_EQ(cell.world().ledger().receptions.size(), 10U);  // of the other one
-    cell.network().move(operators, {2, 0});
+    cell.network().move(leaves, {2, 0});
     cell.publish(10, 100ms);
     EXPECT_EQ(cell.world().ledger().receptions.size(), 30U);
 }
@@ -129,12 +130,12 @@ TEST(RadioNetwork, ARobotHearsTheCellThatItHasJoinedAndIsCalledInVainInTheOneTha
     sim::RobotOptions robot;
     robot.name = "robot";
     robot.subscriptions = {{"common", Qos::at_most_once}};
-    world.add_robot(robot);
+    const Endpoint its = world.add_robot(robot).options().address;
     RadioOptions options;
     options.router_baud.reset();
     options.robot_baud.reset();
-    options.cells = {{.channel = 11, .router = {0, 0}, .robots = {{0, {2, 0}}}},
-                     {.channel = 26, .router = {4, 0}, .robots = {{0, {2, 0}}}}};
+    options.cells = {{.channel = 11, .router = {0, 0}, .robots = {{its, {2, 0}}}},
+                     {.channel = 26, .router = {4, 0}, .robots = {{its, {2, 0}}}}};
     RadioNetwork network(world, options);
     world.robot(0).start();
     ASSERT_TRUE(world.run_until([&] { return world.ledger().subscriptions.size() == 1; }, 20s));
@@ -147,16 +148,16 @@ TEST(RadioNetwork, ARobotHearsTheCellThatItHasJoinedAndIsCalledInVainInTheOneTha
     const auto frames = [&](std::size_t cell) { return network.sent_by_router(cell).frames; };
     EXPECT_TRUE(comes());
     EXPECT_EQ(frames(1), 0U);
-    network.join(0, 1);
+    network.join(its, 1);
     const std::uint64_t before = frames(0);
     EXPECT_TRUE(comes());
     EXPECT_GT(frames(1), 0U);
     EXPECT_EQ(frames(0), before);
     network.switch_off_router(1);
-    EXPECT_LT(network.hears_dbm(0, 1), -100);
-    EXPECT_GT(network.hears_dbm(0, 0), -80);
+    EXPECT_LT(network.hears_dbm(its, 1), -100);
+    EXPECT_GT(network.hears_dbm(its, 0), -80);
     EXPECT_FALSE(comes());
-    network.join(0, 0);
+    network.join(its, 0);
     EXPECT_TRUE(comes());
 }
 
@@ -200,8 +201,8 @@ double last_delay_ms(std::size_t robots, Qos qos, bool is_cast, std::size_t mess
         robot.name = "robot" + std::to_string(i);
         robot.subscriptions = {{"common", Qos::at_least_once}};
         if (is_cast) robot.cell_group = sim::World::cell_group();
-        world.add_robot(robot);
-        options.cells[0].robots.push_back({operators + i, {2, 0}});
+        const sim::Robot& added = world.add_robot(robot);
+        options.cells[0].robots.push_back({added.options().address, {2, 0}});
     }
     const RadioNetwork network(world, options);
     for (std::size_t i = 0; i < world.robot_count(); ++i) world.robot(i).start();
