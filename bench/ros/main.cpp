@@ -14,6 +14,7 @@
 
 #include "bench/ros/neighbour_room.h"
 #include "bench/ros/ros_report.h"
+#include "bench/ros/scratch.h"
 #include "bench/ros/tasks.h"
 #include "bench/ros/world.h"
 #include "experiments/process/separate_runs.h"
@@ -119,7 +120,9 @@ int run(Settings& settings, bool by_name) {
     Plan& plan = settings.plan;
     if (::geteuid() != 0) throw WrongArgument("network namespaces need root: run it as root");
     plan.programs = fs::read_symlink("/proc/self/exe").parent_path();
-    plan.scratch = fs::temp_directory_path() / ("romano-ros-bench-" + std::to_string(::getpid()));
+    const Scratch scratch(fs::temp_directory_path() /
+                          ("romano-ros-bench-" + std::to_string(::getpid())));
+    plan.scratch = scratch.folder();
     choose_contestants(settings, by_name);
     const auto folder = settings.output / (plan.quick ? "quick_runs" : "runs");
     std::error_code failed;
@@ -153,7 +156,6 @@ int run(Settings& settings, bool by_name) {
                 [&](const experiments::SeparateRun& one) { bar.finish_cell(one.name); });
     }
     bar.erase();
-    fs::remove_all(plan.scratch, failed);
     Results results;
     for (const Task& task : tasks) {
         for (const Contestant& one : plan.contestants) {

@@ -7,9 +7,11 @@
 #include <map>
 #include <numeric>
 #include <set>
+#include <string>
 #include <utility>
 
 #include "bench/ros/lowpan_cost.h"
+#include "bench/ros/scratch.h"
 #include "bench/ros/world.h"
 #include "broker/net/clock.h"
 #include "experiments/measure/percentile.h"
@@ -31,21 +33,24 @@ double ms(std::int64_t nanoseconds) {
     return static_cast<double>(nanoseconds) * 1e-6;
 }
 
-/// Gone with its folder, whatever happens.
-class Scratch {
-public:
-    Scratch(const Plan& plan, const std::string& name)
-        : folder_(plan.scratch / (name + "-" + std::to_string(::getpid()))) {}
-    ~Scratch() {
-        std::error_code ignored;
-        std::filesystem::remove_all(folder_, ignored);
+/// So many machines in a folder of their own.
+struct Stage {
+    Stage(const Contestant& contestant, const Plan& plan, const std::string& task, int nodes)
+        : scratch(plan.scratch /
+                  (task + "-" + contestant.full_name() + "-" + std::to_string(::getpid()))),
+          world(contestant, nodes, plan.programs, scratch.folder()) {
+        world.start_infrastructure();
     }
-    Scratch(const Scratch&) = delete;
-    Scratch& operator=(const Scratch&) = delete;
-    [[nodiscard]] const std::filesystem::path& folder() const { return folder_; }
+    Scratch scratch;
+    World world;
+};
 
-private:
-    std::filesystem::path folder_;
+/// Whose infrastructure serves.
+struct ReadyStage : Stage {
+    ReadyStage(const Contestant& contestant, const Plan& plan, const std::string& task, int nodes)
+        : Stage(contestant, plan, task, nodes) {
+        world.await_infrastructure();
+    }
 };
 
 /// A time of steady work: what was sent, used and heard in it.
@@ -137,10 +142,8 @@ void set_costs(Figures& figures, const World& world, const Window& window, doubl
 }
 
 Figures delay(const Contestant& contestant, const Plan& plan, int rate, unsigned octets) {
-    const Scratch scratch(plan, "delay-" + contestant.full_name());
-    World world(contestant, 2, plan.programs, scratch.folder());
-    world.start_infrastructure();
-    world.await_infrastructure();
+    ReadyStage stage(contestant, plan, "delay", 2);
+    World& world = stage.world;
     world.start_node(1, {.name = "echo",
                          .publishes = "back",
                          .subscribes = {"there"},
@@ -171,10 +174,8 @@ Figures delay(const Contestant& contestant, const Plan& plan, int rate, unsigned
 }
 
 Figures fan_out(const Contestant& contestant, const Plan& plan, int subscribers) {
-    const Scratch scratch(plan, "fan-out-" + contestant.full_name());
-    World world(contestant, subscribers + 1, plan.programs, scratch.folder());
-    world.start_infrastructure();
-    world.await_infrastructure();
+    ReadyStage stage(contestant, plan, "fan-out", subscribers + 1);
+    World& world = stage.world;
     std::vector<int> numbers(static_cast<std::size_t>(subscribers));
     std::iota(numbers.begin(), numbers.end(), 1);
     for (const int number : numbers) {
@@ -206,10 +207,8 @@ Figures fan_out(const Contestant& contestant, const Plan& plan, int subscribers)
 }
 
 Figures telemetry(const Contestant& contestant, const Plan& plan, int robots) {
-    const Scratch scratch(plan, "telemetry-" + contestant.full_name());
-    World world(contestant, robots + 1, plan.programs, scratch.folder());
-    world.start_infrastructure();
-    world.await_infrastructure();
+    ReadyStage stage(contestant, plan, "telemetry", robots + 1);
+    World& world = stage.world;
     NodeTask observer{.name = "observer"};
     for (int robot = 1; robot <= robots; ++robot) {
         observer.subscribes.push_back("robot" + std::to_string(robot));
@@ -248,9 +247,8 @@ Figures start_up(const Contestant& contestant, const Plan& plan) {
         return took;
     };
     for (int time = 0; time < (plan.quick ? 1 : 3); ++time) {
-        const Scratch scratch(plan, "start-" + contestant.full_name());
-        World world(contestant, 2, plan.programs, scratch.folder());
-        world.start_infrastructure();
+        Stage stage(contestant, plan, "start", 2);
+        World& world = stage.world;
         cold.push_back(meet(world));
         world.await_infrastructure();
         (void)world.run(1s);
@@ -264,10 +262,8 @@ Figures start_up(const Contestant& contestant, const Plan& plan) {
 
 /// Two nodes that know each other and say nothing; of the first.
 Figures idle(const Contestant& contestant, const Plan& plan) {
-    const Scratch scratch(plan, "idle-" + contestant.full_name());
-    World world(contestant, 2, plan.programs, scratch.folder());
-    world.start_infrastructure();
-    world.await_infrastructure();
+    ReadyStage stage(contestant, plan, "idle", 2);
+    World& world = stage.world;
     world.start_node(1, {.name = "other", .publishes = "b", .subscribes = {"a"}});
     (void)world.run(3s);
     world.start_node(0, {.name = "node", .publishes = "a", .subscribes = {"b"}});
@@ -355,10 +351,8 @@ double missing_between(const std::vector<Sample>& heard, std::int64_t from, std:
 Figures death_of_infrastructure(const Contestant& contestant, const Plan& plan) {
     const NodeTask publisher{
         .name = "publisher", .publishes = "t", .rate_per_s = delay_rate_of_deaths};
-    const Scratch scratch(plan, "death-" + contestant.full_name());
-    World world(contestant, 3, plan.programs, scratch.folder());
-    world.start_infrastructure();
-    world.await_infrastructure();
+    ReadyStage stage(contestant, plan, "death", 3);
+    World& world = stage.world;
     world.start_node(1, {.name = "subscriber", .subscribes = {"t"}});
     world.start_node(0, publisher);
     world.await_first({1});
@@ -397,10 +391,8 @@ Figures death_of_infrastructure(const Contestant& contestant, const Plan& plan) 
 /// kill -9 of a subscriber, which is started again after a second; another one listens all the
 /// time.
 Figures death_of_peer(const Contestant& contestant, const Plan& plan) {
-    const Scratch scratch(plan, "peer-" + contestant.full_name());
-    World world(contestant, 3, plan.programs, scratch.folder());
-    world.start_infrastructure();
-    world.await_infrastructure();
+    ReadyStage stage(contestant, plan, "peer", 3);
+    World& world = stage.world;
     const NodeTask victim{.name = "victim", .subscribes = {"t"}};
     world.start_node(2, {.name = "bystander", .subscribes = {"t"}});
     world.start_node(1, victim);

@@ -13,12 +13,12 @@
 #include <fastdds/dds/subscriber/DataReader.hpp>
 #include <fastdds/dds/subscriber/SampleInfo.hpp>
 #include <fastdds/dds/subscriber/Subscriber.hpp>
-#include <fastdds/dds/topic/TopicDataType.hpp>
 #include <map>
 #include <stdexcept>
 #include <string_view>
 #include <utility>
 
+#include "bench/ros/node/as_octets.h"
 #include "bench/ros/node/data_path.h"
 #include "bench/ros/node/ros_names.h"
 #include "broker/net/clock.h"
@@ -29,38 +29,11 @@ namespace {
 using namespace eprosima::fastdds::dds;
 using eprosima::fastcdr::Cdr;
 using eprosima::fastcdr::FastBuffer;
-using eprosima::fastrtps::rtps::SerializedPayload_t;
-using Octets = std::vector<std::uint8_t>;
+using Octets = AsOctets::Octets;
 
+constexpr std::uint32_t octets_at_first = 1024;
 constexpr const char* graph_topic = "ros_discovery_info";
 constexpr const char* graph_type = "rmw_dds_common::msg::dds_::ParticipantEntitiesInfo_";
-
-/// Any type, as the octets on the wire.
-class AsOctets : public TopicDataType {
-public:
-    explicit AsOctets(const char* name) {
-        setName(name);
-        m_typeSize = 1024;  // grows
-        m_isGetKeyDefined = false;
-    }
-    bool serialize(void* data, SerializedPayload_t* payload) override {
-        const auto& octets = *static_cast<Octets*>(data);
-        if (octets.size() > payload->max_size) return false;
-        std::ranges::copy(octets, payload->data);
-        payload->length = static_cast<std::uint32_t>(octets.size());
-        return true;
-    }
-    bool deserialize(SerializedPayload_t* payload, void* data) override {
-        static_cast<Octets*>(data)->assign(payload->data, payload->data + payload->length);
-        return true;
-    }
-    std::function<std::uint32_t()> getSerializedSizeProvider(void* data) override {
-        return [data] { return static_cast<std::uint32_t>(static_cast<Octets*>(data)->size()); };
-    }
-    void* createData() override { return new Octets; }
-    void deleteData(void* data) override { delete static_cast<Octets*>(data); }
-    bool getKey(void*, eprosima::fastrtps::rtps::InstanceHandle_t*, bool) override { return false; }
-};
 
 /// CDR, little-endian, with its encapsulation header.
 Octets encoded(std::size_t at_most, const std::function<void(Cdr&)>& write) {
@@ -161,7 +134,7 @@ public:
 private:
     Topic* topic_of(const std::string& name, const char* type) {
         if (participant_->find_type(type).empty()) {
-            participant_->register_type(TypeSupport(new AsOctets(type)));
+            participant_->register_type(TypeSupport(new AsOctets(type, octets_at_first)));
         }
         Topic*& made = topics_[name];
         if (made == nullptr) made = participant_->create_topic(name, type, TOPIC_QOS_DEFAULT);

@@ -28,7 +28,6 @@
 #include <fastdds/dds/subscriber/DataReaderListener.hpp>
 #include <fastdds/dds/subscriber/SampleInfo.hpp>
 #include <fastdds/dds/subscriber/Subscriber.hpp>
-#include <fastdds/dds/topic/TopicDataType.hpp>
 #include <functional>
 #include <iostream>
 #include <map>
@@ -39,6 +38,7 @@
 #include <thread>
 #include <type_traits>
 
+#include "bench/ros/node/as_octets.h"
 #include "tests/overlay/ros2/ros_fields.h"
 
 namespace {
@@ -46,9 +46,9 @@ namespace {
 using namespace eprosima::fastdds::dds;
 using eprosima::fastcdr::Cdr;
 using eprosima::fastcdr::FastBuffer;
-using eprosima::fastrtps::rtps::SerializedPayload_t;
 namespace peer = romano::ros2::peer;
-using Octets = std::vector<std::uint8_t>;
+using romano::bench::ros::AsOctets;
+using Octets = AsOctets::Octets;
 
 constexpr std::size_t most_octets = 1U << 20U;
 
@@ -235,33 +235,6 @@ std::map<std::string, Kind> kinds_of(bool humble) {
     };
 }
 
-/// Any type, as the octets on the wire.
-class AsOctets : public TopicDataType {
-public:
-    explicit AsOctets(const std::string& name) {
-        setName(name.c_str());
-        m_typeSize = most_octets;
-        m_isGetKeyDefined = false;
-    }
-    bool serialize(void* data, SerializedPayload_t* payload) override {
-        const auto& octets = *static_cast<Octets*>(data);
-        if (octets.size() > payload->max_size) return false;
-        std::copy(octets.begin(), octets.end(), payload->data);
-        payload->length = static_cast<std::uint32_t>(octets.size());
-        return true;
-    }
-    bool deserialize(SerializedPayload_t* payload, void* data) override {
-        static_cast<Octets*>(data)->assign(payload->data, payload->data + payload->length);
-        return true;
-    }
-    std::function<std::uint32_t()> getSerializedSizeProvider(void* data) override {
-        return [data] { return static_cast<std::uint32_t>(static_cast<Octets*>(data)->size()); };
-    }
-    void* createData() override { return new Octets; }
-    void deleteData(void* data) override { delete static_cast<Octets*>(data); }
-    bool getKey(void*, eprosima::fastrtps::rtps::InstanceHandle_t*, bool) override { return false; }
-};
-
 class Discovery : public DomainParticipantListener {
 public:
     void on_publisher_discovery(DomainParticipant*,
@@ -376,7 +349,7 @@ private:
     Topic* topic(const std::string& type, const std::string& name) {
         const std::string& dds_type = kinds_.at(type).dds_name;
         if (participant_->find_type(dds_type).empty()) {
-            participant_->register_type(TypeSupport(new AsOctets(dds_type)));
+            participant_->register_type(TypeSupport(new AsOctets(dds_type, most_octets)));
         }
         Topic*& made = topics_[name];
         if (made == nullptr) made = participant_->create_topic(name, dds_type, TOPIC_QOS_DEFAULT);
