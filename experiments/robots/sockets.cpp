@@ -42,6 +42,8 @@ public:
             socket_.send(boost::asio::buffer(datagram.data(), datagram.size()), 0, lost);
         }
     }
+    /// The kernel keeps a socket's own address and port when it is connected again.
+    void talk_to(const BrokerAddress& broker) override { socket_.connect(broker); }
     [[nodiscard]] bool was_refused() const override { return was_refused_; }
 
 private:

@@ -1,6 +1,6 @@
 // What a client needs of the world around it: the time, a port towards its broker, and somebody who
 // wakes it. Real sockets and the machine's clock are one world (sockets.h), a simulated one is
-// another (sweep/simulated_world.h); the clients are the same.
+// another (simulated_surroundings.h); the clients are the same.
 #pragma once
 
 #include <boost/asio/ip/udp.hpp>
@@ -26,6 +26,8 @@ public:
 
     /// What it cannot take is lost, as on any network.
     virtual void send(Bytes datagram) = 0;
+    /// With another one from now on, from the same address of its own.
+    virtual void talk_to(const BrokerAddress& broker) = 0;
     /// It was told that nobody listens at the broker's address.
     [[nodiscard]] virtual bool was_refused() const = 0;
 };

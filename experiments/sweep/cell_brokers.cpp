@@ -39,8 +39,8 @@ bool CellBrokers::Broker::is_at_home_in_view_of(std::size_t members) const {
 }
 
 CellBrokers::CellBrokers(const SweepSettings& settings, const Cell& cell, CellWorld& world,
-                         const ResultsFolder& results)
-    : settings_(settings), cell_(cell), world_(world), results_(results) {
+                         TraceOf trace_of)
+    : settings_(settings), cell_(cell), world_(world), trace_of_(std::move(trace_of)) {
     brokers_.resize(cell.brokers);
     for (std::size_t i = 0; i < size(); ++i) {
         brokers_[i].name = "b" + std::to_string(i + 1);
@@ -122,7 +122,7 @@ void CellBrokers::start(std::size_t number) {
     const std::string life = broker.lives == 1 ? "" : "-life-" + std::to_string(broker.lives);
     world_.start(number, {.name = broker.name,
                           .arguments = arguments_of(number),
-                          .trace = results_.trace_file(cell_, broker.name + life)});
+                          .trace = trace_of_(broker.name + life)});
     broker.is_down = false;
 }
 

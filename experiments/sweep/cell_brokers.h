@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <filesystem>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -10,7 +11,6 @@
 #include <vector>
 
 #include "experiments/sweep/cell_world.h"
-#include "experiments/sweep/results_folder.h"
 #include "experiments/sweep/sweep_file.h"
 #include "experiments/watch/broker_watch.h"
 
@@ -48,9 +48,12 @@ public:
         friend class CellBrokers;
     };
 
+    /// Where the trace of a broker of that name goes.
+    using TraceOf = std::function<std::filesystem::path(const std::string& name)>;
+
     /// Throws RunFailed.
     CellBrokers(const SweepSettings& settings, const Cell& cell, CellWorld& world,
-                const ResultsFolder& results);
+                TraceOf trace_of);
 
     [[nodiscard]] std::size_t size() const { return brokers_.size(); }
     [[nodiscard]] Broker& operator[](std::size_t number) { return brokers_[number]; }
@@ -88,7 +91,7 @@ private:
     const SweepSettings& settings_;
     const Cell& cell_;
     CellWorld& world_;
-    const ResultsFolder& results_;
+    TraceOf trace_of_;
     std::vector<Broker> brokers_;
 };
 

@@ -71,7 +71,9 @@ RunRow CellRun::run() {
 
 void CellRun::start_brokers() {
     doing_ = "starting brokers";
-    brokers_ = std::make_unique<CellBrokers>(settings_, cell_, *world_, surroundings_.results);
+    brokers_ = std::make_unique<CellBrokers>(
+        settings_, cell_, *world_,
+        [this](const std::string& name) { return surroundings_.results.trace_file(cell_, name); });
 }
 
 void CellRun::await_one_view() {

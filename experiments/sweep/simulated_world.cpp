@@ -114,117 +114,17 @@ void check_simulated_broker_options(const SweepSettings& settings) {
     }
 }
 
-/// The robots' side: ports on the simulated network, alarms in virtual time.
-class SimulatedWorld::Robots final : public Surroundings {
-public:
-    explicit Robots(sim::World& world) : world_(world) {}
-
-    [[nodiscard]] Instant now() const override { return world_.now(); }
-    [[nodiscard]] std::unique_ptr<Port> open_port(const BrokerAddress& broker,
-                                                  Port::OnDatagram on_datagram) override;
-    [[nodiscard]] std::unique_ptr<Alarm> make_alarm(std::function<void()> on_ring) override;
-
-private:
-    class SimulatedPort;
-    class SimulatedAlarm;
-
-    sim::World& world_;
-    std::uint32_t ports_ = 0;
-};
-
-class SimulatedWorld::Robots::SimulatedPort final : public Port {
-public:
-    SimulatedPort(sim::ClientNetwork& network, const Endpoint& own, const Endpoint& broker,
-                  OnDatagram on_datagram)
-        : network_(network), own_(own), broker_(broker) {
-        binding_ = network_.bind(own_, robots_node,
-                                 [this, to = std::move(on_datagram)](
-                                     const Endpoint&, const Endpoint& from, Bytes datagram) {
-                                     if (from == broker_) to(datagram);
-                                 });
-    }
-    ~SimulatedPort() override { network_.unbind(binding_); }
-
-    void send(Bytes datagram) override { network_.send(robots_node, own_, broker_, datagram); }
-    [[nodiscard]] bool was_refused() const override { return false; }
-
-private:
-    sim::ClientNetwork& network_;
-    Endpoint own_;
-    Endpoint broker_;
-    sim::ClientNetwork::Binding binding_{};
-};
-
-/// What stands in the queue cannot be taken back: a wish that was put off is waited for once more,
-/// and who is gone is not woken.
-class SimulatedWorld::Robots::SimulatedAlarm final : public Alarm {
-public:
-    SimulatedAlarm(sim::EventQueue& events, std::function<void()> on_ring)
-        : wish_(std::make_shared<Wish>(events, std::move(on_ring))) {}
-
-    void set(Instant when) override {
-        wish_->when = when;
-        if (when < wish_->queued_for) queue(wish_);
-    }
-
-private:
-    struct Wish {
-        Wish(sim::EventQueue& queue, std::function<void()> ring)
-            : events(queue), on_ring(std::move(ring)) {}
-        sim::EventQueue& events;
-        std::function<void()> on_ring;
-        Instant when = never;
-        Instant queued_for = never;
-    };
-
-    static void queue(const std::shared_ptr<Wish>& wish) {
-        const Instant at = std::max(wish->when, wish->events.now());
-        wish->queued_for = at;
-        wish->events.at(at, [at, weak = std::weak_ptr<Wish>(wish)] {
-            const auto alive = weak.lock();
-            if (!alive || alive->queued_for != at) return;
-            alive->queued_for = never;
-            if (alive->when == never) return;
-            if (alive->when > at) return queue(alive);
-            alive->when = never;
-            alive->on_ring();
-        });
-    }
-
-    std::shared_ptr<Wish> wish_;
-};
-
-std::unique_ptr<Port> SimulatedWorld::Robots::open_port(const BrokerAddress& broker,
-                                                        Port::OnDatagram on_datagram) {
-    Endpoint own{.port = 5'000, .family = Endpoint::Family::ipv4};
-    own.address = {10, static_cast<std::uint8_t>(2 + ports_ / 62'500),
-                   static_cast<std::uint8_t>(ports_ / 250 % 250),
-                   static_cast<std::uint8_t>(ports_ % 250 + 1)};
-    ++ports_;
-    Endpoint at{.port = broker.port(), .family = Endpoint::Family::ipv4};
-    std::ranges::copy(broker.address().to_v4().to_bytes(), at.address.begin());
-    return std::make_unique<SimulatedPort>(world_.clients(), own, at, std::move(on_datagram));
-}
-
-std::unique_ptr<Alarm> SimulatedWorld::Robots::make_alarm(std::function<void()> on_ring) {
-    return std::make_unique<SimulatedAlarm>(world_.events(), std::move(on_ring));
-}
-
 SimulatedWorld::SimulatedWorld(const SweepSettings& settings, const Cell& cell)
     : world_(seed_of(cell)),
       peers_(world_.events(), world_.trace(), peers_options(settings, codec_),
              sim::seed_of(seed_of(cell), "broker network")),
       random_(sim::seed_of(seed_of(cell), "starts")),
-      robots_(std::make_unique<Robots>(world_)),
+      robots_(world_, robots_node),
       brokers_(cell.brokers) {
     world_.clients().set_quality(quality_of(settings.client_link));
 }
 
 SimulatedWorld::~SimulatedWorld() = default;
-
-Surroundings& SimulatedWorld::surroundings() {
-    return *robots_;
-}
 
 bool SimulatedWorld::run_until(Instant deadline, const std::function<bool()>& done,
                                const std::function<void()>& look) {
@@ -234,13 +134,6 @@ bool SimulatedWorld::run_until(Instant deadline, const std::function<bool()>& do
         world_.events().run_until(std::min(deadline, world_.now() + step));
     }
     return true;
-}
-
-BrokerAddress SimulatedWorld::address_of(std::size_t broker) const {
-    const Endpoint at = sim::World::service_address(broker);
-    boost::asio::ip::address_v4::bytes_type octets;
-    std::copy_n(at.address.begin(), octets.size(), octets.begin());
-    return {boost::asio::ip::address_v4(octets), at.port};
 }
 
 std::unique_ptr<sim::BrokerProcess> SimulatedWorld::make_broker(std::size_t broker,

@@ -8,6 +8,7 @@
 #include <memory>
 #include <vector>
 
+#include "experiments/robots/simulated_surroundings.h"
 #include "experiments/sweep/cell_world.h"
 #include "experiments/sweep/sweep_file.h"
 #include "overlay/dds/body_codec.h"
@@ -26,13 +27,15 @@ public:
     SimulatedWorld(const SweepSettings& settings, const Cell& cell);
     ~SimulatedWorld() override;
 
-    [[nodiscard]] Surroundings& surroundings() override;
+    [[nodiscard]] Surroundings& surroundings() override { return robots_; }
     [[nodiscard]] std::string date() const override { return {}; }
     bool run_until(Instant deadline, const std::function<bool()>& done,
                    const std::function<void()>& look) override;
     void finish_moment() override {}
 
-    [[nodiscard]] BrokerAddress address_of(std::size_t broker) const override;
+    [[nodiscard]] BrokerAddress address_of(std::size_t broker) const override {
+        return simulated_broker_address(broker);
+    }
     void start(std::size_t broker, const BrokerLife& life) override;
     void kill(std::size_t broker) override;
     void ask_to_stop(std::size_t broker) override;
@@ -47,7 +50,6 @@ public:
     [[nodiscard]] std::optional<ProcessUsage> usage_of(std::size_t) const override { return {}; }
 
 private:
-    class Robots;
     struct Broker {
         std::unique_ptr<sim::BrokerProcess> process;
         bool is_starting = false;
@@ -60,7 +62,7 @@ private:
     sim::World world_;
     sim::BrokerNetwork peers_;
     Random random_;
-    std::unique_ptr<Robots> robots_;
+    SimulatedSurroundings robots_;
     std::vector<Broker> brokers_;
 };
 

@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
+#include <boost/asio/buffer.hpp>
+
 namespace romano::experiments::socket_client_test {
 namespace {
 
@@ -18,6 +21,28 @@ TEST(SentCounts, CountDatagramsByTypeWithEitherFormOfTheLength) {
     EXPECT_EQ(counts.of(MsgType::pingreq), 2u);
     EXPECT_EQ(counts.of(MsgType::publish), 1u);
     EXPECT_EQ(counts.of(MsgType::connect), 0u);
+}
+
+TEST(Port, KeepsItsOwnAddressWhenItTalksToAnotherBroker) {
+    using boost::asio::ip::udp;
+    boost::asio::io_context io;
+    const udp::endpoint anywhere{boost::asio::ip::address_v4::loopback(), 0};
+    udp::socket one{io, anywhere};
+    udp::socket other{io, anywhere};
+    Sockets sockets{io};
+    const auto port = sockets.open_port(one.local_endpoint(), [](Bytes) {});
+    const auto heard_from = [](udp::socket& broker) {
+        std::array<std::uint8_t, 8> room{};
+        udp::endpoint from;
+        broker.receive_from(boost::asio::buffer(room), from);
+        return from;
+    };
+    const std::array<std::uint8_t, 2> pingreq = {0x02, 0x16};
+    port->send(pingreq);
+    const udp::endpoint first = heard_from(one);
+    port->talk_to(other.local_endpoint());
+    port->send(pingreq);
+    EXPECT_EQ(heard_from(other), first);
 }
 
 TEST(Resolving, KnowsAddressesOfBothFamilies) {
