@@ -1,22 +1,20 @@
 #include "experiments/cli/loops.h"
 
 #include <algorithm>
-#include <cstdio>
+#include <array>
+#include <cstdint>
 #include <filesystem>
 #include <iterator>
 #include <memory>
 #include <stdexcept>
 #include <string>
-#include <system_error>
 #include <vector>
 
 #include "experiments/cli/real_number.h"
+#include "experiments/cli/report_run.h"
 #include "experiments/loops/deviation.h"
 #include "experiments/loops/formation.h"
 #include "experiments/loops/margins.h"
-#include "experiments/process/separate_runs.h"
-#include "experiments/report/section.h"
-#include "experiments/sweep/progress_bar.h"
 
 namespace romano::experiments {
 namespace {
@@ -27,71 +25,75 @@ constexpr const char* loops_examples = R"(Examples:
   romano loops --seed 7 --output results/loops7
   romano loops --parts deviation,formation --brokers 1,3 --runs 10
   romano loops --parts deviation --shove 0       (the wind alone)
+  romano loops --parts deviation --worlds simulated,radio,processes --runs 10
 Parts: margins (how much delay a pole bears that is balanced over the network: by theory, and found),
 deviation (how far it leans when its broker fails), formation (five robots when their broker fails).
-The shipped cores of client, plant, controller and brokers, in virtual time (overlay/sim). The same seed
-gives the same numbers. Begun again, it goes on where it was interrupted. The folder then holds
+Worlds: simulated (the shipped cores of client, plant, controller and brokers, in virtual time), radio
+(the same with the robots on modelled IEEE 802.15.4; needs ns-3), processes (romano-broker, and robots on
+sockets, in real time: some 12 s a run, on a machine that has little else to do). In virtual time the same
+seed gives the same numbers. Begun again, it goes on where it was interrupted. The folder then holds
 report.html, each table as CSV, and each figure as SVG where gnuplot is.
 )";
 
+constexpr std::array all_worlds{LoopWorld::simulated, LoopWorld::radio, LoopWorld::processes};
+
 struct LoopsOptions {
-    std::vector<std::string> parts{"margins", "deviation", "formation"};
+    ReportRun report{.parts = {"margins", "deviation", "formation"}, .output = "results/loops"};
     MarginsPlan margins;
     DeviationPlan deviation;
     FormationPlan formation;
-    std::uint64_t seed = 1;
-    unsigned jobs = 2;
-    bool fresh = false;
-    std::filesystem::path output = "results/loops";
-
-    [[nodiscard]] bool wants(const char* part) const {
-        return std::ranges::find(parts, part) != parts.end();
-    }
+    std::vector<std::string> worlds{std::string{name_of(LoopWorld::simulated)}};
+    std::filesystem::path broker_program;
 };
+
+std::vector<LoopGround> grounds_of(const LoopsOptions& options) {
+    std::vector<LoopGround> grounds;
+    for (const LoopWorld world : all_worlds) {
+        if (std::ranges::find(options.worlds, name_of(world)) == options.worlds.end()) continue;
+        grounds.push_back({.world = world,
+                           .broker_program = options.broker_program,
+                           .traces = options.report.output / "traces"});
+    }
+    return grounds;
+}
 
 std::vector<SeparateRun> runs_of(const LoopsOptions& options) {
     std::vector<SeparateRun> all;
     const auto add = [&all](std::vector<SeparateRun> runs) {
         std::ranges::move(runs, std::back_inserter(all));
     };
-    if (options.wants("margins")) add(runs_of(options.margins));
-    if (options.wants("deviation")) add(runs_of(options.deviation));
-    if (options.wants("formation")) add(runs_of(options.formation));
+    if (options.report.wants("margins")) add(runs_of(options.margins));
+    for (const LoopGround& ground : grounds_of(options)) {
+        if (options.report.wants("deviation")) add(runs_of(options.deviation, ground));
+        if (options.report.wants("formation")) add(runs_of(options.formation, ground));
+    }
     return all;
 }
 
 std::vector<Section> sections_of(const LoopsOptions& options, const std::filesystem::path& folder) {
     std::vector<Section> all;
-    if (options.wants("margins")) all.push_back(margins_section(options.margins, folder));
-    if (options.wants("deviation")) all.push_back(deviation_section(options.deviation, folder));
-    if (options.wants("formation")) all.push_back(formation_section(options.formation, folder));
+    if (options.report.wants("margins")) all.push_back(margins_section(options.margins, folder));
+    for (const LoopGround& ground : grounds_of(options)) {
+        if (options.report.wants("deviation")) {
+            all.push_back(deviation_section(options.deviation, ground.world, folder));
+        }
+        if (options.report.wants("formation")) {
+            all.push_back(formation_section(options.formation, ground.world, folder));
+        }
+    }
     return all;
 }
 
-int run(const LoopsOptions& options) {
+void run(const LoopsOptions& options) {
     if (const auto problem = problem_with(options.margins)) throw std::runtime_error(*problem);
-    const auto folder = options.output / "runs";
-    std::error_code failed;
-    if (options.fresh) std::filesystem::remove_all(folder, failed);
-    std::filesystem::create_directories(folder, failed);
-    if (failed) {
-        throw std::runtime_error("cannot write into --output `" + options.output.string() + "`");
+    for (const LoopGround& ground : grounds_of(options)) {
+        const std::string problem = problem_with(ground);
+        if (!problem.empty()) throw std::runtime_error(problem);
     }
-    const auto runs = runs_of(options);
-    const auto done =
-        std::ranges::count_if(runs, [&](const SeparateRun& one) { return is_done(one, folder); });
-    ProgressBar bar{stderr, runs.size(), static_cast<std::size_t>(done)};
-    bar.show(0, "begins");
-    do_runs(runs, folder, options.jobs, [&](const SeparateRun& one) {
-        bar.finish_quietly();
-        bar.show(0, one.name);
-    });
-    bar.erase();
-    const auto sections = sections_of(options, folder);
-    write_report({"Control loops at work", "Control loops over the network, on the simulator"},
-                 sections, options.output);
-    std::printf("%s%s\n", to_text(sections).c_str(), (options.output / "report.html").c_str());
-    return 0;
+    run_to_report(
+        options.report, runs_of(options),
+        {"Control loops at work", "Control loops over the network"},
+        [&](const std::filesystem::path& folder) { return sections_of(options, folder); });
 }
 
 }  // namespace
@@ -99,12 +101,9 @@ int run(const LoopsOptions& options) {
 void add_loops(CLI::App& program, int& exit_code) {
     auto options = std::make_shared<LoopsOptions>();
     CLI::App& command = *program.add_subcommand(
-        "loops", "Control loops at work on the simulator: delay margins, and faults of brokers");
+        "loops", "Control loops at work: delay margins, and faults of brokers");
     command.set_help_flag("--help", "Show this and examples, and exit");
-    command.add_option("--parts", options->parts, "Of the report, one or several")
-        ->delimiter(',')
-        ->check(CLI::IsMember(options->parts))
-        ->capture_default_str();
+    add_report_options(command, options->report);
     MarginsPlan& margins = options->margins;
     command.add_option("--periods", margins.periods_ms, "margins: of the loop, in ms")
         ->delimiter(',')
@@ -137,22 +136,27 @@ void add_loops(CLI::App& program, int& exit_code) {
                     "deviation: how much faster the pole turns at the fault, rad/s")
         ->check(real_number(0.0, 2.0))
         ->capture_default_str();
-    command.add_option("--seed", options->seed, "Of all runs")->capture_default_str();
-    command.add_option("--jobs", options->jobs, "Runs at a time, a process each")
-        ->check(CLI::Range(1, 256))
+    command
+        .add_option("--worlds", options->worlds,
+                    "deviation, formation: simulated, radio, processes, or several")
+        ->delimiter(',')
+        ->check(CLI::IsMember({"simulated", "radio", "processes"}))
         ->capture_default_str();
-    command.add_option("--output", options->output, "Folder of runs, tables, figures and report")
-        ->capture_default_str();
-    command.add_flag("--fresh", options->fresh,
-                     "Forget the runs that stand in --output, as after a change of the code");
+    command.add_option(
+        "--broker", options->broker_program,
+        "processes: the broker's program (default: romano-broker beside this program)");
     command.footer(loops_examples);
     command.callback([options, &exit_code] {
-        options->margins.seed = options->seed;
-        options->deviation.seed = options->seed;
-        options->formation.seed = options->seed;
+        const std::uint64_t seed = options->report.seed;
+        options->margins.seed = options->deviation.seed = options->formation.seed = seed;
         options->formation.brokers = options->deviation.brokers;
         options->formation.runs = options->deviation.runs;
-        exit_code = run(*options);
+        if (options->broker_program.empty()) {
+            options->broker_program =
+                std::filesystem::read_symlink("/proc/self/exe").parent_path() / "romano-broker";
+        }
+        run(*options);
+        exit_code = 0;
     });
 }
 

@@ -1,23 +1,21 @@
 #include "experiments/cli/paper.h"
 
 #include <algorithm>
-#include <cstdio>
 #include <filesystem>
 #include <iterator>
 #include <memory>
 #include <stdexcept>
 #include <string>
-#include <system_error>
 #include <vector>
 
 #include "experiments/cli/real_number.h"
+#include "experiments/cli/report_run.h"
 #include "experiments/paper/backbone.h"
 #include "experiments/paper/cells_plan.h"
 #include "experiments/paper/energy.h"
 #include "experiments/paper/moves.h"
 #include "experiments/paper/paper_plan.h"
 #include "experiments/paper/paper_report.h"
-#include "experiments/sweep/progress_bar.h"
 
 namespace romano::experiments {
 namespace {
@@ -36,19 +34,12 @@ report.html, each table as CSV, and each figure as SVG where gnuplot is.
 )";
 
 struct Options {
-    std::vector<std::string> parts{"table", "energy", "cells", "moves", "backbone"};
+    ReportRun report{.parts = {"table", "energy", "cells", "moves", "backbone"},
+                     .output = "results/paper"};
     PaperPlan table;
     CellsPlan cells;
     MovesPlan moves;
     BackbonePlan backbone;
-    std::uint64_t seed = 1;
-    unsigned jobs = 2;
-    bool fresh = false;
-    std::filesystem::path output = "results/paper";
-
-    [[nodiscard]] bool wants(const char* part) const {
-        return std::ranges::find(parts, part) != parts.end();
-    }
 };
 
 std::vector<SeparateRun> runs_of(const Options& options) {
@@ -56,48 +47,32 @@ std::vector<SeparateRun> runs_of(const Options& options) {
     const auto add = [&all](std::vector<SeparateRun> runs) {
         std::ranges::move(runs, std::back_inserter(all));
     };
-    if (options.wants("table") || options.wants("energy")) add(runs_of(options.table));
-    if (options.wants("cells")) add(runs_of(options.cells));
-    if (options.wants("moves")) add(runs_of(options.moves));
-    if (options.wants("backbone")) add(runs_of(options.backbone));
+    if (options.report.wants("table") || options.report.wants("energy"))
+        add(runs_of(options.table));
+    if (options.report.wants("cells")) add(runs_of(options.cells));
+    if (options.report.wants("moves")) add(runs_of(options.moves));
+    if (options.report.wants("backbone")) add(runs_of(options.backbone));
     return all;
 }
 
 std::vector<Section> sections_of(const Options& options, const std::filesystem::path& folder) {
     std::vector<Section> all;
-    if (options.wants("table")) all.push_back(paper_section(figures_of(options.table, folder)));
-    if (options.wants("energy")) all.push_back(energy_section(options.table, folder));
-    if (options.wants("cells")) all.push_back(cells_section(options.cells, folder));
-    if (options.wants("moves")) all.push_back(moves_section(options.moves, folder));
-    if (options.wants("backbone")) all.push_back(backbone_section(options.backbone, folder));
+    if (options.report.wants("table"))
+        all.push_back(paper_section(figures_of(options.table, folder)));
+    if (options.report.wants("energy")) all.push_back(energy_section(options.table, folder));
+    if (options.report.wants("cells")) all.push_back(cells_section(options.cells, folder));
+    if (options.report.wants("moves")) all.push_back(moves_section(options.moves, folder));
+    if (options.report.wants("backbone")) all.push_back(backbone_section(options.backbone, folder));
     return all;
 }
 
-int run(const Options& options) {
+void run(const Options& options) {
     if (const auto problem = problem_with(options.table)) throw std::runtime_error(*problem);
-    const auto folder = options.output / "runs";
-    std::error_code failed;
-    if (options.fresh) std::filesystem::remove_all(folder, failed);
-    std::filesystem::create_directories(folder, failed);
-    if (failed) {
-        throw std::runtime_error("cannot write into --output `" + options.output.string() + "`");
-    }
-    const auto runs = runs_of(options);
-    const auto done =
-        std::ranges::count_if(runs, [&](const SeparateRun& run) { return is_done(run, folder); });
-    ProgressBar bar{stderr, runs.size(), static_cast<std::size_t>(done)};
-    bar.show(0, "begins");
-    do_runs(runs, folder, options.jobs, [&](const SeparateRun& run) {
-        bar.finish_quietly();
-        bar.show(0, run.name);
-    });
-    bar.erase();
-    const auto sections = sections_of(options, folder);
-    write_report({"The ROMANO paper again",
-                  "The ROMANO paper's experiments on modelled IEEE 802.15.4 cells"},
-                 sections, options.output);
-    std::printf("%s%s\n", to_text(sections).c_str(), (options.output / "report.html").c_str());
-    return 0;
+    run_to_report(
+        options.report, runs_of(options),
+        {"The ROMANO paper again",
+         "The ROMANO paper's experiments on modelled IEEE 802.15.4 cells"},
+        [&](const std::filesystem::path& folder) { return sections_of(options, folder); });
 }
 
 }  // namespace
@@ -108,10 +83,7 @@ void add_paper(CLI::App& program, int& exit_code) {
     CLI::App& command = *program.add_subcommand(
         "paper", "The paper's experiments on modelled radio cells, and what many brokers change");
     command.set_help_flag("--help", "Show this and examples, and exit");
-    command.add_option("--parts", options->parts, "Of the report, one or several")
-        ->delimiter(',')
-        ->check(CLI::IsMember(options->parts))
-        ->capture_default_str();
+    add_report_options(command, options->report);
     command.add_option("--rates", plan.rates, "table: messages a second, such as 100,200,300")
         ->delimiter(',')
         ->check(real_number(0.1, 2000.0))
@@ -141,23 +113,16 @@ void add_paper(CLI::App& program, int& exit_code) {
                     "cells: channels that the cells take in turn")
         ->check(CLI::Range(1, 16))
         ->capture_default_str();
-    command.add_option("--seed", options->seed, "Of all runs")->capture_default_str();
-    command.add_option("--jobs", options->jobs, "Runs at a time, a process each")
-        ->check(CLI::Range(1, 256))
-        ->capture_default_str();
-    command.add_option("--output", options->output, "Folder of runs, tables, figure and report")
-        ->capture_default_str();
-    command.add_flag("--fresh", options->fresh, "Forget the runs that stand in --output");
     command.footer(paper_examples);
     command.callback([options, &exit_code] {
-        options->table.seed = options->seed;
-        options->cells.seed = options->seed;
-        options->moves.seed = options->seed;
-        options->backbone.seed = options->seed;
+        const std::uint64_t seed = options->report.seed;
+        options->table.seed = options->cells.seed = seed;
+        options->moves.seed = options->backbone.seed = seed;
         PaperPlan& table = options->table;
         options->moves.runs = table.runs;
         table.delay_messages = std::min(table.delay_messages, table.messages);
-        exit_code = run(*options);
+        run(*options);
+        exit_code = 0;
     });
 }
 

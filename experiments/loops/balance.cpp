@@ -7,6 +7,7 @@
 
 #include "experiments/loops/loop_robot.h"
 #include "experiments/loops/pendulum.h"
+#include "experiments/robots/simulated_surroundings.h"
 #include "overlay/sim/lone_world.h"
 #include "overlay/sim/seed.h"
 
@@ -15,6 +16,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
+constexpr sim::Node robots_node{5'000};
 constexpr int ways = 4;  // to the broker and on, there and back
 constexpr double least_start_rad = 0.005;
 constexpr double most_start_rad = 0.015;
@@ -40,8 +42,9 @@ BalanceRun balance(const CartPoleBody& body, const BalanceCase& setting) {
     const CartPoleState start = start_of(setting.seed);
     Pendulum pendulum(body, start, {});
     Balancer balancer(balancing_gain(body));
-    LoopRobot cart(world, 1, sim::World::service_address(0), pendulum);
-    LoopRobot law(world, 2, sim::World::service_address(0), balancer);
+    SimulatedSurroundings around(world, robots_node);
+    LoopRobot cart(around, setting.seed, 1, simulated_broker_address(0), pendulum);
+    LoopRobot law(around, setting.seed, 2, simulated_broker_address(0), balancer);
     cart.start();
     law.start();
     const LoopSettings settings{

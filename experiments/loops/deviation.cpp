@@ -36,31 +36,30 @@ double degrees(double radians) {
 
 DeviationRun deviate(const CartPoleBody& body, const DeviationCase& setting) {
     const std::uint64_t seed = setting.seed;
-    FaultyBrokers around(seed, setting.brokers);
-    sim::World& world = around.world();
+    const auto around = make_brokers(setting.ground, setting.brokers, seed);
     Pendulum pendulum(body, {}, {.strength_nm = wind_nm, .seed = sim::seed_of(seed, "wind")});
     Balancer balancer(balancing_gain(body));
-    LoopRobot cart(world, 1, FaultyBrokers::first(), pendulum);
-    LoopRobot law(world, 2, FaultyBrokers::first(), balancer);
+    LoopRobot cart(around->surroundings(), seed, 1, around->address_of(0), pendulum);
+    LoopRobot law(around->surroundings(), seed, 2, around->address_of(0), balancer);
     cart.start();
     law.start();
     law.open(cart.id(), law.id(),
              {.period_ms = period_ms,
-              .deadline_ms = deadline_ms_for(period_ms),
+              .deadline_ms = deadline_ms_for(setting.ground.world, period_ms),
               .fallback = control::Fallback::stop});
-    if (!world.run_until([&] { return cart.is_controlled(); }, 20s)) {
+    if (!around->run_until([&] { return cart.is_controlled(); }, 20s)) {
         throw std::runtime_error("the pendulum's loop did not begin within 20 s");
     }
-    pendulum.release(world.now());
+    pendulum.release(around->now());
     Random random(sim::seed_of(seed, "strike"));
-    world.run_for(blown_before + random.between(0s, 1s));
+    around->run_for(blown_before + random.between(0s, 1s));
 
     DeviationRun run;
     const auto follow = [&](Duration time) {
-        for (const Instant end = world.now() + time; world.now() < end;) {
+        for (const Instant end = around->now() + time; around->now() < end;) {
             run.course_deg.push_back(degrees(pendulum.state().angle_rad));
-            world.run_for(course_each);
-            pendulum.move_on(world.now());
+            around->run_for(course_each);
+            pendulum.move_on(around->now());
         }
     };
     follow(course_before);
@@ -68,11 +67,12 @@ DeviationRun deviate(const CartPoleBody& body, const DeviationCase& setting) {
     const std::uint32_t falls_before = pendulum.falls_back();
     pendulum.forget_angle();
     cart.watch();
-    around.strike(setting.fault);
-    pendulum.shove(world.now(), random.below(2) == 0 ? setting.shove_rad_s : -setting.shove_rad_s);
+    around->strike(setting.fault);
+    pendulum.shove(around->now(),
+                   random.below(2) == 0 ? setting.shove_rad_s : -setting.shove_rad_s);
     if (setting.fault == BrokerFault::roaming) {
-        cart.roam_to(FaultyBrokers::second());
-        law.roam_to(FaultyBrokers::second());
+        cart.roam_to(around->address_of(1));
+        law.roam_to(around->address_of(1));
     }
     follow(looked_at);
     const control::LoopCounters& counters = cart.loop().counters();
@@ -82,26 +82,28 @@ DeviationRun deviate(const CartPoleBody& body, const DeviationCase& setting) {
     const std::uint32_t samples = counters.samples - before.samples;
     const std::uint32_t commands = counters.accepted - before.accepted;
     run.lost = samples - std::min(samples, commands);  // one command may be on its way
-    const bool is_led = world.run_until([&] { return cart.is_controlled(); }, waited_for);
+    const bool is_led = around->run_until([&] { return cart.is_controlled(); }, waited_for);
     if (is_led) run.wait_ms = Milliseconds{cart.longest_wait()}.count();
     return run;
 }
 
 namespace {
 
-std::string file_of(const DeviationPlan& plan, const Kind& kind) {
-    return "deviation_brokers" + std::to_string(kind.brokers) + "_fault" +
-           std::to_string(static_cast<int>(kind.fault)) + "_shove" + csv_number(plan.shove_rad_s) +
-           "_runs" + std::to_string(plan.runs) + "_seed" + std::to_string(plan.seed);
+std::string file_of(const DeviationPlan& plan, LoopWorld world, const Kind& kind) {
+    return "deviation_" + std::string{name_of(world)} + "_brokers" + std::to_string(kind.brokers) +
+           "_fault" + std::to_string(static_cast<int>(kind.fault)) + "_shove" +
+           csv_number(plan.shove_rad_s) + "_runs" + std::to_string(plan.runs) + "_seed" +
+           std::to_string(plan.seed);
 }
 
 /// The course of the first one alone.
-std::string outcome(const DeviationPlan& plan, const Kind& kind) {
+std::string outcome(const DeviationPlan& plan, const LoopGround& ground, const Kind& kind) {
     std::string csv;
     CsvRow course;
     for (std::size_t i = 0; i < plan.runs; ++i) {
         const DeviationRun run =
-            deviate(plan.body, {.brokers = kind.brokers,
+            deviate(plan.body, {.ground = ground,
+                                .brokers = kind.brokers,
                                 .fault = kind.fault,
                                 .shove_rad_s = plan.shove_rad_s,
                                 .seed = sim::seed_of(plan.seed, "deviation", i)});
@@ -204,7 +206,7 @@ PlotPanel panel_of(const std::map<BrokerFault, std::vector<PlotPoint>>& ratios) 
 
 constexpr const char* words =
     R"(The pole at 50 samples a second in gusts (another torque each 0.1 s, up to %w Nm either way) through brokers with the
-profile lan and links; a datagram takes 1 to 1.25 ms. The deadline is %d ms (F + 2 P + D, F = 50 ms); without a command
+profile lan and links. %h The deadline is %d ms (F + 2 P + D, F = 50 ms); without a command
 the cart's motor stops. At a random moment something befalls the broker of both robots, and at that very moment somebody
 shoves the pole, which then turns by %s rad/s. "Greatest angle": in the five seconds from then on; "ratio": to that of the
 same pole, wind and shove without the fault. Each three: least, median, greatest of %n poles; a pole that leans 29 degrees
@@ -213,25 +215,28 @@ listens, hears of that at its next PINGREQ (keep-alive 30 s). With a store it wo
 
 }  // namespace
 
-std::vector<SeparateRun> runs_of(const DeviationPlan& plan) {
+std::vector<SeparateRun> runs_of(const DeviationPlan& plan, const LoopGround& ground) {
     std::vector<SeparateRun> runs;
     for (const Kind& kind : kinds_with(plan.brokers)) {
-        runs.push_back({file_of(plan, kind), [plan, kind] { return outcome(plan, kind); }});
+        runs.push_back({file_of(plan, ground.world, kind),
+                        [plan, ground, kind] { return outcome(plan, ground, kind); }});
     }
     return runs;
 }
 
-Section deviation_section(const DeviationPlan& plan, const std::filesystem::path& folder) {
+Section deviation_section(const DeviationPlan& plan, LoopWorld world,
+                          const std::filesystem::path& folder) {
     SummaryTable table{
         .head = {"brokers", "what befalls one", "fell", "greatest angle", "ratio", "within 1.1",
                  "fell back", "greatest age", "rounds lost", "without a command"},
         .units = {"", "", "", "degrees", "", "", "", "ms", "", "ms"},
         .rows = {}};
-    Plot figure{.name = "deviation", .panels = {}};
+    const std::string name = "deviation_" + std::string{name_of(world)};
+    Plot figure{.name = name, .panels = {}};
     std::map<BrokerFault, std::vector<PlotPoint>> ratios;
     std::vector<DeviationRun> calm;
     for (const Kind& kind : kinds_with(plan.brokers)) {
-        const auto runs = runs_in(outcome_of(file_of(plan, kind), folder));
+        const auto runs = runs_in(outcome_of(file_of(plan, world, kind), folder));
         if (kind.fault == BrokerFault::none) {
             calm = runs;
             figure.panels.push_back(panel_of(kind.brokers));
@@ -247,12 +252,13 @@ Section deviation_section(const DeviationPlan& plan, const std::filesystem::path
     figure.panels.push_back(panel_of(ratios));
     std::string text = words;
     text.replace(text.find("%w"), 2, number_text(wind_nm, 2));
+    text.replace(text.find("%h"), 2, how_it_is(world));
     text.replace(text.find("%s"), 2, number_text(plan.shove_rad_s, 1));
-    text.replace(text.find("%d"), 2, std::to_string(deadline_ms_for(period_ms)));
+    text.replace(text.find("%d"), 2, std::to_string(deadline_ms_for(world, period_ms)));
     text.replace(text.find("%n"), 2, std::to_string(plan.runs));
-    return {.title = "How far a pole leans when its loop's broker fails",
+    return {.title = "How far a pole leans when its loop's broker fails" + where_text(world),
             .words = std::move(text),
-            .tables = {{"deviation", std::move(table)}},
+            .tables = {{name, std::move(table)}},
             .figure = std::move(figure)};
 }
 

@@ -28,6 +28,7 @@ struct DeviationRun {
 };
 
 struct DeviationCase {
+    LoopGround ground{};
     std::size_t brokers = 3;
     BrokerFault fault = BrokerFault::none;
     double shove_rad_s = 0.4;  // how much faster the pole turns at once, one way or the other
@@ -43,9 +44,9 @@ struct DeviationPlan {
     CartPoleBody body;
 };
 
-[[nodiscard]] std::vector<SeparateRun> runs_of(const DeviationPlan& plan);
+[[nodiscard]] std::vector<SeparateRun> runs_of(const DeviationPlan& plan, const LoopGround& ground);
 /// When all runs are done.
-[[nodiscard]] Section deviation_section(const DeviationPlan& plan,
+[[nodiscard]] Section deviation_section(const DeviationPlan& plan, LoopWorld world,
                                         const std::filesystem::path& folder);
 
 }  // namespace romano::experiments

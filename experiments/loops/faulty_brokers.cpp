@@ -1,33 +1,23 @@
 #include "experiments/loops/faulty_brokers.h"
 
+#include <unistd.h>
+
 #include <chrono>
-#include <stdexcept>
 #include <utility>
 
 #include "election/profile.h"
-#include "overlay/sim/settlement.h"
+#include "experiments/loops/radio_brokers.h"
+#include "experiments/loops/real_brokers.h"
+#include "experiments/loops/simulated_brokers.h"
 
 namespace romano::experiments {
 namespace {
 
-using namespace std::chrono_literals;
-
 constexpr const election::Profile& lan = election::profiles[0];
-constexpr std::uint16_t round_takes_ms = 5;
-constexpr sim::LinkQuality link{.delay_min = 1ms, .delay_max = 1250us};
 
-sim::ClusterWorldOptions cluster_options(std::uint64_t seed, std::size_t brokers) {
-    sim::ClusterWorldOptions options;
-    options.seed = seed;
-    options.brokers = brokers;
-    options.profile = lan.name;
-    options.cluster.profile = lan.name;
-    options.cluster.beacon_every = lan.beacon_every;
-    options.cluster.detection_timeout = lan.detection_timeout;
-    options.cluster.detector = "link";
-    options.t_retry = lan.t_retry;
-    options.are_invariants_judged = false;
-    return options;
+/// On the radio a round is four times the way between a robot and a broker.
+constexpr std::uint16_t round_takes_ms(LoopWorld world) {
+    return world == LoopWorld::radio ? 45 : 5;
 }
 
 }  // namespace
@@ -48,6 +38,45 @@ std::string_view name_of(BrokerFault fault) {
     return {};
 }
 
+std::string_view name_of(LoopWorld world) {
+    switch (world) {
+        case LoopWorld::simulated:
+            return "simulated";
+        case LoopWorld::radio:
+            return "radio";
+        case LoopWorld::processes:
+            return "processes";
+    }
+    return {};
+}
+
+std::string where_text(LoopWorld world) {
+    switch (world) {
+        case LoopWorld::simulated:
+            return ", simulated";
+        case LoopWorld::radio:
+            return ", on modelled radio";
+        case LoopWorld::processes:
+            return ", on processes";
+    }
+    return {};
+}
+
+std::string how_it_is(LoopWorld world) {
+    switch (world) {
+        case LoopWorld::simulated:
+            return "In virtual time; a datagram takes 1 to 1.25 ms.";
+        case LoopWorld::radio:
+            return "In virtual time; all robots are in one cell of IEEE 802.15.4 at the first "
+                   "broker (ns-3, 6LoWPAN), whose border router has a UART of 230400 baud and "
+                   "outlives the broker; who roams joins the cell at the second broker.";
+        case LoopWorld::processes:
+            return "In real time: romano-broker as processes, robots on sockets, on this "
+                   "machine's loopback network.";
+    }
+    return {};
+}
+
 std::vector<Kind> kinds_with(const std::vector<std::size_t>& brokers) {
     std::vector<Kind> kinds;
     for (const std::size_t count : brokers) {
@@ -64,44 +93,53 @@ std::string brokers_text(std::size_t brokers) {
     return std::to_string(brokers) + (brokers == 1 ? " broker" : " brokers");
 }
 
-FaultyBrokers::FaultyBrokers(std::uint64_t seed, std::size_t brokers) {
-    if (brokers == 1) {
-        broker::BrokerOptions options = sim::LoneWorld::quick_broker();
-        options.t_retry = lan.t_retry;
-        lone_ = std::make_unique<sim::LoneWorld>(seed, std::move(options));
-        world_ = lone_.get();
-        struck_ = &lone_->broker();
-    } else {
-        cluster_ = std::make_unique<sim::ClusterWorld>(cluster_options(seed, brokers));
-        world_ = cluster_.get();
-        struck_ = &cluster_->broker(0);
-        cluster_->start_brokers();
-        if (!cluster_->run_until([&] { return !sim::disagreement(*cluster_); }, 20s)) {
-            throw std::runtime_error("the brokers did not agree within 20 s");
-        }
-    }
-    world_->clients().set_quality(link);
-}
-
 void FaultyBrokers::strike(BrokerFault fault) {
     switch (fault) {
         case BrokerFault::none:
-        case BrokerFault::roaming:
             return;
+        case BrokerFault::roaming:
+            return drive_on();
         case BrokerFault::crash_for_good:
-            return struck_->crash();
+            return crash();
         case BrokerFault::crash:
-            struck_->crash();
-            return world_->events().after(back_after, [this] { struck_->start(); });
+            crash();
+            return after(back_after, [this] { start_again(); });
         case BrokerFault::silence:
-            struck_->stop();
-            return world_->events().after(back_after, [this] { struck_->go_on(); });
+            stop();
+            return after(back_after, [this] { go_on(); });
     }
 }
 
-std::uint16_t deadline_ms_for(std::uint16_t period_ms) {
+std::unique_ptr<FaultyBrokers> make_brokers(const LoopGround& ground, std::size_t brokers,
+                                            std::uint64_t seed) {
+    switch (ground.world) {
+        case LoopWorld::simulated:
+            return std::make_unique<SimulatedBrokers>(seed, brokers);
+        case LoopWorld::radio:
+            return make_radio_brokers(seed, brokers);
+        case LoopWorld::processes:
+            std::filesystem::create_directories(ground.traces);
+            return std::make_unique<RealBrokers>(ground.broker_program, brokers, ground.traces);
+    }
+    return nullptr;
+}
+
+std::string problem_with(const LoopGround& ground) {
+    if (ground.world == LoopWorld::radio && !has_radio) {
+        return "--worlds radio: this build has no radio channel; install ns-3 (Debian: "
+               "libns3-dev) and build again, or leave it out";
+    }
+    if (ground.world == LoopWorld::processes &&
+        ::access(ground.broker_program.c_str(), X_OK) != 0) {
+        return "--worlds processes: no broker to run: `" + ground.broker_program.string() +
+               "` is no program; build romano-broker, or name it with --broker";
+    }
+    return {};
+}
+
+std::uint16_t deadline_ms_for(LoopWorld world, std::uint16_t period_ms) {
     return static_cast<std::uint16_t>(lan.detection_timeout.count() + 2 * period_ms +
-                                      round_takes_ms);
+                                      round_takes_ms(world));
 }
 
 }  // namespace romano::experiments

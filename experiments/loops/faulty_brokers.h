@@ -1,16 +1,19 @@
 // The brokers of a loop, and what befalls the one that its robots talk to: one broker alone, or a
-// cluster with the times of profile `lan` and with links (overlay/link).
+// cluster with the times of profile `lan` and with links (overlay/link). They are cores in virtual
+// time (simulated_brokers.h), the same with the robots on a modelled radio (radio_brokers.h), or
+// processes (real_brokers.h).
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
+#include <functional>
 #include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include "overlay/sim/cluster_world.h"
-#include "overlay/sim/lone_world.h"
+#include "experiments/robots/surroundings.h"
 
 namespace romano::experiments {
 
@@ -37,28 +40,60 @@ public:
     /// RestartSec of broker/daemon/package/romano-broker.service, and as long a silence.
     static constexpr Duration back_after{std::chrono::seconds{1}};
 
-    /// They serve when the constructor returns. Datagrams take from 1 to 1.25 ms each way, so that
-    /// a round takes 4 to 5 ms.
-    FaultyBrokers(std::uint64_t seed, std::size_t brokers);
+    FaultyBrokers() = default;
+    virtual ~FaultyBrokers() = default;
+    FaultyBrokers(const FaultyBrokers&) = delete;
+    FaultyBrokers& operator=(const FaultyBrokers&) = delete;
 
-    [[nodiscard]] sim::World& world() { return *world_; }
-    /// Where all robots of the loops are at first.
-    [[nodiscard]] static Endpoint first() { return sim::World::service_address(0); }
-    /// Where they roam to.
-    [[nodiscard]] static Endpoint second() { return sim::World::service_address(1); }
+    /// Of the robots, which begin at the first broker.
+    [[nodiscard]] virtual Surroundings& surroundings() = 0;
+    [[nodiscard]] virtual BrokerAddress address_of(std::size_t broker) const = 0;
+    [[nodiscard]] Instant now() { return surroundings().now(); }
 
-    /// Befalls the first broker now, and ends by itself. Roaming is the robots' part.
+    virtual void run_for(Duration duration) = 0;
+    /// True as soon as `condition` holds.
+    virtual bool run_until(const std::function<bool()>& condition, Duration limit) = 0;
+
+    /// Befalls the first broker now, and ends by itself. Who roams must be told to talk to the
+    /// second one.
     void strike(BrokerFault fault);
 
-private:
-    std::unique_ptr<sim::LoneWorld> lone_;  // one of these two
-    std::unique_ptr<sim::ClusterWorld> cluster_;
-    sim::World* world_ = nullptr;
-    sim::BrokerProcess* struck_ = nullptr;
+protected:
+    // What is done to the first broker.
+    virtual void crash() = 0;
+    virtual void start_again() = 0;
+    virtual void stop() = 0;
+    virtual void go_on() = 0;
+    /// All robots are where they hear the second broker alone.
+    virtual void drive_on() {}
+    virtual void after(Duration delay, std::function<void()> action) = 0;
 };
 
+/// Where a loop and its brokers are.
+enum class LoopWorld : std::uint8_t { simulated, radio, processes };
+[[nodiscard]] std::string_view name_of(LoopWorld world);
+/// Behind a title: ", on radio".
+[[nodiscard]] std::string where_text(LoopWorld world);
+/// A sentence on what is between robots and brokers there.
+[[nodiscard]] std::string how_it_is(LoopWorld world);
+
+struct LoopGround {
+    LoopWorld world = LoopWorld::simulated;
+    std::filesystem::path broker_program{};  // of processes
+    std::filesystem::path traces{};          // a folder for what they print
+};
+
+/// They serve when this returns; `seed` means little to processes. Throws std::runtime_error when
+/// that does not come.
+[[nodiscard]] std::unique_ptr<FaultyBrokers> make_brokers(const LoopGround& ground,
+                                                          std::size_t brokers, std::uint64_t seed);
+
+/// One sentence on why there cannot be loops there; empty when there can.
+[[nodiscard]] std::string problem_with(const LoopGround& ground);
+
 /// README.md of romano/control, "How old a command can get": going on when a broker dies or falls
-/// silent takes a deadline of F + 2 P + D, with F the detection time and D = 5 ms.
-[[nodiscard]] std::uint16_t deadline_ms_for(std::uint16_t period_ms);
+/// silent takes a deadline of F + 2 P + D, with F the detection time, and D what a round takes in
+/// that world.
+[[nodiscard]] std::uint16_t deadline_ms_for(LoopWorld world, std::uint16_t period_ms);
 
 }  // namespace romano::experiments

@@ -31,13 +31,18 @@ constexpr double error_share_s = 2;  // of the error, a second
 constexpr double leader_mm_s = 200;
 constexpr double most_leader_deg_s = 15;
 constexpr Duration bends_each = 8s;  // to the left and to the right
-constexpr std::uint16_t period_ms = 20;
 constexpr std::array places{WedgePlace{-300, 300}, WedgePlace{-300, -300}, WedgePlace{-600, 600},
                             WedgePlace{-600, -600}};
 constexpr Duration drives_before = 6s;
 constexpr Duration looked_at = 5s;
 constexpr Duration course_before = 1s;
 constexpr Duration course_each = 20ms;
+
+/// One channel of IEEE 802.15.4 carries some 200 datagrams a second, and a round of each of the
+/// four followers is four.
+constexpr std::uint16_t period_ms_in(LoopWorld world) {
+    return world == LoopWorld::radio ? 200 : 20;
+}
 
 struct Vector {
     double x;
@@ -100,7 +105,8 @@ public:
 
     void move_on(Instant now) override {
         go_on_until(now);
-        const std::chrono::duration<double> bend = now.time_since_epoch() % bends_each;
+        if (!set_out_at_) set_out_at_ = now;
+        const std::chrono::duration<double> bend = (now - *set_out_at_) % bends_each;
         const std::chrono::duration<double> whole = bends_each;
         const double phase = 2 * std::numbers::pi * bend / whole;
         speed_ = {leader_mm_s, most_leader_deg_s * std::sin(phase)};
@@ -122,6 +128,7 @@ public:
 
 private:
     std::map<RomanoId, WedgePlace> places_;
+    std::optional<Instant> set_out_at_;
 };
 
 }  // namespace
@@ -155,43 +162,45 @@ Speed speed_to_place(const Pose& leader, const Speed& speed, const WedgePlace& p
     return {seen.x, seen.y / ahead_of_axle_mm * 180 / std::numbers::pi};
 }
 
-FormationRun formation(std::size_t brokers, BrokerFault fault, std::uint64_t seed) {
-    FaultyBrokers around(seed, brokers);
-    sim::World& world = around.world();
+FormationRun formation(const LoopGround& ground, std::size_t brokers, BrokerFault fault,
+                       std::uint64_t seed) {
+    const auto around = make_brokers(ground, brokers, seed);
+    const BrokerAddress first = around->address_of(0);
     Leader leader;
-    LoopRobot leads(world, 1, FaultyBrokers::first(), leader);
+    LoopRobot leads(around->surroundings(), seed, 1, first, leader);
     std::vector<std::unique_ptr<Rover>> rovers;
     std::vector<std::unique_ptr<LoopRobot>> followers;
     for (const WedgePlace& place : places) {
         const auto number = static_cast<std::uint32_t>(2 + followers.size());
         rovers.push_back(std::make_unique<Rover>(place_at({}, place)));
-        followers.push_back(
-            std::make_unique<LoopRobot>(world, number, FaultyBrokers::first(), *rovers.back()));
+        followers.push_back(std::make_unique<LoopRobot>(around->surroundings(), seed, number, first,
+                                                        *rovers.back()));
         leader.give_place(followers.back()->id(), place);
         followers.back()->start();
     }
     leads.start();
+    const std::uint16_t period_ms = period_ms_in(ground.world);
     for (const auto& follower : followers) {
         leads.open(follower->id(), leads.id(),
                    {.period_ms = period_ms,
-                    .deadline_ms = deadline_ms_for(period_ms),
+                    .deadline_ms = deadline_ms_for(ground.world, period_ms),
                     .fallback = control::Fallback::stop});
     }
     const auto are_led = [&] {
         return std::ranges::all_of(followers, [](const auto& one) { return one->is_controlled(); });
     };
-    if (!world.run_until(are_led, 20s)) {
+    if (!around->run_until(are_led, 20s)) {
         throw std::runtime_error("the formation's loops did not begin within 20 s");
     }
     Random random(sim::seed_of(seed, "strike"));
-    world.run_for(drives_before + random.between(0s, bends_each));
+    around->run_for(drives_before + random.between(0s, bends_each));
 
     FormationRun run;
     const auto error_mm = [&] {
         double greatest = 0;
-        leader.move_on(world.now());
+        leader.move_on(around->now());
         for (std::size_t i = 0; i < places.size(); ++i) {
-            rovers[i]->move_on(world.now());
+            rovers[i]->move_on(around->now());
             greatest =
                 std::max(greatest, distance(rovers[i]->pose(), place_at(leader.pose(), places[i])));
         }
@@ -204,8 +213,8 @@ FormationRun formation(std::size_t brokers, BrokerFault fault, std::uint64_t see
     };
     const auto follow = [&](Duration time) {
         double greatest = 0;
-        for (const Instant end = world.now() + time; world.now() < end;) {
-            world.run_for(course_each);
+        for (const Instant end = around->now() + time; around->now() < end;) {
+            around->run_for(course_each);
             run.course_mm.push_back(error_mm());
             greatest = std::max(greatest, run.course_mm.back());
         }
@@ -213,10 +222,10 @@ FormationRun formation(std::size_t brokers, BrokerFault fault, std::uint64_t see
     };
     follow(course_before);
     const std::uint32_t before = falls_back();
-    around.strike(fault);
+    around->strike(fault);
     if (fault == BrokerFault::roaming) {
-        leads.roam_to(FaultyBrokers::second());
-        for (const auto& follower : followers) follower->roam_to(FaultyBrokers::second());
+        leads.roam_to(around->address_of(1));
+        for (const auto& follower : followers) follower->roam_to(around->address_of(1));
     }
     run.error_mm = follow(looked_at);
     run.falls_back = falls_back() - before;
@@ -225,19 +234,19 @@ FormationRun formation(std::size_t brokers, BrokerFault fault, std::uint64_t see
 
 namespace {
 
-std::string file_of(const FormationPlan& plan, const Kind& kind) {
-    return "formation_brokers" + std::to_string(kind.brokers) + "_fault" +
-           std::to_string(static_cast<int>(kind.fault)) + "_runs" + std::to_string(plan.runs) +
-           "_seed" + std::to_string(plan.seed);
+std::string file_of(const FormationPlan& plan, LoopWorld world, const Kind& kind) {
+    return "formation_" + std::string{name_of(world)} + "_brokers" + std::to_string(kind.brokers) +
+           "_fault" + std::to_string(static_cast<int>(kind.fault)) + "_runs" +
+           std::to_string(plan.runs) + "_seed" + std::to_string(plan.seed);
 }
 
 /// The course of the first one alone.
-std::string outcome(const FormationPlan& plan, const Kind& kind) {
+std::string outcome(const FormationPlan& plan, const LoopGround& ground, const Kind& kind) {
     std::string csv;
     CsvRow course;
     for (std::size_t i = 0; i < plan.runs; ++i) {
         const FormationRun run =
-            formation(kind.brokers, kind.fault, sim::seed_of(plan.seed, "formation", i));
+            formation(ground, kind.brokers, kind.fault, sim::seed_of(plan.seed, "formation", i));
         csv += csv_line({csv_number(run.error_mm), std::to_string(run.falls_back)});
         if (i > 0) continue;
         for (const double mm : run.course_mm) course.push_back(csv_number(mm));
@@ -258,27 +267,30 @@ PlotPanel panel_of(std::size_t brokers) {
 
 constexpr const char* words =
     R"(Robot 1 drives at %v mm/s in bends of up to %b degrees/s and controls four others, each of which has a place in a wedge
-behind it, at 50 samples a second; deadline %d ms, and a robot without a command stops. Brokers, network and faults as for
+behind it, at %p samples a second; deadline %d ms, and a robot without a command stops. Brokers, network and faults as for
 the pole. "Error": the distance of a follower from its place, the greatest of the four; in the table the greatest in the
 five seconds from the fault on, least, median and greatest of %n runs.)";
 
 }  // namespace
 
-std::vector<SeparateRun> runs_of(const FormationPlan& plan) {
+std::vector<SeparateRun> runs_of(const FormationPlan& plan, const LoopGround& ground) {
     std::vector<SeparateRun> runs;
     for (const Kind& kind : kinds_with(plan.brokers)) {
-        runs.push_back({file_of(plan, kind), [plan, kind] { return outcome(plan, kind); }});
+        runs.push_back({file_of(plan, ground.world, kind),
+                        [plan, ground, kind] { return outcome(plan, ground, kind); }});
     }
     return runs;
 }
 
-Section formation_section(const FormationPlan& plan, const std::filesystem::path& folder) {
+Section formation_section(const FormationPlan& plan, LoopWorld world,
+                          const std::filesystem::path& folder) {
     SummaryTable table{.head = {"brokers", "what befalls one", "runs", "error", "fell back"},
                        .units = {"", "", "", "mm", "times"},
                        .rows = {}};
-    Plot figure{.name = "formation", .panels = {}};
+    const std::string name = "formation_" + std::string{name_of(world)};
+    Plot figure{.name = name, .panels = {}};
     for (const Kind& kind : kinds_with(plan.brokers)) {
-        const auto rows = parse_csv(outcome_of(file_of(plan, kind), folder));
+        const auto rows = parse_csv(outcome_of(file_of(plan, world, kind), folder));
         std::vector<double> errors;
         std::vector<double> falls_back;
         for (std::size_t i = 0; i + 1 < rows.size(); ++i) {
@@ -301,11 +313,12 @@ Section formation_section(const FormationPlan& plan, const std::filesystem::path
     std::string text = words;
     text.replace(text.find("%v"), 2, number_text(leader_mm_s, 0));
     text.replace(text.find("%b"), 2, number_text(most_leader_deg_s, 0));
-    text.replace(text.find("%d"), 2, std::to_string(deadline_ms_for(period_ms)));
+    text.replace(text.find("%p"), 2, std::to_string(1'000 / period_ms_in(world)));
+    text.replace(text.find("%d"), 2, std::to_string(deadline_ms_for(world, period_ms_in(world))));
     text.replace(text.find("%n"), 2, std::to_string(plan.runs));
-    return {.title = "A formation of five robots when their broker fails",
+    return {.title = "A formation of five robots when their broker fails" + where_text(world),
             .words = std::move(text),
-            .tables = {{"formation", std::move(table)}},
+            .tables = {{name, std::move(table)}},
             .figure = std::move(figure)};
 }
 

@@ -39,16 +39,17 @@ struct FormationRun {
     std::vector<double> course_mm{};  // the greatest error of the four, each 20 ms from a second
                                       // before the fault
 };
-[[nodiscard]] FormationRun formation(std::size_t brokers, BrokerFault fault, std::uint64_t seed);
+[[nodiscard]] FormationRun formation(const LoopGround& ground, std::size_t brokers,
+                                     BrokerFault fault, std::uint64_t seed);
 
 struct FormationPlan {
     std::vector<std::size_t> brokers{1, 3, 5};
     std::size_t runs = 100;
     std::uint64_t seed = 1;
 };
-[[nodiscard]] std::vector<SeparateRun> runs_of(const FormationPlan& plan);
+[[nodiscard]] std::vector<SeparateRun> runs_of(const FormationPlan& plan, const LoopGround& ground);
 /// When all runs are done.
-[[nodiscard]] Section formation_section(const FormationPlan& plan,
+[[nodiscard]] Section formation_section(const FormationPlan& plan, LoopWorld world,
                                         const std::filesystem::path& folder);
 
 }  // namespace romano::experiments

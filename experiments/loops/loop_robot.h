@@ -1,18 +1,19 @@
-// A robot of the simulator that lets others control it and controls others: the shipped client,
-// plant and controller cores on the clients' network of overlay/sim. What it is beside its network
-// is its device: a body with sensor and actuator, or a law.
+// A robot that lets others control it and controls others: the shipped client, plant and controller
+// cores, on sockets or on a simulated network. What it is beside its network is its device: a body
+// with sensor and actuator, or a law.
 //
-// Its clock is the simulator's. When its broker says that it does not know it, or answers nothing,
-// it connects anew after a second, as romano/node does.
+// When its broker says that it does not know it, or answers nothing, it connects anew after a
+// second, as romano/node does.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "overlay/sim/world.h"
+#include "experiments/robots/surroundings.h"
 #include "romano/client/client.h"
 #include "romano/control/controller.h"
 #include "romano/control/plant.h"
@@ -48,9 +49,9 @@ struct LoopSettings {
 
 class LoopRobot final : private control::PlantPort, private control::ControllerPort {
 public:
-    /// The id is `number` in hexadecimal. `world` and `device` outlive it.
-    LoopRobot(sim::World& world, std::uint32_t number, const Endpoint& broker, Device& device);
-    ~LoopRobot();
+    /// The id is `number` in hexadecimal. `surroundings` and `device` outlive it.
+    LoopRobot(Surroundings& surroundings, std::uint64_t seed, std::uint32_t number,
+              const BrokerAddress& broker, Device& device);
     LoopRobot(const LoopRobot&) = delete;
     LoopRobot& operator=(const LoopRobot&) = delete;
 
@@ -58,7 +59,7 @@ public:
     /// Opens a loop between these two, without end: asks the plant each second until it has one.
     void open(const RomanoId& plant, const RomanoId& controller, const LoopSettings& settings);
     /// It is in reach of another broker from now on.
-    void roam_to(const Endpoint& broker);
+    void roam_to(const BrokerAddress& broker);
 
     [[nodiscard]] const RomanoId& id() const { return id_; }
     [[nodiscard]] bool is_ready() const { return client_.is_connected() && is_subscribed_; }
@@ -104,27 +105,26 @@ private:
     std::optional<std::size_t> control(control::Place place, const control::Sample& sample,
                                        MutableBytes room) override;
 
-    sim::World& world_;
+    [[nodiscard]] Instant now() const { return surroundings_.now(); }
+
+    Surroundings& surroundings_;
     RomanoId id_;
-    Endpoint address_;
-    sim::Node node_;
-    Endpoint broker_;
     Device& device_;
     client::Client<> client_;
     client::OutputFor<> out_;
     control::Plant<1> plant_;
     control::Controller<places> controller_;
     std::vector<Wish> wishes_;  // of loops that their plants do not have yet
-    std::optional<sim::ClientNetwork::Binding> binding_;
     std::optional<client::OperationId> subscription_;
     bool is_subscribed_ = false;
     Instant connect_at_ = never;
     Instant ask_at_ = never;
-    Instant timer_ = never;
     std::optional<Instant> sampled_at_;  // of the command in force
     Instant carried_out_at_{};
     Duration greatest_age_{0};
     Duration longest_wait_{0};
+    std::unique_ptr<Alarm> alarm_;
+    std::unique_ptr<Port> port_;
 };
 
 /// 1: "00000001".

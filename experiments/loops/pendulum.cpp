@@ -55,27 +55,29 @@ Eigen::RowVectorXd balancing_gain(const CartPoleBody& body) {
     return best_gain(linearised(body), period_s, weights, 0.1);
 }
 
-double Gusts::at(Instant time) const {
-    const auto number = static_cast<std::uint64_t>(time.time_since_epoch() / gust_lasts);
+double Gusts::at(Duration since_release) const {
+    const auto number = static_cast<std::uint64_t>(since_release / gust_lasts);
     Random random(sim::seed_of(seed, "gust", number));
     constexpr double half = 2'147'483'648.0;
     return strength_nm * (static_cast<double>(random.next()) / half - 1);
 }
 
-Instant Gusts::end_of(Instant time) {
-    return Instant{(time.time_since_epoch() / gust_lasts + 1) * gust_lasts};
+Duration Gusts::end_of(Duration since_release) {
+    return (since_release / gust_lasts + 1) * gust_lasts;
 }
 
 void Pendulum::release(Instant now) {
-    moved_at_ = now;
+    released_at_ = moved_at_ = now;
     is_free_ = true;
 }
 
 void Pendulum::move_on(Instant now) {
     if (!is_free_) return;
     while (moved_at_ < now) {
-        const Instant next = std::min({now, moved_at_ + looks_each, Gusts::end_of(moved_at_)});
-        const CartPoleForces forces{.on_cart_n = force_n_, .on_pole_nm = gusts_.at(moved_at_)};
+        const Duration blown = moved_at_ - released_at_;
+        const Instant next =
+            std::min({now, moved_at_ + looks_each, released_at_ + Gusts::end_of(blown)});
+        const CartPoleForces forces{.on_cart_n = force_n_, .on_pole_nm = gusts_.at(blown)};
         state_ = after(body_, state_, forces, next - moved_at_);
         moved_at_ = next;
         const double angle = std::abs(state_.angle_rad);

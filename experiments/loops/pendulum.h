@@ -19,14 +19,15 @@ namespace romano::experiments {
 /// weights 1, 0.1, 10, 0.1 for the squares of the state's numbers and 0.1 for that of the force.
 [[nodiscard]] Eigen::RowVectorXd balancing_gain(const CartPoleBody& body);
 
-/// Wind on the pole: another torque around the hinge each 100 ms, from -strength to strength,
-/// uniformly, each by the seed and its number alone: whatever else happens, it blows the same.
+/// Wind on the pole: another torque around the hinge each 100 ms from the pole's release on, from
+/// -strength to strength, uniformly, each by the seed and its number alone: whatever else happens,
+/// it blows the same.
 struct Gusts {
     double strength_nm = 0;
     std::uint64_t seed = 0;
 
-    [[nodiscard]] double at(Instant time) const;
-    [[nodiscard]] static Instant end_of(Instant time);
+    [[nodiscard]] double at(Duration since_release) const;
+    [[nodiscard]] static Duration end_of(Duration since_release);
 };
 
 class Pendulum final : public Device {
@@ -65,6 +66,7 @@ private:
     double force_n_ = 0;
     double greatest_angle_rad_ = 0;
     std::uint32_t falls_back_ = 0;
+    Instant released_at_{};
     Instant moved_at_{};
 };
 

@@ -1,4 +1,4 @@
-// Loops on the simulator: poles far on either side of the margin, and broken brokers.
+// Loops in virtual time: poles far on either side of the margin, and broken brokers.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -9,6 +9,7 @@
 #include "experiments/loops/deviation.h"
 #include "experiments/loops/formation.h"
 #include "experiments/loops/margins.h"
+#include "experiments/loops/radio_brokers.h"
 
 namespace romano::experiments::loops_test {
 namespace {
@@ -72,7 +73,37 @@ TEST(Deviation, APoleFallsWithItsOnlyBrokerAndNotWithOneOfThree) {
         deviate(body, {.brokers = 1, .fault = BrokerFault::crash, .seed = 5});
     EXPECT_FALSE(alone.angle_deg);
     EXPECT_EQ(alone.falls_back, 1U);
-    EXPECT_LE(alone.age_ms, deadline_ms_for(20) + 0.001);  // the rule of romano/control
+    EXPECT_LE(alone.age_ms, deadline_ms_for(LoopWorld::simulated, 20) + 0.001);  // romano/control
+}
+
+TEST(Deviation, OnRadioAPoleFallsWithItsOnlyBrokerAndNotWithOneOfThreeNorWhenItRoams) {
+    if (!has_radio) GTEST_SKIP() << "no ns-3";
+    const LoopGround radio{.world = LoopWorld::radio};
+    const auto on_radio = [&](std::size_t brokers, BrokerFault fault) {
+        return deviate(body, {.ground = radio, .brokers = brokers, .fault = fault, .seed = 5});
+    };
+    const DeviationRun calm = on_radio(3, BrokerFault::none);
+    ASSERT_TRUE(calm.angle_deg);
+    EXPECT_EQ(calm.falls_back, 0U);
+    EXPECT_GT(calm.age_ms, 20 + 25);  // P + D: four times the way between a robot and a broker
+    const DeviationRun crash = on_radio(3, BrokerFault::crash);
+    EXPECT_TRUE(crash.angle_deg);
+    EXPECT_EQ(crash.falls_back, 0U);
+    const DeviationRun roams = on_radio(3, BrokerFault::roaming);
+    EXPECT_TRUE(roams.angle_deg);
+    EXPECT_EQ(roams.falls_back, 0U);
+    const DeviationRun alone = on_radio(1, BrokerFault::crash);
+    EXPECT_FALSE(alone.angle_deg);
+    EXPECT_EQ(alone.falls_back, 1U);
+    EXPECT_LE(alone.age_ms, deadline_ms_for(LoopWorld::radio, 20) + 0.001);
+}
+
+TEST(Deviation, WhereThereCanBeNoLoopOneSentenceSaysWhy) {
+    EXPECT_EQ(problem_with(LoopGround{}), "");
+    EXPECT_EQ(problem_with({.world = LoopWorld::processes, .broker_program = "/none"}),
+              "--worlds processes: no broker to run: `/none` is no program; build romano-broker, "
+              "or name it with --broker");
+    EXPECT_EQ(problem_with({.world = LoopWorld::radio}).empty(), has_radio);
 }
 
 TEST(Formation, ALawPutsAFollowerInItsPlaceAndKeepsItThere) {
@@ -90,9 +121,9 @@ TEST(Formation, ALawPutsAFollowerInItsPlaceAndKeepsItThere) {
 }
 
 TEST(Formation, BreaksUpWithItsOnlyBrokerAndNotWithOneOfThree) {
-    const FormationRun whole = formation(3, BrokerFault::crash, 5);
+    const FormationRun whole = formation({}, 3, BrokerFault::crash, 5);
     EXPECT_EQ(whole.falls_back, 0U);
-    const FormationRun alone = formation(1, BrokerFault::crash, 5);
+    const FormationRun alone = formation({}, 1, BrokerFault::crash, 5);
     EXPECT_EQ(alone.falls_back, 4U);
     EXPECT_GT(alone.error_mm, 5 * whole.error_mm);
 }

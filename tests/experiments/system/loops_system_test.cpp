@@ -33,8 +33,8 @@ TEST(LoopsCommand, IsTheSameForTheSameSeedAlsoWhenItWasInterrupted) {
         run_romano(small + again + " --parts margins --periods 40 --losses 10 --jobs 1").exit_code,
         0);
     EXPECT_EQ(run_romano(small + again + " --periods 20,40 --losses 0,10").exit_code, 0);
-    for (const char* file :
-         {"margins.csv", "points.csv", "deviation.csv", "formation.csv", "report.html"}) {
+    for (const char* file : {"margins.csv", "points.csv", "deviation_simulated.csv",
+                             "formation_simulated.csv", "report.html"}) {
         const std::string text = text_of(folder / "once" / file);
         EXPECT_FALSE(text.empty()) << file;
         EXPECT_EQ(text_of(folder / "again" / file), text) << file;
@@ -59,14 +59,17 @@ TEST_P(RefusedLoops, SayOneSentenceAndExitWith2) {
 
 INSTANTIATE_TEST_SUITE_P(
     Loops, RefusedLoops,
-    ::testing::Values(std::pair{"--parts pole",
-                                "--parts: pole not in {margins,deviation,formation}"},
-                      std::pair{"--periods 6", "--periods: Value 6 not in range 7 to 1000"},
-                      std::pair{"--losses 95", "--losses: Value 95 not in range 0"},
-                      std::pair{"--poles 0", "--poles: Value 0 not in range 1 to 1000"},
-                      std::pair{"--brokers 33", "--brokers: Value 33 not in range 1 to 32"},
-                      std::pair{"--runs 0", "--runs: Value 0 not in range 1 to 10000"},
-                      std::pair{"--output /proc/none", "cannot write into --output `/proc/none`"}));
+    ::testing::Values(
+        std::pair{"--parts pole", "--parts: pole not in {margins,deviation,formation}"},
+        std::pair{"--periods 6", "--periods: Value 6 not in range 7 to 1000"},
+        std::pair{"--losses 95", "--losses: Value 95 not in range 0"},
+        std::pair{"--poles 0", "--poles: Value 0 not in range 1 to 1000"},
+        std::pair{"--brokers 33", "--brokers: Value 33 not in range 1 to 32"},
+        std::pair{"--runs 0", "--runs: Value 0 not in range 1 to 10000"},
+        std::pair{"--worlds mars", "--worlds: mars not in {simulated,radio,processes}"},
+        std::pair{"--worlds processes --broker /none",
+                  "--worlds processes: no broker to run: `/none` is no program"},
+        std::pair{"--output /proc/none", "cannot write into --output `/proc/none`"}));
 
 }  // namespace
 }  // namespace romano::experiments::loops_system_test
