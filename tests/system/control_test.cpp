@@ -3,13 +3,16 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <signal.h>
+#include <unistd.h>
 
+#include <algorithm>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "tests/system/broker_fixture.h"
 #include "tests/system/process.h"
+#include "tests/system/test_client.h"
 
 namespace romano::system::control_test {
 namespace {
@@ -53,6 +56,18 @@ struct Loops : BrokerFixture {
         return code;
     }
 
+    /// Of the plant's own counts, as it has reported them last.
+    [[nodiscard]] long number(const std::string& name) const {
+        const auto at = said.find('"' + name + "\":");
+        EXPECT_NE(at, std::string::npos) << said;
+        return at == std::string::npos ? -1 : std::stol(said.substr(at + name.size() + 3));
+    }
+    /// The same, of a report that is asked for now.
+    long count(const std::string& name) {
+        EXPECT_EQ(romano_control({plant, "--json"}), 0) << said;
+        return number(name);
+    }
+
     std::string said;
     const std::string plant = "00000002";
     const std::string leader = "00000001";
@@ -92,6 +107,65 @@ TEST_F(Loops, APlantWhoseControllerIsKilledFallsBackAndIsControlledAgainByItsSuc
     supervisor->signal(SIGINT);
     EXPECT_EQ(supervisor->wait_for_exit(), 0);
     EXPECT_NE(robot->wait_for("is no longer controlled by 00000001: ended by a node"), "");
+}
+
+/// It answers all that came meanwhile, and what is old by then is late.
+TEST_F(Loops, AControllerThatStoodStillGoesOnAndItsOldCommandsAreNotCarriedOut) {
+    start_broker(1);
+    const auto controller = start_robot(leader, 1);
+    const auto robot = start_robot(plant, 1);
+    const auto supervisor =
+        control(1, {plant, leader, "--period-ms", "40", "--deadline-ms", "600"});
+    ASSERT_NE(robot->wait_for("is controlled by"), "");
+    controller->signal(SIGSTOP);
+    EXPECT_NE(robot->wait_for("is not controlled by 00000001 now"), "");
+    usleep(200'000);  // so long it stands still beyond the deadline
+    controller->signal(SIGCONT);
+    EXPECT_NE(robot->wait_for("is controlled by"), "");
+    EXPECT_GE(count("fell_back"), 1);
+    EXPECT_GE(number("late"), 1);
+    EXPECT_EQ(number("repeated"), 0);
+}
+
+/// Somebody listened to all that was said to the plant, and says it again.
+TEST_F(Loops, WhatIsReplayedFromACaptureMovesNobody) {
+    constexpr char command = 9;
+    start_broker(1);
+    TestClient capture(addresses.client(), addresses.service_endpoint(1), "capture");
+    ASSERT_TRUE(capture.connect());
+    ASSERT_TRUE(capture.subscribe(plant, mqttsn::Qos::at_most_once));
+    const auto controller = start_robot(leader, 1);
+    const auto robot = start_robot(plant, 1);
+    std::vector<std::string> arguments = patient;
+    arguments.insert(arguments.end(), {"--law", "go-to", "--to", "200,0", "--detach"});
+    ASSERT_EQ(romano_control(arguments), 0) << said;
+    const auto is_command = [](const ReceivedPublish& message) {
+        return message.data.size() > 3 && message.data[2] == command;
+    };
+    ASSERT_TRUE(capture.run_until(
+        [&] { return std::ranges::count_if(capture.received, is_command) >= 10; }));
+    const std::vector<ReceivedPublish> captured = capture.received;
+    const auto commands = std::ranges::count_if(captured, is_command);
+    const auto topic = capture.register_topic(plant);
+    ASSERT_TRUE(topic);
+    const auto replay = [&] {
+        for (const ReceivedPublish& message : captured) {
+            ASSERT_TRUE(capture.publish(*topic, message.data, mqttsn::Qos::at_least_once));
+        }
+    };
+    const auto refused = [&] { return count("repeated") + number("late") + number("foreign"); };
+    const auto come_to_be_refused = [&](long more) {
+        for (int tries = 0; tries < 100 && refused() < more; ++tries) usleep(100'000);
+        return refused() >= more;
+    };
+    replay();
+    EXPECT_TRUE(come_to_be_refused(commands)) << said;
+    EXPECT_LE(number("carried_out"), number("samples"));
+    EXPECT_EQ(romano_control({plant, "--end"}), 0) << said;
+    const long carried_out = count("carried_out");
+    replay();  // with the opening of that loop among it; the plant hears it before the question
+    EXPECT_EQ(count("carried_out"), carried_out);
+    EXPECT_THAT(said, HasSubstr(R"("state":"free")"));
 }
 
 TEST_F(Loops, ALoopOutlivesTheBrokerOfBothRobots) {
