@@ -10,16 +10,16 @@
 #include <limits>
 #include <string_view>
 
+#include "romano/base/fnv1a.h"
+
 namespace romano::broker {
 
 /// Stable number of a broker's name (see broker_id_of). Order breaks ties in elections.
 enum class BrokerId : std::uint64_t {};
 
-/// FNV-1a of the name. Two names with one id are refused when brokers meet.
+/// Two names with one id are refused when brokers meet.
 constexpr BrokerId broker_id_of(std::string_view name) {
-    std::uint64_t h = 0xcbf29ce484222325ULL;
-    for (const char c : name) h = (h ^ static_cast<unsigned char>(c)) * 0x100000001b3ULL;
-    return BrokerId{h};
+    return BrokerId{fnv1a<std::uint64_t>(name)};
 }
 
 /// Number of an event in its log; the first is 1. 0 means "before the first event".

@@ -4,6 +4,7 @@
 #include <array>
 #include <charconv>
 
+#include "romano/base/fnv1a.h"
 #include "romano/mqttsn/topic.h"
 
 namespace romano::uplink {
@@ -23,17 +24,12 @@ std::string hex(std::uint64_t number) {
     return {digits.data(), end};
 }
 
-/// FNV-1a.
-void mix(std::uint64_t& hash, std::uint8_t octet) {
-    hash = (hash ^ octet) * 0x100000001b3ULL;
-}
-
 std::uint64_t digest(const FromRemote& message) {
-    std::uint64_t hash = 0xcbf29ce484222325ULL;
-    for (const char letter : message.topic) mix(hash, static_cast<std::uint8_t>(letter));
-    mix(hash, 0);
-    for (const std::uint8_t octet : message.payload) mix(hash, octet);
-    return hash;
+    Fnv1a<std::uint64_t> sum;
+    sum.add(message.topic);
+    sum.add(std::uint8_t{0});
+    for (const std::uint8_t octet : message.payload) sum.add(octet);
+    return sum.value();
 }
 
 }  // namespace

@@ -5,17 +5,15 @@
 #include <cstdio>
 #include <string_view>
 
-#include "overlay/cluster/digest.h"
+#include "romano/base/fnv1a.h"
 
 namespace romano::experiments {
 
 message::RomanoId id_of_this_machine() {
     char host[256] = {};
     (void)::gethostname(host, sizeof host - 1);
-    cluster::Digest digest;
-    digest.add(std::string_view{host});
     char digits[9];
-    std::snprintf(digits, sizeof digits, "%08x", digest.value());
+    std::snprintf(digits, sizeof digits, "%08x", fnv1a<std::uint32_t>(std::string_view{host}));
     return *message::RomanoId::parse(digits);
 }
 

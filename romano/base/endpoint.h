@@ -10,6 +10,8 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "romano/base/fnv1a.h"
+
 namespace romano {
 
 struct Endpoint {
@@ -26,16 +28,15 @@ struct Endpoint {
     friend bool operator==(const Endpoint&, const Endpoint&) = default;
     friend auto operator<=>(const Endpoint&, const Endpoint&) = default;
 
-    /// FNV-1a over all fields: stable between runs and machines.
+    /// Of all fields: stable between runs and machines.
     [[nodiscard]] constexpr std::size_t hash() const {
-        std::uint64_t h = 0xcbf29ce484222325ULL;
-        const auto mix = [&h](std::uint64_t value) { h = (h ^ value) * 0x100000001b3ULL; };
+        Fnv1a<std::uint64_t> sum;
         const std::size_t used = family == Family::ipv6 ? 16 : 4;
-        for (std::size_t i = 0; i < used; ++i) mix(address[i]);
-        mix(port);
-        mix(scope);
-        if (packets != Packets::plain) mix(static_cast<std::uint64_t>(packets));
-        return static_cast<std::size_t>(h ^ (h >> 32U));
+        for (std::size_t i = 0; i < used; ++i) sum.add(address[i]);
+        sum.add(port);
+        sum.add(scope);
+        if (packets != Packets::plain) sum.add(static_cast<std::uint8_t>(packets));
+        return static_cast<std::size_t>(sum.value() ^ (sum.value() >> 32U));
     }
 };
 

@@ -17,6 +17,7 @@
 #include <string_view>
 
 #include "romano/base/bytes.h"
+#include "romano/base/fnv1a.h"
 #include "romano/base/time.h"
 #include "romano/mqttsn/body.h"
 #include "romano/mqttsn/types.h"
@@ -33,8 +34,7 @@ inline constexpr std::size_t most_cell_exceptions = 16;
 
 /// By which a cell's datagram names a client: FNV-1a of its id, folded. Two clients may share one.
 constexpr std::uint16_t listener_number(std::string_view client_id) {
-    std::uint32_t hash = 2166136261U;
-    for (const char c : client_id) hash = (hash ^ static_cast<std::uint8_t>(c)) * 16777619U;
+    const auto hash = fnv1a<std::uint32_t>(client_id);
     return static_cast<std::uint16_t>(hash >> 16U ^ hash);
 }
 

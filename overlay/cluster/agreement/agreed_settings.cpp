@@ -5,18 +5,12 @@
 #include <string_view>
 #include <utility>
 
-#include "overlay/cluster/digest.h"
+#include "romano/base/fnv1a.h"
 
 namespace romano::cluster {
 namespace {
 
 constexpr std::size_t longest_value = 200;
-
-std::uint32_t digest_of(std::string_view text) {
-    Digest digest;
-    digest.add(text);
-    return digest.value();
-}
 
 std::string text_of(const PredefinedTopics& predefined) {
     std::string text;
@@ -40,7 +34,7 @@ std::string milliseconds(Duration time) {
 }  // namespace
 
 Setting setting(std::string name, std::string value) {
-    const std::uint32_t digest = digest_of(std::string_view{value});
+    const std::uint32_t digest = fnv1a<std::uint32_t>(std::string_view{value});
     return {
         .name = std::move(name), .value = cut(std::move(value), longest_value), .digest = digest};
 }
@@ -72,11 +66,11 @@ std::uint32_t digest_of(const std::vector<Setting>& settings) {
     for (const Setting& each : settings) {
         all += each.name + ' ' + std::to_string(each.digest) + '\n';
     }
-    return digest_of(std::string_view{all});
+    return fnv1a<std::uint32_t>(std::string_view{all});
 }
 
 std::uint32_t digest_of(const PredefinedTopics& predefined) {
-    return predefined.empty() ? 0 : digest_of(std::string_view{text_of(predefined)});
+    return predefined.empty() ? 0 : fnv1a<std::uint32_t>(std::string_view{text_of(predefined)});
 }
 
 }  // namespace romano::cluster

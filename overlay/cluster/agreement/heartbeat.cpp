@@ -4,10 +4,12 @@
 #include <string_view>
 #include <utility>
 
-#include "overlay/cluster/digest.h"
+#include "romano/base/fnv1a.h"
 
 namespace romano::cluster {
 namespace {
+
+using Digest = Fnv1a<std::uint32_t>;
 
 void add(Digest& digest, const Endpoint& endpoint) {
     digest.add(static_cast<std::uint64_t>(endpoint.family));
