@@ -14,6 +14,10 @@ namespace {
 constexpr double least_deviation = 0.5;
 // With fewer gaps than this the distribution is unknown, and the fixed time-out decides.
 constexpr std::size_t least_gaps = 10;
+// Silences that were just not long enough widen the distribution, so that longer ones are not long
+// enough either: some late beacons in a row would put a detection off for seconds. No silence is
+// borne longer than so many of the fixed time-outs.
+constexpr int most_timeouts = 3;
 
 /// -log10 of the upper tail of the normal distribution at `z` deviations.
 double phi_at(double z) {
@@ -99,12 +103,11 @@ double PhiAccrualDetector::phi(NodeId node) const {
 }
 
 double PhiAccrualDetector::phi_of(const Peer& peer, double silence) const {
-    if (peer.gaps.size() < least_gaps) {
-        const double limit = static_cast<double>(options_.timeout.count()) /
-                             static_cast<double>(options_.beacon_every.count());
-        return silence < limit ? 0.0 : options_.phi_threshold;
-    }
-    return phi_at((silence - peer.mean()) / peer.deviation());
+    const double limit = static_cast<double>(options_.timeout.count()) /
+                         static_cast<double>(options_.beacon_every.count());
+    if (peer.gaps.size() < least_gaps) return silence < limit ? 0.0 : options_.phi_threshold;
+    const double phi = phi_at((silence - peer.mean()) / peer.deviation());
+    return silence < most_timeouts * limit ? phi : std::max(phi, options_.phi_threshold);
 }
 
 Duration PhiAccrualDetector::detection_time() const {
@@ -114,8 +117,9 @@ Duration PhiAccrualDetector::detection_time() const {
         longest = std::max(longest, peer.mean() + deviations_at_threshold_ * peer.deviation());
     }
     if (longest == 0) return options_.timeout;
-    return Duration{
+    const Duration told{
         static_cast<std::int64_t>(longest * static_cast<double>(options_.beacon_every.count()))};
+    return std::min(told, most_timeouts * options_.timeout);
 }
 
 }  // namespace romano::election

@@ -103,6 +103,20 @@ TEST_F(PhiAccrual, ANodeThatSaidGoodbyeIsSuspectedAtOnce) {
     EXPECT_TRUE(detector_.take_suspects().empty());
 }
 
+TEST_F(PhiAccrual, SilencesThatWereJustNotLongEnoughDoNotPutADetectionOffForever) {
+    hear(20, 0ms);
+    for (int late = 0; late < 100; ++late) {
+        for (Duration silence = 20ms; silence < detector_.detection_time(); silence += 10ms) {
+            now_ += 10ms;
+            detector_.on_tick(now_);
+        }
+        ASSERT_TRUE(detector_.is_alive(peer));
+        detector_.on_beacon(now_, peer);
+    }
+    EXPECT_EQ(detector_.detection_time(), 300ms) << "three fixed time-outs";
+    EXPECT_LE(silence_until_suspected(10s), 300ms);
+}
+
 TEST_F(PhiAccrual, TellsItsDetectionTime) {
     EXPECT_EQ(detector_.detection_time(), 100ms) << "before it knows anybody";
     hear(200, 0ms);
