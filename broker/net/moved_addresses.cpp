@@ -3,6 +3,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <chrono>
 
@@ -14,10 +15,14 @@ namespace {
 using namespace std::chrono_literals;
 using boost::system::error_code;
 
-constexpr auto renew_every = 1s;
+constexpr std::chrono::milliseconds renew_every = 1s;
 constexpr auto lease = 5s;
 constexpr auto neighbours_are_asked_again_after = 100ms;
 constexpr int announcements = 3;  // a frame may be lost
+// The machine that had the address may be alive, and name it once more as its own: when it asks
+// where a robot is, to refuse what came for its dead broker.
+constexpr auto announced_again_after = 100ms;
+constexpr int quick_announcements = 10;
 
 /// What a socket hears that wants the address for itself; 0: it may have it.
 int why_not_bound(const Endpoint& address) {
@@ -90,6 +95,7 @@ void MovedAddresses::announce(const Endpoint& address) {
         moved = moved_.emplace(address, Moved{.interface = *interface}).first;
     }
     moved->second.announcements_left = announcements;
+    moved->second.quick_announcements_left = quick_announcements;
     // Whoever may not send it serves all the same: on one host nobody has to be told.
     (void)neighbours_.announce(address, moved->second.interface);
     wait();
@@ -103,9 +109,14 @@ void MovedAddresses::remove(const Endpoint& address) {
 }
 
 void MovedAddresses::wait() {
-    if (waiting_ || moved_.empty()) return;
+    if (moved_.empty()) return;
+    const bool is_quick = std::ranges::any_of(
+        moved_, [](const auto& entry) { return entry.second.quick_announcements_left > 0; });
+    const auto at =
+        std::chrono::steady_clock::now() + (is_quick ? announced_again_after : renew_every);
+    if (waiting_ && timer_.expiry() <= at) return;
     waiting_ = true;
-    timer_.expires_after(renew_every);
+    timer_.expires_at(at);
     timer_.async_wait([this](const error_code& cancelled) {
         if (cancelled) return;
         waiting_ = false;
@@ -118,7 +129,8 @@ void MovedAddresses::renew() {
     for (auto& [address, moved] : moved_) {
         if (moved.added) (void)add_address(address, moved.interface, lease);
         if (may_repeat_(address)) (void)neighbours_.announce(address, moved.interface);
-        --moved.announcements_left;
+        --(moved.quick_announcements_left > 0 ? moved.quick_announcements_left
+                                              : moved.announcements_left);
     }
     std::erase_if(moved_, [](const auto& entry) {
         return !entry.second.added && entry.second.announcements_left <= 0;

@@ -2,8 +2,9 @@
 // network when the machine does not have them, and tells the neighbours.
 //
 // What was put there is leased, and leased again each second: it goes when this process ends,
-// however that happens. As long as it is here the neighbours are told each second, because the
-// machine that had it before may be alive without its broker, and answer for it.
+// however that happens. As long as it is here the neighbours are told each second, and ten times in
+// the first one, because the machine that had it before may be alive without its broker, and answer
+// for it.
 //
 // Several brokers of one machine may serve an address one after the other: whoever takes it leases
 // it on, and whoever lets it go leaves it to the one that is bound there by then. So a broker's
@@ -58,7 +59,8 @@ private:
     struct Moved {
         InterfaceIndex interface;
         bool added = false;
-        int announcements_left = 0;  // of one that the machine has anyway
+        int quick_announcements_left = 0;
+        int announcements_left = 0;  // behind these; of one that the machine has anyway
     };
 
     static void let_go(const Endpoint& address, const Moved& moved);

@@ -1,9 +1,18 @@
 // Brokers on machines of their own: a service address moves from one machine to another, and the
 // client's neighbour table follows.
 
+#include <arpa/inet.h>
 #include <gtest/gtest.h>
+#include <linux/if_packet.h>
+#include <net/ethernet.h>
+#include <netinet/if_ether.h>
+#include <poll.h>
+#include <sys/socket.h>
+#include <unistd.h>
 
+#include <array>
 #include <csignal>
+#include <cstring>
 #include <fstream>
 #include <initializer_list>
 #include <memory>
@@ -28,6 +37,40 @@ struct Family {
     const char* name;
     const char* prefix;  // of the service address of the broker on a host: not the host's own
     const char* any;     // to bind a client
+};
+
+/// The gratuitous ARP of an address, as a machine of its network hears it.
+class Announcements {
+public:
+    /// On the machine of the calling thread.
+    explicit Announcements(const std::string& address)
+        : wanted_(*net::parse_endpoint(address + ":1")),
+          socket_(::socket(AF_PACKET, SOCK_RAW | SOCK_NONBLOCK | SOCK_CLOEXEC, htons(ETH_P_ARP))) {}
+    ~Announcements() { ::close(socket_); }
+    Announcements(const Announcements&) = delete;
+    Announcements& operator=(const Announcements&) = delete;
+
+    /// Waits for the next one, for 20 s at most.
+    [[nodiscard]] bool hear_one() const {
+        const auto deadline = std::chrono::steady_clock::now() + 20s;
+        while (std::chrono::steady_clock::now() < deadline) {
+            pollfd ready{.fd = socket_, .events = POLLIN, .revents = 0};
+            if (::poll(&ready, 1, 100) <= 0) continue;
+            std::array<std::uint8_t, 128> frame{};
+            if (::recv(socket_, frame.data(), frame.size(), 0) < ether_arp_end) continue;
+            ether_arp arp{};
+            std::memcpy(&arp, frame.data() + sizeof(ether_header), sizeof arp);
+            const bool is_its = std::memcmp(arp.arp_spa, wanted_.address.data(), 4) == 0;
+            if (is_its && std::memcmp(arp.arp_tpa, arp.arp_spa, 4) == 0) return true;
+        }
+        return false;
+    }
+
+private:
+    static constexpr ssize_t ether_arp_end = sizeof(ether_header) + sizeof(ether_arp);
+
+    Endpoint wanted_;
+    int socket_;
 };
 
 class AddressMove : public testing::TestWithParam<Family> {
@@ -158,6 +201,26 @@ TEST_P(AddressMove, AClientHearsTheHeirAndThenItsOwnBrokerAgainAtOneAddress) {
     EXPECT_TRUE(subscriber->ping()) << "the way to its own broker";
     EXPECT_EQ(lan.neighbour(client_host, address(1)), lan.mac_of(1));
     EXPECT_EQ(subscriber->sessions_begun, begun) << "the client noticed";
+}
+
+// The machine that had the address lives, and may name it as its own once more.
+TEST_P(AddressMove, AnAddressThatMovedIsAnnouncedOftenInItsFirstSecond) {
+    if (!uses_arp()) GTEST_SKIP() << "IPv6 has other frames, sent at the same times";
+    const auto r1 = start(1);
+    const auto r2 = start(2);
+    const auto r3 = start(3);
+    for (const auto& broker : {r1.get(), r2.get(), r3.get()}) {
+        broker->wait_until_serving();
+        ASSERT_TRUE(is_in_view_of_all(*broker));
+    }
+    const Lan::On on(lan, client_host);
+    r1->kill_9();
+    const Announcements announcements(address(1));
+    ASSERT_TRUE(announcements.hear_one());
+    const auto first = std::chrono::steady_clock::now();
+    for (int i = 0; i < 14; ++i) ASSERT_TRUE(announcements.hear_one());
+    EXPECT_LT(std::chrono::steady_clock::now() - first, 5s)
+        << "each is two frames: one a second would take seven";
 }
 
 TEST_P(AddressMove, WhatAKilledHeirTookOverDoesNotStayOnItsMachine) {
