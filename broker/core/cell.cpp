@@ -49,23 +49,24 @@ bool Cell::takes(std::string_view topic, Qos qos) const {
 
 void Cell::deliver(std::string_view topic, Bytes payload, Qos qos, const MessagePtr& message,
                    std::span<Receiver> receivers, Turn& turn) {
-    Members waiting;
+    waiting_.clear();
     for (Receiver& receiver : receivers) {
-        if (is_member(receiver, topic, qos)) waiting.push_back(&receiver);
+        if (is_member(receiver, topic, qos)) waiting_.push_back(&receiver);
     }
-    while (waiting.size() >= fewest_members) {
-        const Endpoint via = waiting.front()->session->header.via;
-        const auto others = std::stable_partition(
-            waiting.begin(), waiting.end(),
-            [&](const Receiver* each) { return each->session->header.via == via; });
-        Members members(waiting.begin(), others);
-        waiting.erase(waiting.begin(), others);
-        if (members.size() < fewest_members || !find_exceptions(via, topic, members)) continue;
+    while (waiting_.size() >= fewest_members) {
+        const Endpoint via = waiting_.front()->session->header.via;
+        members_.clear();
+        std::erase_if(waiting_, [&](Receiver* each) {
+            const bool is_here = each->session->header.via == via;
+            if (is_here) members_.push_back(each);
+            return is_here;
+        });
+        if (members_.size() < fewest_members || !find_exceptions(via, topic, members_)) continue;
         // Who shares its number with one of these is excepted with it.
-        std::erase_if(members, [&](const Receiver* each) {
+        std::erase_if(members_, [&](const Receiver* each) {
             return std::ranges::binary_search(exceptions_, number_of(*each->session));
         });
-        if (members.size() >= fewest_members) send(members, topic, payload, qos, message, turn);
+        if (members_.size() >= fewest_members) send(members_, topic, payload, qos, message, turn);
     }
 }
 

@@ -56,6 +56,9 @@ private:
 
     Tables& tables_;
     DeliveryFlow& deliveries_;
+    // Kept for their room, from message to message.
+    Members waiting_;
+    Members members_;
     std::vector<std::uint16_t> exceptions_;  // listener numbers, sorted
     std::vector<std::uint8_t> data_;
 };

@@ -1,6 +1,7 @@
 #include "broker/core/lifecycle.h"
 
 #include "broker/core/session_deadline.h"
+#include "romano/mqttsn/cell.h"
 
 namespace romano::broker {
 
@@ -107,6 +108,7 @@ void Lifecycle::wake(Session& session, Turn& turn) {
 
 void Lifecycle::disconnect(Session& session, Turn& turn) {
     depart(session, SessionState::disconnected, turn);
+    subscriptions_.remove(session, mqttsn::cell_topic, turn);  // it listens no more (cell.h)
     log_header(session, turn);
     if (!session.header.clean) heed_limit_of_absent(session, turn);
 }

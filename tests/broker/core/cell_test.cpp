@@ -232,6 +232,23 @@ TEST_F(OneCell, BeyondSixteenExceptionsAllGetUnicasts) {
     for (ScriptedClient& robot : robots) robot.hears_publish("x");
 }
 
+TEST_F(OneCell, WhoHasSaidGoodbyeIsNoExceptionAnyMore) {
+    std::deque<ScriptedClient> gone;
+    for (int i = 0; i < 17; ++i) {
+        gone.emplace_back(broker, "gone-" + std::to_string(i));
+        gone.back().connects();
+        gone.back().subscribes("common", Qos::at_most_once);
+        gone.back().subscribes(cell_topic, Qos::at_most_once);
+        gone.back().says(Disconnect{});
+        gone.back().hears<Disconnect>();
+    }
+    publishes("x", Qos::at_most_once);
+    const auto cast = hears_cast();
+    ASSERT_TRUE(cast);
+    EXPECT_TRUE(cast->exceptions.empty());
+    broker.expects_mirror_to_agree();
+}
+
 TEST_F(OneCell, MsgIdsLieAheadOfAllThatAListenerWasGiven) {
     robots[2].subscribes("own", Qos::at_least_once);
     const TopicId own = publisher.registers("own");
