@@ -18,24 +18,20 @@
 #include "romano/dtls/client_end.h"
 #include "romano/mqttsn/codec.h"
 #include "romano/mqttsn/decode.h"
+#include "tests/broker/ciphered_clients.h"
 
 namespace romano::dtls::listener_test {
 namespace {
 
 using namespace std::chrono_literals;
-using broker::Action;
 using broker::Actions;
-using broker::Send;
+using broker::test::connect_as;
+using broker::test::endpoint;
+using broker::test::Octets;
+using broker::test::octets_of;
+using broker::test::ping;
+using broker::test::Sent;
 using mqttsn::MsgType;
-using Octets = std::vector<std::uint8_t>;
-
-Endpoint endpoint(std::uint8_t host, std::uint16_t port) {
-    Endpoint out;
-    out.family = Endpoint::Family::ipv4;
-    out.address = {192, 0, 2, host};
-    out.port = port;
-    return out;
-}
 Endpoint dtls_service() {
     Endpoint out = endpoint(1, 8883);
     out.packets = Endpoint::Packets::dtls;
@@ -47,22 +43,6 @@ const Endpoint place = endpoint(10, 5000);
 const Endpoint other_place = endpoint(11, 5000);
 const protection::RobotKey key_a{{0xA}};
 const protection::RobotKey key_b{{0xB}};
-
-template <typename M>
-Octets octets_of(const M& message) {
-    Octets out(300);
-    out.resize(mqttsn::encode(message, out));
-    return out;
-}
-Octets connect_as(std::string_view id) {
-    return octets_of(mqttsn::Connect{false, true, mqttsn::protocol_id, 60, id});
-}
-const Octets ping = octets_of(mqttsn::Pingreq{""});
-
-struct Sent {
-    Endpoint to;
-    Octets octets;
-};
 
 /// A broker core behind its DTLS address, as a shell composes them.
 struct Broker {
@@ -88,14 +68,7 @@ struct Broker {
     std::vector<Sent> drain(Actions& actions) {
         if (const auto bound = reserve.to_store()) reserve.on_stored(*bound);
         listener.seal(actions);
-        std::vector<Sent> sent;
-        for (const Action& action : actions.list()) {
-            const auto* send = std::get_if<Send>(&action);
-            if (send == nullptr || send->via.family == Endpoint::Family::none) continue;
-            const Bytes octets = actions.octets(*send);
-            sent.push_back({send->to.endpoint, {octets.begin(), octets.end()}});
-        }
-        return sent;
+        return broker::test::sent_to_clients(actions);
     }
     std::uint64_t refused(Refusal why) const {
         return listener.clients().counters().refused.of(why);

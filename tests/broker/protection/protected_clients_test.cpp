@@ -12,6 +12,7 @@
 #include "broker/core/broker_core.h"
 #include "romano/mqttsn/codec.h"
 #include "romano/protection/robot_end.h"
+#include "tests/broker/ciphered_clients.h"
 
 namespace romano::broker::protected_clients_test {
 namespace {
@@ -19,15 +20,13 @@ namespace {
 using mqttsn::ReturnCode;
 using protection::Refusal;
 using protection::RobotKey;
-using Octets = std::vector<std::uint8_t>;
+using test::connect_as;
+using test::endpoint;
+using test::Octets;
+using test::octets_of;
+using test::ping;
+using test::Sent;
 
-Endpoint endpoint(std::uint8_t host, std::uint16_t port) {
-    Endpoint out;
-    out.family = Endpoint::Family::ipv4;
-    out.address = {192, 0, 2, host};
-    out.port = port;
-    return out;
-}
 Endpoint sealed(Endpoint address) {
     address.packets = Endpoint::Packets::sealed;
     return address;
@@ -39,17 +38,6 @@ const Endpoint place = endpoint(10, 5000);
 const Endpoint other_place = endpoint(11, 5000);
 const RobotKey key_a{{0xA}};
 const RobotKey key_b{{0xB}};
-
-template <typename M>
-Octets octets_of(const M& message) {
-    Octets out(300);
-    out.resize(mqttsn::encode(message, out));
-    return out;
-}
-Octets connect_as(std::string_view id) {
-    return octets_of(mqttsn::Connect{false, true, mqttsn::protocol_id, 60, id});
-}
-const Octets ping = octets_of(mqttsn::Pingreq{""});
 
 /// A client's end.
 class Robot {
@@ -73,11 +61,6 @@ private:
     protection::RobotEnd end_;
 };
 
-struct Answer {
-    Endpoint to;
-    Octets octets;
-};
-
 /// A broker core behind its protected clients, as a shell composes them.
 struct Broker {
     explicit Broker(std::uint8_t identity, ProtectedClients::Known known = {})
@@ -85,21 +68,14 @@ struct Broker {
         const std::vector<ProtectedClient> all{{"a", key_a}, {"b", key_b}};
         clients.set_clients(all, known);
     }
-    std::vector<Answer> take(const Endpoint& via, const Endpoint& from, const Octets& datagram) {
+    std::vector<Sent> take(const Endpoint& via, const Endpoint& from, const Octets& datagram) {
         Actions actions;
         const Bytes admitted = clients.admit(via, from, datagram, actions);
         if (clients.to_store()) clients.on_stored();
         if (!admitted.empty()) core.on_datagram(Instant{}, via, from, admitted, actions);
         if (const auto bound = clients.reserve().to_store()) clients.reserve().on_stored(*bound);
         clients.seal(actions);
-        std::vector<Answer> answers;
-        for (const Action& action : actions.list()) {
-            const auto* send = std::get_if<Send>(&action);
-            if (send == nullptr || send->via.family == Endpoint::Family::none) continue;
-            const Bytes octets = actions.octets(*send);
-            answers.push_back({send->to.endpoint, {octets.begin(), octets.end()}});
-        }
-        return answers;
+        return test::sent_to_clients(actions);
     }
     std::uint64_t refused(Refusal why) const {
         return clients.counters().refused[static_cast<std::size_t>(why)];
