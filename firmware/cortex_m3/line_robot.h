@@ -94,6 +94,7 @@ private:
     void start_robot() {
         firmware::RobotSettings settings;
         settings.node.id = id_;
+        settings.node.listens_to_cell = client::hears_cells;
         settings.timing.t_retry = std::chrono::seconds{2};
         for (const char digit : id_.text()) {
             settings.seed = settings.seed * 31 + static_cast<unsigned char>(digit);

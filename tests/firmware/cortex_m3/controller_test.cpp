@@ -5,6 +5,7 @@
 #include <string>
 
 #include "tests/firmware/cortex_m3/qemu_fixture.h"
+#include "tests/system/metrics_page.h"
 
 namespace romano::system::controller_test {
 namespace {
@@ -35,6 +36,22 @@ TEST_F(ControllerOnCortexM3, GoesOnWhenItsHomeIsKilled) {
         romano(survivor, {"move", "abcd1234", "front", std::to_string(i) + "mm", "-q", "2"});
         EXPECT_NE(controller->wait_for("front " + std::to_string(i)), "");
     }
+}
+
+TEST_F(ControllerOnCortexM3, HearsWhatItsBrokerSendsOnceForMany) {
+    const std::string cell = "239.18.83.1:" + std::to_string(17'000 + addresses.domain());
+    const std::string metrics = addresses.service(2);
+    start_broker(1, {"--cell-group", cell, "--metrics", metrics});
+    start_controller({"--cell-group", cell}, CELL_CONTROLLER);
+    Process beside(ROMANO_ROBOT,
+                   {"--id", "00000007", "--broker", addresses.service(1), "--cell-group", cell});
+    ASSERT_NE(beside.wait_for("established"), "") << "one listener alone is sent unicasts";
+    for (int i = 1; i <= 3; ++i) {
+        romano(1, {"move", "common", "front", std::to_string(i) + "mm", "-q", "1"});
+        EXPECT_NE(controller->wait_for("front " + std::to_string(i)), "");
+    }
+    EXPECT_TRUE(
+        metrics_come_to_say(addresses.service_endpoint(2), "romano_cell_deliveries_total", 2, 1e9));
 }
 
 TEST_F(ControllerOnCortexM3, ABadLineBetweenControllerAndRadioLosesNothing) {

@@ -16,12 +16,25 @@
 namespace romano::system {
 
 struct QemuFixture : testing::Test {
-    void start_broker(int n) {
-        brokers.push_back(std::make_unique<BrokerProcess>(std::vector<std::string>{
-            "--listen", addresses.service(n), "--name", "r" + std::to_string(n), "--domain",
-            std::to_string(addresses.domain()), "--interface", "lo", "--rank", std::to_string(n),
-            "--detection-timeout-ms", "300", "--gateway-id", std::to_string(n), "--discovery-group",
-            group()}));
+    void start_broker(int n, const std::vector<std::string>& more = {}) {
+        std::vector<std::string> arguments{"--listen",
+                                           addresses.service(n),
+                                           "--name",
+                                           "r" + std::to_string(n),
+                                           "--domain",
+                                           std::to_string(addresses.domain()),
+                                           "--interface",
+                                           "lo",
+                                           "--rank",
+                                           std::to_string(n),
+                                           "--detection-timeout-ms",
+                                           "300",
+                                           "--gateway-id",
+                                           std::to_string(n),
+                                           "--discovery-group",
+                                           group()};
+        arguments.insert(arguments.end(), more.begin(), more.end());
+        brokers.push_back(std::make_unique<BrokerProcess>(arguments));
         brokers.back()->wait_until_serving();
     }
     void start_controller(const std::vector<std::string>& radio_settings = {},
