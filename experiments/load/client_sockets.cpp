@@ -32,20 +32,40 @@ void enlarge(int socket, int forced, int asked) {
 }
 
 /// A few more than the clients: the program has files of its own.
-void allow_open_files(std::uint32_t clients) {
+void allow_open_files(std::uint32_t clients, std::size_t sockets) {
     rlimit limit{};
-    const rlim_t wanted = clients + 64;
+    const rlim_t wanted = sockets + 64;
     if (::getrlimit(RLIMIT_NOFILE, &limit) != 0 || limit.rlim_cur >= wanted) return;
     limit.rlim_cur = wanted;
     limit.rlim_max = std::max(limit.rlim_max, wanted);
     if (::setrlimit(RLIMIT_NOFILE, &limit) == 0) return;
-    fail(std::to_string(clients) + " clients need as many open files (ulimit -n)");
+    fail(std::to_string(clients) + " clients need " + std::to_string(sockets) +
+         " open files (ulimit -n)");
+}
+
+/// On the interface by which the client's own socket goes out.
+bool join(int socket, const net::SocketAddress& group, int own) {
+    if (group.any.sa_family == AF_INET6) {
+        const ipv6_mreq request{.ipv6mr_multiaddr = group.v6.sin6_addr,
+                                .ipv6mr_interface = group.v6.sin6_scope_id};
+        return ::setsockopt(socket, IPPROTO_IPV6, IPV6_ADD_MEMBERSHIP, &request, sizeof request) ==
+               0;
+    }
+    net::SocketAddress local;
+    local.size = sizeof local.v6;
+    if (::getsockname(own, &local.any, &local.size) != 0) return false;
+    const ip_mreqn request{
+        .imr_multiaddr = group.v4.sin_addr, .imr_address = local.v4.sin_addr, .imr_ifindex = 0};
+    return ::setsockopt(socket, IPPROTO_IP, IP_ADD_MEMBERSHIP, &request, sizeof request) == 0;
 }
 
 }  // namespace
 
-ClientSockets::ClientSockets(std::vector<Endpoint> brokers, Number clients, SocketUse use)
+ClientSockets::ClientSockets(std::vector<Endpoint> brokers, Number clients, SocketUse use,
+                             const std::optional<ListenedCell>& cell)
     : brokers_(std::move(brokers)), clients_(clients), use_(use) {
+    allow_open_files(clients,
+                     (use == SocketUse::shared ? 1 : clients) + (cell ? clients - cell->first : 0));
     epoll_ = ::epoll_create1(EPOLL_CLOEXEC);
     if (epoll_ < 0) fail("cannot wait for sockets");
     if (use == SocketUse::shared) {
@@ -53,6 +73,7 @@ ClientSockets::ClientSockets(std::vector<Endpoint> brokers, Number clients, Sock
     } else {
         open_one_each();
     }
+    if (cell) listen_to(*cell);
 }
 
 ClientSockets::~ClientSockets() {
@@ -81,12 +102,25 @@ void ClientSockets::watch(int socket, Number number) {
 }
 
 void ClientSockets::open_one_each() {
-    allow_open_files(clients_);
     for (Number client = 0; client < clients_; ++client) {
         const net::SocketAddress to = net::to_socket_address(broker_of(client));
         const int socket = open(broker_of(client));
         if (::connect(socket, &to.any, to.size) != 0) fail("cannot reach the broker's address");
         watch(socket, client);
+    }
+}
+
+void ClientSockets::listen_to(const ListenedCell& cell) {
+    first_listener_ = cell.first;
+    const net::SocketAddress group = net::to_socket_address(cell.group);
+    for (Number client = cell.first; client < clients_; ++client) {
+        const int socket = open(cell.group);
+        const int on = 1;  // all of them, and robots on this machine
+        if (::setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &on, sizeof on) != 0 ||
+            ::bind(socket, &group.any, group.size) != 0 || !join(socket, group, sockets_[client])) {
+            fail("cannot listen to the cell's group");
+        }
+        watch(socket, static_cast<Number>(sockets_.size() - 1));
     }
 }
 
@@ -166,13 +200,18 @@ void ClientSockets::read(Number socket, Listener& listener) {
     }
     for (std::size_t slot = 0; slot < count; ++slot) {
         if (receivers_[slot] >= clients_) continue;
+        if (use_ == SocketUse::one_each && socket >= clients_) ++heard_in_cell_;
         listener.on_datagram(now, receivers_[slot], incoming_->octets(slot));
     }
 }
 
 /// None of the clients when it came from somebody else than the client's broker.
 ClientSockets::Number ClientSockets::receiver_of(Number socket, std::size_t slot) const {
-    if (use_ == SocketUse::one_each) return socket;
+    if (use_ == SocketUse::one_each) {
+        if (socket < clients_) return socket;
+        const Number listener = first_listener_ + (socket - clients_);
+        return incoming_->from(slot) == broker_of(listener) ? listener : clients_;
+    }
     const auto to = incoming_->to(slot, shared_at_).address;
     const Number client = (to[1] - 1U) << 16U | Number{to[2]} << 8U | to[3];
     if (client >= clients_ || incoming_->from(slot) != broker_of(client)) return clients_;

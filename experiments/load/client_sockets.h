@@ -8,6 +8,7 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "broker/net/net_counters.h"
@@ -20,6 +21,13 @@
 namespace romano::experiments {
 
 enum class SocketUse : std::uint8_t { one_each, shared };
+
+/// A multicast group where clients listen to what their broker sends once for all of them
+/// (romano/mqttsn/cell.md): each with a socket of its own, as robots do.
+struct ListenedCell {
+    Endpoint group;
+    std::uint32_t first;  // the clients from this number on
+};
 
 class ClientSockets {
 public:
@@ -35,8 +43,9 @@ public:
     };
 
     /// `brokers`: one for all clients, or one for each. Throws std::runtime_error with a sentence.
-    /// `shared` needs brokers in 127.0.0.0/8.
-    ClientSockets(std::vector<Endpoint> brokers, Number clients, SocketUse use);
+    /// `shared` needs brokers in 127.0.0.0/8. To a cell only `one_each` listens.
+    ClientSockets(std::vector<Endpoint> brokers, Number clients, SocketUse use,
+                  const std::optional<ListenedCell>& cell = std::nullopt);
     ~ClientSockets();
     ClientSockets(const ClientSockets&) = delete;
     ClientSockets& operator=(const ClientSockets&) = delete;
@@ -54,6 +63,8 @@ public:
     }
     /// Datagrams that came and found no room at our sockets.
     [[nodiscard]] std::uint64_t dropped() const;
+    /// Datagrams that came by the cell, one for each client that heard one.
+    [[nodiscard]] std::uint64_t heard_in_cell() const { return heard_in_cell_; }
 
 private:
     struct Waiting {
@@ -64,6 +75,7 @@ private:
 
     void open_one_each();
     void open_shared();
+    void listen_to(const ListenedCell& cell);
     int open(const Endpoint& broker);
     void watch(int socket, Number number);
     void read(Number socket, Listener& listener);
@@ -77,7 +89,8 @@ private:
     Number clients_;
     SocketUse use_;
     int epoll_ = -1;
-    std::vector<int> sockets_;  // by client; or the one
+    std::vector<int> sockets_;  // by client; or the one; behind them those that listen to a cell
+    Number first_listener_ = 0;
     Endpoint shared_at_;
     std::unique_ptr<net::ReceiveBatch> incoming_ = std::make_unique<net::ReceiveBatch>();
     std::array<Number, net::ReceiveBatch::capacity> receivers_{};  // of what was read last
@@ -85,6 +98,7 @@ private:
     std::vector<Waiting> waiting_;
     std::vector<std::uint8_t> octets_;  // of what waits
     net::NetCounters counters_;
+    std::uint64_t heard_in_cell_ = 0;
     bool was_refused_ = false;
 };
 

@@ -12,14 +12,16 @@
 
 #include "experiments/load/load_plan.h"
 #include "romano/client/client.h"
+#include "romano/mqttsn/cell.h"
 
 namespace romano::experiments {
 
 /// How large the room of a client is, and what stands where in it.
 struct ClientLayout {
     explicit ClientLayout(const LoadPlan& plan)
-        : topics(plan.most_topics_of_a_client()),
-          name_octets(topics * plan.topic_name(plan.topics).size()),
+        : topics(plan.most_topics_of_a_client() + 1),  // and the cell's name
+          name_octets((topics - 1) * plan.topic_name(plan.topics).size() +
+                      mqttsn::cell_topic.size()),
           // Operations that wait behind the one that the broker has not answered yet.
           queue_octets((sizeof(client::Operation) + plan.topic_name(plan.topics).size() +
                         plan.payload_octets) *

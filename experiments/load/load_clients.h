@@ -46,6 +46,10 @@ public:
     [[nodiscard]] virtual std::uint64_t retransmissions() const = 0;
     /// What got lost in this process: the kernel had no room for it at our sockets.
     [[nodiscard]] virtual std::uint64_t dropped_here() const = 0;
+    /// Datagrams that came because the broker had sent one for many, if clients listen for such.
+    [[nodiscard]] virtual std::optional<std::uint64_t> heard_in_cell() const {
+        return std::nullopt;
+    }
 };
 
 }  // namespace romano::experiments

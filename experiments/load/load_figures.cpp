@@ -63,6 +63,10 @@ std::string text_of(const LoadPlan& plan, const LoadFigures& figures) {
             "acknowledged", Count{figures.unacknowledged}, Count{figures.refused},
             Count{figures.retransmissions}, Count{figures.marked_dup});
     }
+    if (figures.heard_in_cell) {
+        text += line("%-16s %llu of the deliveries by a datagram for many\n", "cell",
+                     Count{*figures.heard_in_cell});
+    }
     text += line("%-16s %.0f %% of a core", "this generator", figures.generator_cpu_percent);
     if (plan.rate_per_s) text += line(", %.0f us late at most", us(figures.worst_lag));
     if (figures.generator_cpu_percent > 95) text += ": it may be the limit, not the broker";
@@ -115,6 +119,9 @@ std::string json_of(const LoadPlan& plan, const LoadFigures& figures) {
         {"not_taken_messages", figures.not_taken},
         {"retransmissions_by_clients", figures.retransmissions},
         {"retransmissions_by_broker", figures.marked_dup},
+        {"deliveries_by_cell", figures.heard_in_cell
+                                   ? nlohmann::ordered_json(*figures.heard_in_cell)
+                                   : nlohmann::ordered_json()},
         {"lost_clients", figures.lost_clients},
         {"generator_cpu_percent", figures.generator_cpu_percent},
         {"generator_lag_max_us", us(figures.worst_lag)},

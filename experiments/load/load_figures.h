@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 
 #include "experiments/load/load_plan.h"
@@ -32,6 +33,7 @@ struct LoadFigures {
     std::uint64_t retransmissions = 0;  // by our clients
     std::uint64_t marked_dup = 0;       // arrivals that the broker said it sent before
     std::uint64_t dropped_here = 0;     // at our own sockets
+    std::optional<std::uint64_t> heard_in_cell;  // datagrams; empty: nobody listens to a cell
     std::uint64_t lost_clients = 0;
     double joined_s = 0;  // until all clients were connected, subscribed and registered
     bool interrupted = false;

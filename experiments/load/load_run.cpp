@@ -65,6 +65,7 @@ LoadFigures LoadRun::run() {
     for (const auto& open : unanswered_) figures_.unacknowledged += open.size();
     figures_.retransmissions = clients_.retransmissions();
     figures_.dropped_here = clients_.dropped_here();
+    figures_.heard_in_cell = clients_.heard_in_cell();
     clients_.leave();
     return figures_;
 }

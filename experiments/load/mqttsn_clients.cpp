@@ -69,15 +69,19 @@ bool is_pingreq(Bytes datagram) {
 MqttsnClients::MqttsnClients(const LoadPlan& plan, const MqttsnOptions& options)
     : plan_(plan),
       options_(options),
-      sockets_(brokers_of(plan, options.brokers), plan.clients(), options.sockets),
+      sockets_(brokers_of(plan, options.brokers), plan.clients(), options.sockets, cell()),
       layout_(plan) {
     for (std::uint32_t topic = 0; topic < plan.topics; ++topic) {
         topic_names_.push_back(plan.topic_name(topic));
     }
+    topic_names_.emplace_back(mqttsn::cell_topic);
     rooms_.resize(layout_.octets() * plan.clients());
     for (Number number = 0; number < plan.clients(); ++number) {
         clients_.emplace_back(plan, options.id_prefix, options.timing, number, layout_,
                               room_of(number));
+        if (has_cell() && number >= plan.publishers) {
+            clients_.back().to_subscribe.push_back(plan.topics);  // the cell's name
+        }
     }
 }
 

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <deque>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -24,6 +25,7 @@ struct MqttsnOptions {
     client::Timing timing;
     std::chrono::seconds keep_alive{60};
     std::string id_prefix = "load";
+    Endpoint cell_group;  // subscribers listen there, too (romano/mqttsn/cell.md); or family none
 };
 
 class MqttsnClients : public LoadClients, private ClientSockets::Listener {
@@ -42,12 +44,23 @@ public:
     [[nodiscard]] std::uint64_t dropped_here() const override {
         return sockets_.dropped() + sockets_.not_sent();
     }
+    [[nodiscard]] std::optional<std::uint64_t> heard_in_cell() const override {
+        if (!has_cell()) return std::nullopt;
+        return sockets_.heard_in_cell();
+    }
 
 private:
     void expect(Number client) override;
     void on_datagram(Instant now, Number client, Bytes octets) override;
     void on_event(Number number, const client::Event& event);
     void go_on_joining(Number number);
+    [[nodiscard]] bool has_cell() const {
+        return options_.cell_group.family != Endpoint::Family::none;
+    }
+    [[nodiscard]] std::optional<ListenedCell> cell() const {
+        if (!has_cell()) return std::nullopt;
+        return ListenedCell{options_.cell_group, plan_.publishers};
+    }
     [[nodiscard]] std::uint8_t* room_of(Number number) {
         return rooms_.data() + number * layout_.octets();
     }

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "experiments/paper/backbone.h"
+#include "experiments/paper/broadcast.h"
 #include "experiments/paper/energy.h"
 #include "experiments/paper/many_cells.h"
 #include "experiments/paper/moves.h"
@@ -45,6 +46,33 @@ TEST(PaperRun, ASeedGivesTheSameDelaysAgain) {
     EXPECT_NEAR(delays[0], 17.8, 1);
     EXPECT_NEAR(delays[2] - delays[1], 9.1, 0.5);
     EXPECT_EQ(means_of(), delays);
+}
+
+constexpr std::size_t broadcasts = 20;
+
+TEST(Broadcast, AtQos0TheLastOf50RobotsHearsAMessageNoMuchLaterThanASingleOne) {
+    const auto run = [](std::size_t robots, Way way) {
+        return broadcast_run(robots, mqttsn::Qos::at_most_once, way, broadcasts, 1);
+    };
+    const BroadcastRun one = run(1, Way::unicast);
+    const BroadcastRun fifty = run(50, Way::cell);
+    EXPECT_EQ(one.heard, 1);
+    EXPECT_GE(fifty.heard, 0.95) << "a broadcast frame is sent once";
+    EXPECT_LE(fifty.last_ms, 1.5 * one.last_ms);
+}
+
+TEST(Broadcast, AtQos1EachOf50RobotsHasAMessageInThreeTimesTheUnicastTimeOfTen) {
+    const auto run = [](std::size_t robots, Way way) {
+        return broadcast_run(robots, mqttsn::Qos::at_least_once, way, broadcasts, 1);
+    };
+    const BroadcastRun one = run(1, Way::unicast);
+    const BroadcastRun ten = run(10, Way::unicast);
+    const BroadcastRun fifty = run(50, Way::cell);
+    EXPECT_EQ(ten.heard, 1);
+    EXPECT_EQ(fifty.heard, 1);
+    EXPECT_GE(ten.last_ms, one.last_ms + 9 * 8) << "one after the other";
+    EXPECT_LE(fifty.last_ms, 3 * ten.last_ms);
+    EXPECT_LT(fifty.air_ms / 50, ten.air_ms / 10);
 }
 
 const Statement& statement_about(const std::vector<Statement>& statements,

@@ -3,7 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
+#include <string>
 
 #include "tests/experiments/system/processes.h"
 
@@ -47,6 +49,33 @@ TEST_F(Load, KeepsToItsRate) {
     EXPECT_GE(figures.at("published_messages"), 125);
     EXPECT_LT(figures.at("published_messages"), 2500);
     EXPECT_EQ(figures.at("lost"), 0);
+}
+
+TEST(LoadByCell, OneDatagramIsHeardByAllSubscribers) {
+    const std::string address = "127.40.250.2";
+    const std::string group = "239.40.250.2:" + own_port();
+    const ServingBroker broker{address, {"--cell-group", group}};
+    // At QoS 1 listeners take up to 50 ms to answer, and who has not answered is sent unicasts.
+    for (const char* how : {"-q 0 --in-flight 1 --duration 0.2", "-q 1 --rate 5 --duration 1"}) {
+        const Ran ran =
+            run_romano("load -h " + address + " -p " + own_port() +
+                       " --warm-up 0 --json --subscribers 10 --cell-group " + group + " " + how);
+        ASSERT_EQ(ran.exit_code, 0) << ran.output;
+        const auto figures = nlohmann::json::parse(ran.output);
+        EXPECT_GT(figures.at("delivered"), 0);
+        EXPECT_EQ(figures.at("lost"), 0);
+        EXPECT_EQ(figures.at("duplicates"), 0);
+        EXPECT_GE(figures.at("deliveries_by_cell"), figures.at("delivered").get<int>() / 2);
+    }
+}
+
+TEST(LoadByCell, AGroupThatCannotBeIsOneSentence) {
+    for (const char* group : {"127.0.0.1:5", "239.1.1.1:0", "[ff05::1]:1884", "nonsense"}) {
+        const Ran ran = run_romano(std::string{"load -h 127.40.250.3 --cell-group "} + group);
+        EXPECT_EQ(ran.exit_code, 2);
+        EXPECT_THAT(ran.output, HasSubstr(std::string{"--cell-group `"} + group + "`: "));
+        EXPECT_EQ(std::count(ran.output.begin(), ran.output.end(), '\n'), 1) << ran.output;
+    }
 }
 
 TEST_F(Load, TellsPeopleTheSameInAFewLines) {

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <chrono>
 #include <optional>
-#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -184,65 +183,6 @@ TEST(RadioOptions, ImpossibleChannelsAndBaudRatesGetOneSentence) {
     options.robot_baud = 0;
     EXPECT_EQ(problem_with(options),
               "a UART of 0 baud cannot be: give 1200 to 10000000 baud, or none");
-}
-
-/// Of the last robot to get one message, in ms, on average of so many messages.
-double last_delay_ms(std::size_t robots, Qos qos, bool is_cast, std::size_t messages = 20) {
-    broker::BrokerOptions broker = sim::LoneWorld::quick_broker();
-    if (is_cast) broker.cell_group = sim::World::cell_group();
-    sim::LoneWorld world(1, broker);
-    sim::RobotOptions on_the_wire;
-    on_the_wire.name = "operator";
-    world.add_robot(on_the_wire);
-    RadioOptions options;
-    options.cells.resize(1);
-    for (std::size_t i = 0; i < robots; ++i) {
-        sim::RobotOptions robot;
-        robot.name = "robot" + std::to_string(i);
-        robot.subscriptions = {{"common", Qos::at_least_once}};
-        if (is_cast) robot.cell_group = sim::World::cell_group();
-        const sim::Robot& added = world.add_robot(robot);
-        options.cells[0].robots.push_back({added.options().address, {2, 0}});
-    }
-    const RadioNetwork network(world, options);
-    for (std::size_t i = 0; i < world.robot_count(); ++i) world.robot(i).start();
-    EXPECT_TRUE(world.run_until(
-        [&] { return world.robots_are_idle() && world.ledger().subscriptions.size() == robots; },
-        60s));
-    world.run_for(2s);
-    (void)world.robot(0).publish("common", qos);  // it learns the topic id
-    world.run_for(5s);
-    Duration sum{};
-    for (std::size_t i = 0; i < messages; ++i) {
-        const auto number = world.robot(0).publish("common", qos);
-        world.run_for(5s);
-        Instant last{};
-        std::set<std::string> having;
-        for (const auto& reception : world.ledger().receptions) {
-            if (reception.number != number || !having.insert(reception.subscriber).second) continue;
-            last = std::max(last, reception.at);
-        }
-        // A broadcast frame is sent once.
-        EXPECT_GE(having.size(), qos == Qos::at_most_once ? robots * 9 / 10 : robots);
-        sum += last - world.ledger().sent.at({"operator", *number}).at;
-    }
-    return std::chrono::duration<double, std::milli>(sum).count() / static_cast<double>(messages);
-}
-
-TEST(RadioCell, AtQos0TheLastOf50RobotsHearsAMessageNoMuchLaterThanASingleOne) {
-    const double one = last_delay_ms(1, Qos::at_most_once, false);
-    const double fifty = last_delay_ms(50, Qos::at_most_once, true);
-    RecordProperty("one_ms", std::to_string(one));
-    RecordProperty("fifty_ms", std::to_string(fifty));
-    EXPECT_LE(fifty, 1.5 * one);
-}
-
-TEST(RadioCell, AtQos1EachOf50RobotsHasAMessageInThreeTimesTheUnicastTimeOfTen) {
-    const double ten = last_delay_ms(10, Qos::at_least_once, false);
-    const double fifty = last_delay_ms(50, Qos::at_least_once, true);
-    RecordProperty("ten_ms", std::to_string(ten));
-    RecordProperty("fifty_ms", std::to_string(fifty));
-    EXPECT_LE(fifty, 3 * ten);
 }
 
 }  // namespace
