@@ -144,7 +144,6 @@ void add_options(CLI::App& app, SettingTexts& texts) {
     app.add_option("--voters", texts.voters,
                    "raft: the names of all brokers that vote, this one or not, such as r1,r2,r3")
         ->type_name("NAME,...")
-        ->delimiter(',')
         ->group(cluster);
     app.add_option("--detector", texts.detector,
                    "Failure detector: link knows of a crash at once; silence is left to beacons")

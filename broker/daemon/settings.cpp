@@ -6,6 +6,7 @@
 #include <array>
 #include <charconv>
 #include <limits>
+#include <ranges>
 #include <span>
 #include <string_view>
 
@@ -367,18 +368,24 @@ std::vector<std::string> check_voters(const SettingTexts& texts) {
         }
         return {};
     }
-    if (texts.voters.empty()) {
+    std::vector<std::string> voters;
+    for (const std::string& names : texts.voters) {
+        for (const auto& name : std::views::split(names, ',')) {
+            voters.emplace_back(name.begin(), name.end());
+            check_broker_name("voters", voters.back());
+        }
+    }
+    if (voters.empty()) {
         refuse_option(
             "elector", texts.elector,
             "needs --voters: the names of the brokers that vote, for example --voters r1,r2,r3");
     }
-    for (const std::string& voter : texts.voters) {
-        check_broker_name("voters", voter);
-        if (std::ranges::count(texts.voters, voter) > 1) {
+    for (const std::string& voter : voters) {
+        if (std::ranges::count(voters, voter) > 1) {
             refuse_option("voters", voter, "is given twice; each broker has one vote");
         }
     }
-    return texts.voters;
+    return voters;
 }
 
 /// What a broker alone would silently not do. A default that is written out, as in an uncommented

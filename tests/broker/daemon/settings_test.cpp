@@ -185,12 +185,14 @@ TEST(Settings, BeaconsMustBeShorterThanHalfTheTimeout) {
 }
 
 TEST(Settings, RaftNeedsVotersAndOthersNeedNone) {
-    const Settings settings = check({.domain = "7", .elector = "raft", .voters = {"r1", "r2"}});
-    EXPECT_THAT(settings.cluster->voters, testing::ElementsAre("r1", "r2"));
+    const Settings settings = check({.domain = "7", .elector = "raft", .voters = {"r1,r2", "r3"}});
+    EXPECT_THAT(settings.cluster->voters, testing::ElementsAre("r1", "r2", "r3"));
     EXPECT_THAT(refusal({.elector = "raft"}), AllOf(names("elector", "raft"), HasSubstr("voters")));
     EXPECT_THAT(refusal({.voters = {"r1"}}), names("voters", "r1"));
     EXPECT_THAT(refusal({.elector = "raft", .voters = {"r1", "r1"}}), names("voters", "r1"));
+    EXPECT_THAT(refusal({.elector = "raft", .voters = {"r1,r2", "r1"}}), names("voters", "r1"));
     EXPECT_THAT(refusal({.elector = "raft", .voters = {"a/b"}}), names("voters", "a/b"));
+    EXPECT_THAT(refusal({.elector = "raft", .voters = {"r1,,r2"}}), names("voters", ""));
     EXPECT_THAT(refusal({.name = "r1,r2"}), names("name", "r1,r2"));
 }
 
