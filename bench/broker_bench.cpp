@@ -15,6 +15,7 @@
 #include "bench/summary.h"
 #include "broker/net/endpoint_text.h"
 #include "experiments/load/load_run.h"
+#include "romano/cli/real_number.h"
 
 namespace {
 
@@ -152,7 +153,7 @@ int main(int argc, char** argv) {
         "and other brokers carry the same messages.",
         "romano_broker_bench"};
     program.add_option("--seconds", options.seconds, "Measured seconds of each run")
-        ->check(CLI::Range(0.02, 3600.0))
+        ->check(real_number(0.02, 3600))
         ->capture_default_str();
     program.add_option("--repetitions", options.repetitions, "Of everything, in turn")
         ->check(CLI::Range(1, 1000))

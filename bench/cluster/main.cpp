@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "bench/cluster/cost.h"
+#include "romano/cli/real_number.h"
 
 namespace {
 
@@ -76,7 +77,7 @@ int main(int argc, char** argv) {
     unsigned repetitions = 5;
     std::vector<std::string> only;
     app.add_option("--seconds", seconds, "Measured seconds of each run")
-        ->check(CLI::Range(0.1, 3600.0))
+        ->check(real_number(0.1, 3600))
         ->capture_default_str();
     app.add_option("--repetitions", repetitions, "Of everything, in turn")
         ->check(CLI::Range(1, 1000))

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "experiments/cli/real_number.h"
+#include "romano/cli/real_number.h"
 #include "romano/keys/key_error.h"
 #include "romano/mqttsn/topic.h"
 

@@ -5,10 +5,10 @@
 #include <memory>
 #include <string>
 
-#include "experiments/cli/real_number.h"
 #include "experiments/compare/compare_report.h"
 #include "experiments/sweep/results_folder.h"
 #include "experiments/sweep/text_file.h"
+#include "romano/cli/real_number.h"
 
 namespace romano::experiments {
 namespace {

@@ -14,10 +14,10 @@
 #include "experiments/cli/broker_options.h"
 #include "experiments/cli/denial.h"
 #include "experiments/cli/interrupt.h"
-#include "experiments/cli/real_number.h"
 #include "experiments/operator/loop_request.h"
 #include "experiments/operator/node_watch.h"
 #include "experiments/operator/own_id.h"
+#include "romano/cli/real_number.h"
 #include "romano/control/plant.h"
 
 namespace romano::experiments {

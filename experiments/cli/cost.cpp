@@ -14,13 +14,13 @@
 #include <utility>
 #include <vector>
 
-#include "experiments/cli/real_number.h"
 #include "experiments/report/plot.h"
 #include "experiments/report/summary_table.h"
 #include "experiments/sweep/csv.h"
 #include "experiments/sweep/progress_bar.h"
 #include "overlay/dds/body_codec.h"
 #include "overlay/sim/cost.h"
+#include "romano/cli/real_number.h"
 
 namespace romano::experiments {
 namespace {

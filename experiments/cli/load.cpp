@@ -11,11 +11,12 @@
 #include <memory>
 #include <string>
 
+#include "broker/net/endpoint_text.h"
 #include "broker/net/socket_address.h"
 #include "experiments/cli/broker_options.h"
-#include "experiments/cli/real_number.h"
 #include "experiments/load/load_run.h"
 #include "experiments/load/mqttsn_clients.h"
+#include "romano/cli/real_number.h"
 #include "romano/mqttsn/topic.h"
 
 namespace romano::experiments {
@@ -27,6 +28,7 @@ constexpr const char* load_examples = R"(Examples:
   romano load                                       (closed loop, one publisher, one subscriber)
   romano load -h 192.168.1.5 --rate 10000           (10,000 messages a second: what is the latency?)
   romano load --subscribers 50                      (fan-out: each message goes to 50)
+  romano load --subscribers 50 --cell-group 239.1.1.1:1890      (by one datagram for all of them)
   romano load --publishers 20 --subscribers 20 --topics 20 -q 1
   romano load -h ::1 -p 1884 --rate 200 -q 2 --payload 200 --duration 60 --json
   romano load -h 127.0.0.1 --also 127.0.0.2 -q 1    (from one broker of a cluster to another)
@@ -47,6 +49,7 @@ struct LoadOptions {
     double warm_up_s = 1;
     double duration_s = 5;
     double drain_s = 5;
+    std::string cell_group;
     bool one_socket = false;
     bool never_sleep = false;
     bool json = false;
@@ -114,12 +117,28 @@ private:
     std::chrono::steady_clock::time_point last_{};
 };
 
+Endpoint cell_of(const LoadOptions& options, const Endpoint& broker) {
+    if (options.cell_group.empty()) return {};
+    const auto group = net::parse_endpoint(options.cell_group);
+    if (!group || group->port == 0 || !net::is_multicast(*group)) {
+        throw CommandError("--cell-group `" + options.cell_group +
+                           "`: must be a multicast group and port, such as 239.1.1.1:1890");
+    }
+    if (group->family != broker.family) {
+        throw CommandError("--cell-group `" + options.cell_group +
+                           "`: is not of the family of -h " + options.broker.host);
+    }
+    return *group;
+}
+
 int run(const LoadOptions& options) {
     MqttsnOptions mqttsn{.brokers = brokers_of(options),
                          .sockets = options.one_socket ? SocketUse::shared : SocketUse::one_each,
                          .timing = options.broker.timing(),
                          .keep_alive = std::chrono::seconds{options.broker.keep_alive_s},
-                         .id_prefix = options.broker.id_or("load")};
+                         .id_prefix = options.broker.id_or("load"),
+                         .cell_group = {}};
+    mqttsn.cell_group = cell_of(options, mqttsn.brokers.front());
     mqttsn.timing.t_wait = 1s;
     MqttsnClients clients{options.plan, mqttsn};
     Progress progress{::isatty(STDERR_FILENO) != 0};
@@ -198,9 +217,17 @@ void add_load(CLI::App& program, int& exit_code) {
     command.add_option("--topic", plan.topic_prefix, "The topics are NAME/0, NAME/1...")
         ->type_name("NAME")
         ->capture_default_str();
-    command.add_flag("--one-socket", options->one_socket,
-                     "All clients on one socket, each with an address of its own (127.1.0.0 and "
-                     "up): the generator needs less CPU. For brokers on 127.0.0.0/8");
+    CLI::Option* cell_group =
+        command
+            .add_option("--cell-group", options->cell_group,
+                        "Subscribers listen there, too, to what the broker sends once for many "
+                        "(its --cell-group)")
+            ->type_name("ADDR:PORT");
+    command
+        .add_flag("--one-socket", options->one_socket,
+                  "All clients on one socket, each with an address of its own (127.1.0.0 and "
+                  "up): the generator needs less CPU. For brokers on 127.0.0.0/8")
+        ->excludes(cell_group);
     command.add_flag(
         "--never-sleep", options->never_sleep,
         "Poll without waiting: takes a core, and keeps this program's own wake-ups out "

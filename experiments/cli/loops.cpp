@@ -10,11 +10,11 @@
 #include <string>
 #include <vector>
 
-#include "experiments/cli/real_number.h"
 #include "experiments/cli/report_run.h"
 #include "experiments/loops/deviation.h"
 #include "experiments/loops/formation.h"
 #include "experiments/loops/margins.h"
+#include "romano/cli/real_number.h"
 
 namespace romano::experiments {
 namespace {

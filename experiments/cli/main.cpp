@@ -7,6 +7,7 @@
 #include "experiments/cli/apply.h"
 #include "experiments/cli/broker_options.h"
 #include "experiments/cli/brokers.h"
+#include "experiments/cli/cell.h"
 #include "experiments/cli/compare.h"
 #include "experiments/cli/control.h"
 #include "experiments/cli/cost.h"
@@ -62,6 +63,7 @@ int main(int argc, char** argv) {
     add_cost(program, exit_code);
     add_loops(program, exit_code);
     add_paper(program, exit_code);
+    add_cell(program, exit_code);
     try {
         program.parse(argc, argv);
         if (program.get_subcommands().empty()) {

@@ -8,14 +8,15 @@
 #include <string>
 #include <vector>
 
-#include "experiments/cli/real_number.h"
 #include "experiments/cli/report_run.h"
 #include "experiments/paper/backbone.h"
+#include "experiments/paper/broadcast.h"
 #include "experiments/paper/cells_plan.h"
 #include "experiments/paper/energy.h"
 #include "experiments/paper/moves.h"
 #include "experiments/paper/paper_plan.h"
 #include "experiments/paper/paper_report.h"
+#include "romano/cli/real_number.h"
 
 namespace romano::experiments {
 namespace {
@@ -27,19 +28,20 @@ constexpr const char* paper_examples = R"(Examples:
   romano paper --parts cells --brokers 1,2,4 --cell-channels 2
 Parts: table (the paper's table and figure, each number it states beside ours), energy (what a message
 costs, from the table's runs), cells (a broker for each cell), moves (failover and roaming), backbone
-(brokers whose beacons are on the robots' channel).
+(brokers whose beacons are on the robots' channel), broadcast (one datagram for a whole cell).
 The shipped cores on ns-3's IEEE 802.15.4 with 6LoWPAN, in virtual time (overlay/radio). The same seed
 gives the same numbers. Begun again, it goes on where it was interrupted. The folder then holds
 report.html, each table as CSV, and each figure as SVG where gnuplot is.
 )";
 
 struct Options {
-    ReportRun report{.parts = {"table", "energy", "cells", "moves", "backbone"},
+    ReportRun report{.parts = {"table", "energy", "cells", "moves", "backbone", "broadcast"},
                      .output = "results/paper"};
     PaperPlan table;
     CellsPlan cells;
     MovesPlan moves;
     BackbonePlan backbone;
+    BroadcastPlan broadcast;
 };
 
 std::vector<SeparateRun> runs_of(const Options& options) {
@@ -52,6 +54,7 @@ std::vector<SeparateRun> runs_of(const Options& options) {
     if (options.report.wants("cells")) add(runs_of(options.cells));
     if (options.report.wants("moves")) add(runs_of(options.moves));
     if (options.report.wants("backbone")) add(runs_of(options.backbone));
+    if (options.report.wants("broadcast")) add(runs_of(options.broadcast));
     return all;
 }
 
@@ -63,6 +66,8 @@ std::vector<Section> sections_of(const Options& options, const std::filesystem::
     if (options.report.wants("cells")) all.push_back(cells_section(options.cells, folder));
     if (options.report.wants("moves")) all.push_back(moves_section(options.moves, folder));
     if (options.report.wants("backbone")) all.push_back(backbone_section(options.backbone, folder));
+    if (options.report.wants("broadcast"))
+        all.push_back(broadcast_section(options.broadcast, folder));
     return all;
 }
 
@@ -113,11 +118,17 @@ void add_paper(CLI::App& program, int& exit_code) {
                     "cells: channels that the cells take in turn")
         ->check(CLI::Range(1, 16))
         ->capture_default_str();
+    command
+        .add_option("--robots", options->broadcast.robots,
+                    "broadcast: counts of robots in the cell, such as 1,10,50")
+        ->delimiter(',')
+        ->check(CLI::Range(1, 100))
+        ->capture_default_str();
     command.footer(paper_examples);
     command.callback([options, &exit_code] {
         const std::uint64_t seed = options->report.seed;
         options->table.seed = options->cells.seed = seed;
-        options->moves.seed = options->backbone.seed = seed;
+        options->moves.seed = options->backbone.seed = options->broadcast.seed = seed;
         PaperPlan& table = options->table;
         options->moves.runs = table.runs;
         table.delay_messages = std::min(table.delay_messages, table.messages);

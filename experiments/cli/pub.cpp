@@ -18,7 +18,7 @@
 #include "experiments/cli/broker_options.h"
 #include "experiments/cli/denial.h"
 #include "experiments/cli/interrupt.h"
-#include "experiments/cli/real_number.h"
+#include "romano/cli/real_number.h"
 #include "romano/mqttsn/topic.h"
 
 namespace romano::experiments {

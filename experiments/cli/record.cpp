@@ -15,10 +15,10 @@
 #include "experiments/cli/broker_options.h"
 #include "experiments/cli/denial.h"
 #include "experiments/cli/interrupt.h"
-#include "experiments/cli/real_number.h"
 #include "experiments/recording/recorder.h"
 #include "experiments/sweep/build_info.h"
 #include "experiments/watch/broker_status.h"
+#include "romano/cli/real_number.h"
 #include "romano/mqttsn/topic.h"
 #include "romano/server/server.h"
 

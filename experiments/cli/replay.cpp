@@ -18,11 +18,11 @@
 #include "experiments/cli/broker_options.h"
 #include "experiments/cli/denial.h"
 #include "experiments/cli/interrupt.h"
-#include "experiments/cli/real_number.h"
 #include "experiments/mcap/reader.h"
 #include "experiments/recording/left_out_text.h"
 #include "experiments/recording/recorded_message.h"
 #include "experiments/recording/recording_file.h"
+#include "romano/cli/real_number.h"
 #include "romano/mqttsn/topic.h"
 
 namespace romano::experiments {

@@ -13,11 +13,11 @@
 #include "experiments/cli/broker_options.h"
 #include "experiments/cli/denial.h"
 #include "experiments/cli/interrupt.h"
-#include "experiments/cli/real_number.h"
 #include "experiments/cli/robots.h"
 #include "experiments/operator/message_text.h"
 #include "experiments/operator/node_watch.h"
 #include "experiments/operator/robot_message.h"
+#include "romano/cli/real_number.h"
 
 namespace romano::experiments {
 namespace {

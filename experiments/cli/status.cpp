@@ -11,8 +11,8 @@
 #include <thread>
 
 #include "experiments/cli/broker_options.h"
-#include "experiments/cli/real_number.h"
 #include "experiments/report/summary_table.h"
+#include "romano/cli/real_number.h"
 
 namespace romano::experiments {
 namespace {

@@ -15,8 +15,8 @@
 
 #include "experiments/cli/broker_options.h"
 #include "experiments/cli/denial.h"
-#include "experiments/cli/real_number.h"
 #include "experiments/operator/message_text.h"
+#include "romano/cli/real_number.h"
 #include "romano/mqttsn/topic.h"
 
 namespace romano::experiments {

@@ -17,7 +17,6 @@
 #include "experiments/cli/broker_options.h"
 #include "experiments/cli/denial.h"
 #include "experiments/cli/interrupt.h"
-#include "experiments/cli/real_number.h"
 #include "experiments/fleet/fleet_picture.h"
 #include "experiments/mcap/reader.h"
 #include "experiments/recording/playback.h"
@@ -25,6 +24,7 @@
 #include "experiments/web/fleet_watch.h"
 #include "experiments/web/web_api.h"
 #include "experiments/web/web_server.h"
+#include "romano/cli/real_number.h"
 
 namespace romano::experiments {
 namespace {

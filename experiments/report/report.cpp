@@ -129,6 +129,15 @@ std::string link_text(const SimulatedLink& link) {
            csv_number(link.loss_percent) + " %";
 }
 
+std::string baud_text(std::optional<std::uint32_t> baud) {
+    return baud ? std::to_string(*baud) + " baud" : "none";
+}
+
+std::string virtual_time() {
+    return "the shipped cores of brokers and robots in virtual time, in which what a core computes "
+           "takes no time";
+}
+
 /// What the cells ran in.
 std::string world_text(const SweepSettings& settings, const Manifest& manifest) {
     switch (settings.world) {
@@ -140,12 +149,19 @@ std::string world_text(const SweepSettings& settings, const Manifest& manifest) 
                    (manifest.hosts.size() == 1 ? " host" : " hosts") +
                    " and real MQTT-SN robots on another machine, over UDP";
         case World::simulated:
+            return "simulated, " + virtual_time() + "; links between robots and brokers take " +
+                   link_text(settings.client_link) + ", those between brokers " +
+                   link_text(settings.broker_link);
+        case World::radio:
             break;
     }
-    return "simulated, the shipped cores of brokers and robots in virtual time, in which what a "
-           "core computes takes no time; links between robots and brokers take " +
-           link_text(settings.client_link) + ", those between brokers " +
-           link_text(settings.broker_link);
+    return "on modelled IEEE 802.15.4, " + virtual_time() +
+           "; each broker's cell has a border router " +
+           "(UART: " + baud_text(settings.radio.router_baud) +
+           "; the robots': " + baud_text(settings.radio.robot_baud) + "), " +
+           csv_number(settings.radio.router_distance_m) + " m from the next one, on " +
+           std::to_string(settings.radio.channels) +
+           " channels in turn; links between brokers take " + link_text(settings.broker_link);
 }
 
 /// Says nothing when the brokers ran beside the robots.

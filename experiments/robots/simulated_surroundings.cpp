@@ -80,9 +80,9 @@ private:
 
 }  // namespace
 
-Endpoint SimulatedSurroundings::address_of_port(std::uint32_t number) {
+Endpoint SimulatedSurroundings::address_of_port(std::uint32_t number, std::uint8_t network) {
     Endpoint own{.port = 5'000, .family = Endpoint::Family::ipv4};
-    own.address = {10, static_cast<std::uint8_t>(2 + number / 62'500),
+    own.address = {10, static_cast<std::uint8_t>(network + number / 62'500),
                    static_cast<std::uint8_t>(number / 250 % 250),
                    static_cast<std::uint8_t>(number % 250 + 1)};
     return own;
@@ -90,8 +90,9 @@ Endpoint SimulatedSurroundings::address_of_port(std::uint32_t number) {
 
 std::unique_ptr<Port> SimulatedSurroundings::open_port(const BrokerAddress& broker,
                                                        Port::OnDatagram on_datagram) {
-    return std::make_unique<SimulatedPort>(world_.clients(), node_, address_of_port(ports_++),
-                                           endpoint_of(broker), std::move(on_datagram));
+    return std::make_unique<SimulatedPort>(world_.clients(), node_,
+                                           address_of_port(ports_++, network_), endpoint_of(broker),
+                                           std::move(on_datagram));
 }
 
 std::unique_ptr<Alarm> SimulatedSurroundings::make_alarm(std::function<void()> on_ring) {

@@ -12,11 +12,17 @@ namespace romano::experiments {
 
 class SimulatedSurroundings final : public Surroundings {
 public:
-    /// All that it opens is at the place `node`. The world lives longer.
-    SimulatedSurroundings(sim::World& world, sim::Node node) : world_(world), node_(node) {}
+    /// The ports have addresses in 10.2.0.0/16, and in the networks behind it when there are many.
+    static constexpr std::uint8_t usual_network = 2;
+
+    /// All that it opens is at the place `node`. The world lives longer. Two of one world have
+    /// networks far from each other.
+    SimulatedSurroundings(sim::World& world, sim::Node node, std::uint8_t network = usual_network)
+        : world_(world), node_(node), network_(network) {}
 
     /// Of the port that is opened as the so-maniest, from 0.
-    [[nodiscard]] static Endpoint address_of_port(std::uint32_t number);
+    [[nodiscard]] static Endpoint address_of_port(std::uint32_t number,
+                                                  std::uint8_t network = usual_network);
 
     [[nodiscard]] Instant now() const override { return world_.now(); }
     /// `broker` is an IPv4 address.
@@ -27,6 +33,7 @@ public:
 private:
     sim::World& world_;
     sim::Node node_;
+    std::uint8_t network_;
     std::uint32_t ports_ = 0;
 };
 

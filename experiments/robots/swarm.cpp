@@ -42,9 +42,9 @@ struct Swarm::Robot {
     std::vector<std::uint8_t> payload;
 };
 
-Swarm::Swarm(Surroundings& surroundings, std::vector<BrokerAddress> brokers, Traffic traffic,
-             const SwarmOptions& options)
-    : surroundings_(surroundings),
+Swarm::Swarm(Surroundings& robots, Surroundings& server, std::vector<BrokerAddress> brokers,
+             Traffic traffic, const SwarmOptions& options)
+    : surroundings_(robots),
       brokers_(std::move(brokers)),
       traffic_(std::move(traffic)),
       options_(options) {
@@ -56,7 +56,8 @@ Swarm::Swarm(Surroundings& surroundings, std::vector<BrokerAddress> brokers, Tra
     Random random{options_.seed};
     for (RobotNumber number = 0; number < traffic_.clients(); ++number) {
         robots_.push_back(std::make_unique<Robot>(
-            surroundings_, number, brokers_[number % brokers_.size()], timing, random.next(),
+            traffic_.is_robot(number) ? robots : server, number, brokers_[number % brokers_.size()],
+            timing, random.next(),
             [this, number](const client::Event& event) { on_event(*robots_[number], event); },
             [this, number] {
                 if (loading_) publish_due(*robots_[number]);

@@ -26,8 +26,8 @@ struct SwarmOptions {
 class Swarm {
 public:
     /// Client i lives at brokers[i % brokers.size()].
-    Swarm(Surroundings& surroundings, std::vector<BrokerAddress> brokers, Traffic traffic,
-          const SwarmOptions& options);
+    Swarm(Surroundings& robots, Surroundings& server, std::vector<BrokerAddress> brokers,
+          Traffic traffic, const SwarmOptions& options);
     ~Swarm();
 
     /// Connects all clients, then subscribes; a few at a time, as a swarm is switched on.

@@ -24,6 +24,7 @@ public:
 
     /// Robots, and behind them the server where the pattern has one.
     [[nodiscard]] std::uint32_t clients() const { return clients_; }
+    [[nodiscard]] bool is_robot(RobotNumber client) const { return client < robots_; }
     [[nodiscard]] bool publishes(RobotNumber client) const;
     [[nodiscard]] const std::vector<TrafficTopic>& topics() const { return topics_; }
 

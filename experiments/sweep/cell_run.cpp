@@ -88,7 +88,7 @@ void CellRun::await_one_view() {
 void CellRun::join_robots() {
     doing_ = "robots join";
     swarm_ = std::make_unique<Swarm>(
-        world_->surroundings(), brokers_->addresses(),
+        world_->robots(), world_->surroundings(), brokers_->addresses(),
         Traffic{settings_.pattern, cell_.robots, settings_.group, cell_.qos},
         SwarmOptions{.rate_per_s = cell_.rate_per_s,
                      .payload_octets = cell_.payload_octets,

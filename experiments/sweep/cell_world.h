@@ -39,6 +39,8 @@ public:
     CellWorld& operator=(const CellWorld&) = delete;
 
     [[nodiscard]] virtual Surroundings& surroundings() = 0;
+    /// Of the robots, where they are elsewhere than who watches, probes and steers.
+    [[nodiscard]] virtual Surroundings& robots() { return surroundings(); }
     [[nodiscard]] Instant now() { return surroundings().now(); }
     /// Date and time for people; empty where there is no calendar.
     [[nodiscard]] virtual std::string date() const = 0;

@@ -24,9 +24,6 @@ constexpr Duration step = 1ms;  // of virtual time, from one look to the next
 constexpr Duration starts_within_min = 50ms;
 constexpr Duration starts_within_max = 150ms;
 
-/// All of a cell's robots are at one place, as they are on one machine in the real world.
-constexpr sim::Node robots_node{1'000'000};
-
 Duration from_ms(double ms) {
     return std::chrono::duration_cast<Duration>(std::chrono::duration<double, std::milli>{ms});
 }
@@ -119,7 +116,7 @@ SimulatedWorld::SimulatedWorld(const SweepSettings& settings, const Cell& cell)
       peers_(world_.events(), world_.trace(), peers_options(settings, codec_),
              sim::seed_of(seed_of(cell), "broker network")),
       random_(sim::seed_of(seed_of(cell), "starts")),
-      robots_(world_, robots_node),
+      clients_(world_, clients_node),
       brokers_(cell.brokers) {
     world_.clients().set_quality(quality_of(settings.client_link));
 }
@@ -206,7 +203,7 @@ void SimulatedWorld::cut(std::size_t broker) {
         peers_.cut(node, sim::World::broker_node(other));
         peers_.cut(sim::World::broker_node(other), node);
     }
-    world_.clients().cuts().cut_both(node, robots_node, world_.now());
+    world_.clients().cuts().cut_both(node, clients_node, world_.now());
 }
 
 void SimulatedWorld::mend(std::size_t broker) {
@@ -216,8 +213,8 @@ void SimulatedWorld::mend(std::size_t broker) {
         peers_.join(node, sim::World::broker_node(other));
         peers_.join(sim::World::broker_node(other), node);
     }
-    world_.clients().cuts().join(node, robots_node);
-    world_.clients().cuts().join(robots_node, node);
+    world_.clients().cuts().join(node, clients_node);
+    world_.clients().cuts().join(clients_node, node);
 }
 
 bool SimulatedWorld::has_ended(std::size_t broker) {

@@ -22,12 +22,12 @@ namespace romano::experiments {
 /// Throws SweepError for `broker_options` that are none, or mean nothing without a machine.
 void check_simulated_broker_options(const SweepSettings& settings);
 
-class SimulatedWorld final : public CellWorld {
+class SimulatedWorld : public CellWorld {
 public:
     SimulatedWorld(const SweepSettings& settings, const Cell& cell);
     ~SimulatedWorld() override;
 
-    [[nodiscard]] Surroundings& surroundings() override { return robots_; }
+    [[nodiscard]] Surroundings& surroundings() override { return clients_; }
     [[nodiscard]] std::string date() const override { return {}; }
     bool run_until(Instant deadline, const std::function<bool()>& done,
                    const std::function<void()>& look) override;
@@ -49,6 +49,12 @@ public:
     [[nodiscard]] std::string how_it_ended(std::size_t) const override { return "by itself"; }
     [[nodiscard]] std::optional<ProcessUsage> usage_of(std::size_t) const override { return {}; }
 
+protected:
+    /// All clients are at one place, as they are on one machine in the real world.
+    static constexpr sim::Node clients_node{1'000'000};
+
+    [[nodiscard]] sim::World& world() { return world_; }
+
 private:
     struct Broker {
         std::unique_ptr<sim::BrokerProcess> process;
@@ -62,7 +68,7 @@ private:
     sim::World world_;
     sim::BrokerNetwork peers_;
     Random random_;
-    SimulatedSurroundings robots_;
+    SimulatedSurroundings clients_;
     std::vector<Broker> brokers_;
 };
 

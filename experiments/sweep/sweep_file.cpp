@@ -22,18 +22,28 @@ constexpr std::array<std::pair<Pattern, std::string_view>, 3> pattern_names{{
     {Pattern::commands, "commands"},
 }};
 
-constexpr std::array<std::pair<World, std::string_view>, 2> world_names{{
+constexpr std::array<std::pair<World, std::string_view>, 3> world_names{{
     {World::processes, "processes"},
     {World::simulated, "simulated"},
+    {World::radio, "radio"},
 }};
 
 /// How large a cell may be.
 struct Most {
     std::uint32_t brokers;
     std::uint32_t robots;
+    std::uint32_t payload_octets;  // one datagram holds them
 };
 constexpr Most most_in(World world) {
-    return world == World::simulated ? Most{100, 2000} : Most{32, 5000};
+    switch (world) {
+        case World::processes:
+            return {32, 5000, 1400};
+        case World::simulated:
+            return {100, 2000, 1400};
+        case World::radio:
+            return {64, 2000, 1000};  // 6LoWPAN's packets have 1280 octets at most
+    }
+    return {};
 }
 
 std::string seconds_text(Seconds seconds) {
@@ -104,8 +114,8 @@ Axes read_axes(const TomlTable& table, const Most& most) {
         return table.number_in(node, "rate", 0.01, 100'000,
                                "messages per second from 0.01 to 100000 are allowed");
     });
-    // A message carries its publisher, number and time: 16 octets. One datagram holds the rest.
-    axes.payload = counts(table, "payload", 32, 16, 1400);
+    // A message carries its publisher, number and time: 16 octets.
+    axes.payload = counts(table, "payload", 32, 16, most.payload_octets);
     axes.qos = table.axis<QosMix>(
         "qos", QosMix{{1}}, [&table](const toml::node& node) { return read_qos(table, node); });
     axes.elector = words(table, "elector", "component", election::elector_names());
@@ -168,13 +178,7 @@ World read_world(const TomlTable& table) {
     for (const auto& [world, name] : world_names) {
         if (name == word) return world;
     }
-    const toml::node& node = *table.find("world");
-    if (word == "radio") {
-        table.refuse(node, "world",
-                     "sweeps have no radio yet, romano paper has; allowed are processes, "
-                     "simulated");
-    }
-    table.refuse(node, "world", "allowed are processes, simulated");
+    table.refuse(*table.find("world"), "world", "allowed are processes, simulated, radio");
 }
 
 /// A number of milliseconds, or the least and the most.
@@ -203,8 +207,35 @@ SimulatedLink read_link(const TomlTable& table, const std::string& who) {
     return link;
 }
 
+/// A baud, or "none".
+void read_baud(const TomlTable& table, const std::string& key, std::optional<std::uint32_t>& baud) {
+    const toml::node* node = table.find(key);
+    if (node == nullptr) return;
+    if (node->value_exact<std::string>() == "none") {
+        baud.reset();
+        return;
+    }
+    if (!node->is_integer()) table.refuse(*node, key, "a baud or \"none\" is allowed");
+    baud = static_cast<std::uint32_t>(table.integer_in(*node, key, 1'200, 10'000'000));
+}
+
+SweptRadio read_radio(const TomlTable& table) {
+    SweptRadio radio;
+    radio.channels =
+        static_cast<std::uint32_t>(table.integer("radio_channels", radio.channels, 1, 16));
+    read_baud(table, "router_baud", radio.router_baud);
+    read_baud(table, "robot_baud", radio.robot_baud);
+    if (const toml::node* node = table.find("router_distance_m")) {
+        radio.router_distance_m = table.number_in(*node, "router_distance_m", 5, 10'000,
+                                                  "metres from 5 to 10000 are allowed");
+    }
+    return radio;
+}
+
 /// What has no meaning in the other world would mislead.
 void refuse_what_is_of_another_world(const TomlTable& table, World world) {
+    constexpr std::array<std::string_view, 4> radio = {"radio_channels", "router_baud",
+                                                       "robot_baud", "router_distance_m"};
     constexpr std::array<std::string_view, 4> simulated = {
         "client_delay_ms", "client_loss_percent", "broker_delay_ms", "broker_loss_percent"};
     constexpr std::array<std::string_view, 3> processes = {"domain_base", "network", "port"};
@@ -219,6 +250,9 @@ void refuse_what_is_of_another_world(const TomlTable& table, World world) {
         refuse(simulated, "only links of a simulated world (`world = \"simulated\"`) have it");
     } else {
         refuse(processes, "a simulated world has no addresses on this machine");
+    }
+    if (world != World::radio) {
+        refuse(radio, "only a radio world (`world = \"radio\"`) has it");
     }
 }
 
@@ -262,6 +296,10 @@ SweepSettings read_settings(const TomlTable& table, const std::string& file_name
                       "client_loss_percent",
                       "broker_delay_ms",
                       "broker_loss_percent",
+                      "radio_channels",
+                      "router_baud",
+                      "robot_baud",
+                      "router_distance_m",
                       "domain_base",
                       "network",
                       "port",
@@ -272,6 +310,7 @@ SweepSettings read_settings(const TomlTable& table, const std::string& file_name
     refuse_what_is_of_another_world(table, settings.world);
     settings.client_link = read_link(table, "client");
     settings.broker_link = read_link(table, "broker");
+    settings.radio = read_radio(table);
     settings.name = table.word("name", std::filesystem::path{file_name}.stem().string());
     if (settings.name.find('/') != std::string::npos) {
         table.refuse(*table.find("name"), "name", "a name without / is allowed");

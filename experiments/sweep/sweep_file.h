@@ -8,6 +8,7 @@
 #include <chrono>
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -31,6 +32,7 @@ enum class Pattern : std::uint8_t {
 enum class World : std::uint8_t {
     processes,  // romano-broker as processes, robots on sockets, on this machine
     simulated,  // the same cores in virtual time, on links with delay and loss
+    radio,      // so, with the robots on modelled IEEE 802.15.4 cells
 };
 [[nodiscard]] std::string_view name_of(World world);
 
@@ -43,11 +45,22 @@ struct SimulatedLink {
     friend bool operator==(const SimulatedLink&, const SimulatedLink&) = default;
 };
 
+/// The robots' network of a radio world.
+struct SweptRadio {
+    std::uint32_t channels = 16;                         // which the brokers' cells take in turn
+    std::optional<std::uint32_t> router_baud = 115'200;  // empty: no line
+    std::optional<std::uint32_t> robot_baud = 115'200;
+    double router_distance_m = 30;  // from one to the next, in a square grid
+
+    friend bool operator==(const SweptRadio&, const SweptRadio&) = default;
+};
+
 struct SweepSettings {
     std::string name;
     World world = World::processes;
     SimulatedLink client_link;  // between robots and brokers
     SimulatedLink broker_link;  // between brokers
+    SweptRadio radio;
     Pattern pattern = Pattern::swarm;
     std::uint32_t repetitions = 1;
     std::chrono::duration<double> duration{10};         // of the load

@@ -21,6 +21,7 @@
 #include "experiments/sweep/place.h"
 #include "experiments/sweep/process_world.h"
 #include "experiments/sweep/progress_bar.h"
+#include "experiments/sweep/radio_world.h"
 #include "experiments/sweep/results_folder.h"
 #include "experiments/sweep/simulated_world.h"
 #include "experiments/sweep/telling.h"
@@ -201,11 +202,11 @@ int run_sweep(const SweepRequest& request) {
     const std::vector<Cell> done = done_elsewhere(sweep, request);
     if (request.only_cell && !request.replace) sweep.cells = cells;
     sweep.settings.output = output_of(sweep, request);
-    const bool is_simulated = sweep.settings.world == World::simulated;
+    const bool is_simulated = sweep.settings.world != World::processes;
     if (request.jobs && !is_simulated) {
         throw SweepError(
             "--jobs " + std::to_string(*request.jobs) +
-            ": only cells of `world = \"simulated\"` run at once; real ones would take "
+            ": only cells of a simulated or a radio world run at once; real ones would take "
             "each other's processor");
     }
     std::optional<NetworkPlace> network;
@@ -214,12 +215,14 @@ int run_sweep(const SweepRequest& request) {
     std::string broker_version;
     if (is_simulated) {
         if (request.hosts) {
-            throw SweepError(
-                "--hosts: the sweep file says `world = \"simulated\"`, which needs no "
-                "hosts; leave one of them out");
+            throw SweepError("--hosts: the sweep file says `world = \"" +
+                             std::string{name_of(sweep.settings.world)} +
+                             "\"`, which needs no hosts; leave one of them out");
         }
         check_simulated_broker_options(sweep.settings);
-        make_world = [&](const Cell& cell) {
+        if (sweep.settings.world == World::radio) check_radio(sweep.settings, sweep.cells);
+        make_world = [&](const Cell& cell) -> std::unique_ptr<CellWorld> {
+            if (sweep.settings.world == World::radio) return make_radio_world(sweep.settings, cell);
             return std::make_unique<SimulatedWorld>(sweep.settings, cell);
         };
     } else if (request.hosts) {

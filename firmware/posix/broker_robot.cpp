@@ -24,6 +24,7 @@
 #include "broker/net/socket_address.h"
 #include "firmware/posix/simulated_robot.h"
 #include "overlay/daemon/cluster_broker.h"
+#include "romano/cli/real_number.h"
 
 namespace {
 
@@ -122,7 +123,7 @@ Settings read(int argc, char** argv) {
         ->type_name("TOPIC");
     app.add_option("--every", settings.every_s, "Seconds between two locations")
         ->needs("--telemetry")
-        ->check(CLI::Range(0.001, 3600.0))
+        ->check(real_number(0.001, 3600))
         ->capture_default_str();
     app.parse(argc, argv);
     const std::vector<std::string> rest = app.remaining();

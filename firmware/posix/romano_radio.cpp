@@ -20,10 +20,12 @@
 
 #include "broker/net/clock.h"
 #include "broker/net/endpoint_text.h"
+#include "broker/net/socket_address.h"
 #include "firmware/posix/udp_board.h"
 #include "firmware/radio/line.h"
 #include "firmware/robot/address.h"
 #include "romano/base/random.h"
+#include "romano/cli/real_number.h"
 #include "romano/message/romano_id.h"
 
 namespace {
@@ -46,6 +48,7 @@ struct Settings {
     std::string id;
     std::string local = "0.0.0.0";
     std::string group;
+    std::string cell_group;
     double bit_errors = 0;
     std::uint64_t seed = 1;
 };
@@ -103,10 +106,12 @@ public:
             refuse("local", settings.local, std::strerror(error));
         }
         scope_ = local.scope;
-        if (settings.group.empty()) return;
-        const auto group = net::parse_endpoint(settings.group);
-        if (!group) refuse("group", settings.group, "is no address and port");
-        udp_.group = firmware::address_of(*group);
+        if (!settings.group.empty()) udp_.group = group_in("group", settings.group);
+        if (settings.cell_group.empty()) return;
+        const romano_address cell = group_in("cell-group", settings.cell_group);
+        if (const int error = romano_udp_listen(&udp_, &local, &cell)) {
+            refuse("cell-group", settings.cell_group, std::strerror(error));
+        }
     }
     ~Radio() {
         romano_udp_close(&udp_);
@@ -116,8 +121,9 @@ public:
     Radio& operator=(const Radio&) = delete;
 
     void run() {
-        std::array<pollfd, 2> ready{{{.fd = uart_, .events = POLLIN, .revents = 0},
-                                     {.fd = udp_.socket, .events = POLLIN, .revents = 0}}};
+        std::array<pollfd, 3> ready{{{.fd = uart_, .events = POLLIN, .revents = 0},
+                                     {.fd = udp_.socket, .events = POLLIN, .revents = 0},
+                                     {.fd = udp_.cell, .events = POLLIN, .revents = 0}}};
         while (interrupted == 0) {
             tell_id();
             line_.on_tick(net::now());
@@ -132,6 +138,14 @@ public:
     }
 
 private:
+    static romano_address group_in(const std::string& option, const std::string& text) {
+        const auto group = net::parse_endpoint(text);
+        if (!group || !net::is_multicast(*group) || group->port == 0) {
+            refuse(option, text, "is no multicast group and port");
+        }
+        return firmware::address_of(*group);
+    }
+
     /// The controller's name is the radio's address; it begins when it knows it.
     void tell_id() {
         if (id_told_) return;
@@ -222,8 +236,12 @@ int main(int argc, char** argv) {
     app.add_option("--group", settings.group,
                    "Where discovery asks (default: 225.1.1.1:1883 or [ff02::225:1:1:1]:1883)")
         ->type_name("ADDR:PORT");
+    app.add_option("--cell-group", settings.cell_group,
+                   "Listen to this multicast group, too, for a controller that listens to its "
+                   "broker's cell (its --cell-group)")
+        ->type_name("ADDR:PORT");
     app.add_option("--bit-errors", settings.bit_errors, "Make the line bad: this share of bits")
-        ->check(CLI::Range(0.0, 0.1))
+        ->check(real_number(0, 0.1))
         ->capture_default_str();
     app.add_option("--seed", settings.seed, "Of the bad line")->capture_default_str();
     std::signal(SIGPIPE, SIG_IGN);

@@ -21,6 +21,7 @@
 #include "broker/net/socket_address.h"
 #include "firmware/posix/simulated_robot.h"
 #include "firmware/robot/address.h"
+#include "romano/cli/real_number.h"
 #include "romano/keys/client_keys.h"
 #include "romano/keys/key_error.h"
 
@@ -100,10 +101,10 @@ void add_options(CLI::App& app, Settings& to) {
         ->type_name("TOPIC");
     app.add_option("--every", to.every_s, "Seconds between two locations")
         ->needs("--telemetry")
-        ->check(CLI::Range(0.001, 3600.0))
+        ->check(real_number(0.001, 3600))
         ->capture_default_str();
     app.add_option("--heartbeat", to.heartbeat_s, "Seconds between two heartbeats, 0 for none")
-        ->check(CLI::Range(0.0, 3600.0))
+        ->check(real_number(0, 3600))
         ->capture_default_str();
     app.add_option("--keepalive", to.keep_alive_s, "Keep-alive in seconds")
         ->check(CLI::Range(1U, 65'535U))
@@ -115,7 +116,7 @@ void add_options(CLI::App& app, Settings& to) {
     app.add_option("--follow", to.follow, "Copy the path of the locations that come on this topic")
         ->type_name("TOPIC");
     app.add_option("--seconds", to.seconds, "End after so long (default: never)")
-        ->check(CLI::Range(0.0, 1e6));
+        ->check(real_number(0, 1e6));
     app.add_flag("--quiet", to.quiet, "Print nothing but the summary at the end");
     app.add_flag("--json", to.as_json, "Print JSON objects, one a line");
 }

@@ -20,6 +20,8 @@ public:
     void at(Instant when, Event event);
     void after(Duration delay, Event event) { at(now_ + delay, std::move(event)); }
 
+    /// When something happens next; or never.
+    [[nodiscard]] Instant next() const { return heap_.empty() ? never : heap_.front().when; }
     /// The clock then stands at `end`.
     void run_until(Instant end);
     void run_for(Duration duration) { run_until(now_ + duration); }

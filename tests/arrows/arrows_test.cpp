@@ -52,6 +52,7 @@ const std::map<std::string, Folders>& allowed() {
         {"overlay/ros2", {"romano/base", "romano/mqttsn", "romano/message"}},
         // shells
         {"romano/keys", {"romano/base", "romano/mqttsn", "romano/protection"}},
+        {"romano/cli", {}},
         {"romano/dtls", {"romano/base", "romano/protection"}},
         {"broker/dtls/openssl",
          {"romano/base", "romano/mqttsn", "romano/protection", "romano/dtls", "broker/core",

@@ -304,6 +304,8 @@ TEST_F(Robots, WhatARobotCannotBeIsOneSentenceBeforeItStarts) {
         {{"--subscribe", "a/#/b"}, "--subscribe 'a/#/b': must be UTF-8 and not empty"},
         {{"--follow", "a+"}, "--follow 'a+': must be UTF-8 and not empty"},
         {{"--every", "2"}, "--every requires --telemetry"},
+        {{"--heartbeat", "nan"}, "--heartbeat: Value nan not in range 0 to 3600"},
+        {{"--seconds", "nan"}, "--seconds: Value nan not in range 0 to 1e+06"},
         {{"--group", "225.1.1.1:1883"}, "--group requires --discover"},
         {{"--local", "::1"}, "is not of the family of --local '::1'"},
         {{"--key", "/nowhere"}, "--key: /nowhere: cannot be read"},

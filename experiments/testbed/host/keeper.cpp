@@ -10,6 +10,7 @@
 #include <fstream>
 #include <functional>
 #include <iterator>
+#include <optional>
 #include <thread>
 
 #include "experiments/process/program.h"
@@ -57,6 +58,14 @@ bool within(std::chrono::seconds time, const std::function<bool()>& done) {
         std::this_thread::sleep_for(20ms);
     }
     return true;
+}
+
+std::optional<KeptPrograms> order_in(const fs::path& folder) {
+    try {
+        return json::parse(read(folder / "kept.json")).get<KeptPrograms>();
+    } catch (const json::exception&) {
+        return std::nullopt;
+    }
 }
 
 /// What is run in the background must not be a child that waits for us, nor hold the connection.
@@ -111,23 +120,28 @@ json end_keeping(const fs::path& folder) {
 }
 
 int keep(const fs::path& folder, const fs::path& programs) {
+    const auto order = order_in(folder);
+    if (!order) {
+        std::fprintf(stderr, "romano-host: %s: must be what `romano testbed start` wrote there\n",
+                     (folder / "kept.json").c_str());
+        return 2;
+    }
     const auto claim = MachineClaim::take(Holder::keeper);
     if (!claim) {
         std::fprintf(stderr, "romano-host: the machine is taken by %s\n",
                      who_has_the_machine().c_str());
         return 2;
     }
-    const auto order = json::parse(read(folder / "kept.json")).get<KeptPrograms>();
     boost::asio::io_context io{1};
     boost::asio::signal_set signals(io, SIGTERM, SIGINT, SIGHUP);
     signals.async_wait([&io](const auto&, int) { io.stop(); });
-    HostBrokers brokers{programs, folder / "logs", order.addresses};
-    for (const ProgramOrder& each : order.programs) brokers.start(each);
+    HostBrokers brokers{programs, folder / "logs", order->addresses};
+    for (const ProgramOrder& each : order->programs) brokers.start(each);
     std::ofstream(folder / "keeper.pid") << ::getpid() << '\n';
     boost::asio::steady_timer timer(io);
     const std::function<void()> look = [&] {
         for (const auto& [number, life, how] : brokers.look()) {
-            std::ofstream(folder / "logs" / order.programs.at(number).trace, std::ios::app)
+            std::ofstream(folder / "logs" / order->programs.at(number).trace, std::ios::app)
                 << ended_mark << how << '\n';
         }
         brokers.renew_leases();

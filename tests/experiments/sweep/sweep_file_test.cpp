@@ -159,7 +159,9 @@ INSTANTIATE_TEST_SUITE_P(
                 "try.toml, line 1: unknown setting `durations`; known are name, world, "
                 "pattern, repetitions, duration, fault_after, pause, drain, start_within, retry, "
                 "publish_within, probe, broker_options, group, client_delay_ms, "
-                "client_loss_percent, broker_delay_ms, broker_loss_percent, domain_base, network, "
+                "client_loss_percent, broker_delay_ms, broker_loss_percent, radio_channels, "
+                "router_baud, "
+                "robot_baud, router_distance_m, domain_base, network, "
                 "port, output, axes"},
         Refusal{"[axes]\nbroker = 3",
                 "try.toml, line 2: unknown setting `axes.broker`; known are brokers, robots, "
@@ -192,10 +194,25 @@ INSTANTIATE_TEST_SUITE_P(
         Refusal{"pattern = \"mesh\"\n[axes]",
                 "try.toml, line 1: `pattern = \"mesh\"`: allowed are swarm, common, commands"},
         Refusal{"world = \"moon\"\n[axes]",
-                "try.toml, line 1: `world = \"moon\"`: allowed are processes, simulated"},
-        Refusal{"world = \"radio\"\n[axes]",
-                "try.toml, line 1: `world = \"radio\"`: sweeps have no radio yet, romano paper "
-                "has; allowed are processes, simulated"},
+                "try.toml, line 1: `world = \"moon\"`: allowed are processes, simulated, "
+                "radio"},
+        Refusal{
+            "world = \"simulated\"\nrouter_baud = 115200\n[axes]",
+            "try.toml, line 2: `router_baud = 115200`: only a radio world (`world = \"radio\"`) "
+            "has it"},
+        Refusal{"world = \"radio\"\nrouter_baud = 0\n[axes]",
+                "try.toml, line 2: `router_baud = 0`: a whole number from 1200 to 10000000 is "
+                "allowed"},
+        Refusal{"world = \"radio\"\nrobot_baud = \"slow\"\n[axes]",
+                "try.toml, line 2: `robot_baud = \"slow\"`: a baud or \"none\" is allowed"},
+        Refusal{"world = \"radio\"\nradio_channels = 17\n[axes]",
+                "try.toml, line 2: `radio_channels = 17`: a whole number from 1 to 16 is allowed"},
+        Refusal{"world = \"radio\"\n[axes]\npayload = 1001",
+                "try.toml, line 3: `axes.payload = 1001`: a whole number from 16 to 1000 is "
+                "allowed"},
+        Refusal{"world = \"radio\"\nport = 1884\n[axes]",
+                "try.toml, line 2: `port = 1884`: a simulated world has no addresses on this "
+                "machine"},
         Refusal{"client_loss_percent = 1\n[axes]",
                 "try.toml, line 1: `client_loss_percent = 1`: only links of a simulated world "
                 "(`world = \"simulated\"`) have it"},

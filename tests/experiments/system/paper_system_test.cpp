@@ -60,8 +60,11 @@ INSTANTIATE_TEST_SUITE_P(
         std::pair{"--baud 0", "a UART of 0 baud cannot be: give 1200 to 10000000 baud, or none"},
         std::pair{"--channel 27", "channel 27 does not exist: IEEE 802.15.4 at 2.4 GHz has"},
         std::pair{"--rates 0", "--rates: Value 0 not in range"},
-        std::pair{"--parts figure", "--parts: figure not in {table,energy,cells,moves,backbone}"},
+        std::pair{"--parts figure",
+                  "--parts: figure not in {table,energy,cells,moves,backbone,"
+                  "broadcast}"},
         std::pair{"--cell-channels 17", "--cell-channels: Value 17 not in range 1 to 16"},
+        std::pair{"--robots 101", "--robots: Value 101 not in range 1 to 100"},
         std::pair{"--brokers 65", "--brokers: Value 65 not in range 1 to 64"},
         std::pair{"--runs 0", "--runs: Value 0 not in range 1 to 1000"},
         std::pair{"--output /proc/none", "cannot write into --output `/proc/none`"}));

@@ -195,7 +195,7 @@ TEST_F(SmallSweep, OfASimulatedWorldRefusesBeforeItStarts) {
     write_sweep("[axes]\n");
     const Ran real = sweep("--jobs 2");
     EXPECT_EQ(real.exit_code, 2);
-    EXPECT_THAT(real.output, HasSubstr("--jobs 2: only cells of `world = \"simulated\"`"));
+    EXPECT_THAT(real.output, HasSubstr("--jobs 2: only cells of a simulated or a radio world"));
 }
 
 // The same cell, twice: on processes and in virtual time.

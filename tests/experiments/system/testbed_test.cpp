@@ -185,6 +185,16 @@ TEST(RomanoHost, AnswersWhateverItIsTold) {
     EXPECT_THAT(end.output, HasSubstr("time_s"));
 }
 
+TEST(RomanoHost, KeepsOnlyWhatTheTestbedLeft) {
+    const tests::TemporaryFolder folder;
+    for (const char* left : {"", "echo '[7]' > $FOLDER/kept.json; "}) {
+        const ProgramEnd end =
+            session("FOLDER=" + folder.path().string() + "; " + left + "\"$0\" keep $FOLDER 2>&1");
+        EXPECT_EQ(end.exit_code, 2);
+        EXPECT_THAT(end.output, HasSubstr("kept.json: must be what `romano testbed start` wrote"));
+    }
+}
+
 // A cable that was pulled tells nobody.
 TEST(RomanoHost, EndsWhenNobodySpeaksToItForTenSeconds) {
     const tests::TemporaryFolder folder;

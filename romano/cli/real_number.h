@@ -6,7 +6,7 @@
 #include <sstream>
 #include <string>
 
-namespace romano::experiments {
+namespace romano {
 
 [[nodiscard]] inline CLI::Validator real_number(double low, double high) {
     const auto words = [&](const char* before, const char* between) {
@@ -23,4 +23,4 @@ namespace romano::experiments {
             words("FLOAT in [", " - ") + "]"};
 }
 
-}  // namespace romano::experiments
+}  // namespace romano

@@ -1,0 +1,220 @@
+#include "experiments/air/radio_bridge.h"
+
+#include <algorithm>
+#include <boost/asio/buffer.hpp>
+#include <cmath>
+#include <cstring>
+#include <numbers>
+
+#include "broker/net/clock.h"
+#include "broker/net/socket_address.h"
+
+namespace romano::experiments {
+namespace {
+
+using namespace std::chrono_literals;
+using boost::asio::ip::udp;
+
+constexpr double metres_to_robot = 2;       // from its router
+constexpr std::size_t most_octets = 1'000;  // 6LoWPAN's packets have 1280 at most
+constexpr Duration place_is_kept = 60s;     // for a robot that says nothing, if others want it
+constexpr sim::Node everybody{1};
+
+udp::endpoint to_asio(const Endpoint& endpoint) {
+    const net::SocketAddress address = net::to_socket_address(endpoint);
+    udp::endpoint out;
+    std::memcpy(out.data(), &address.any, address.size);
+    out.resize(address.size);
+    return out;
+}
+
+/// 10.100.0.0/16, of the world.
+Endpoint place_address(std::size_t number) {
+    Endpoint address{.port = 5'000, .family = Endpoint::Family::ipv4};
+    address.address = {10, 100, static_cast<std::uint8_t>(number / 250),
+                       static_cast<std::uint8_t>(number % 250 + 1)};
+    return address;
+}
+
+radio::RadioOptions radio_options(const RadioBridgeOptions& options) {
+    radio::RadioOptions radio;
+    radio.router_baud = options.router_baud;
+    radio.robot_baud = options.robot_baud;
+    radio.cells.resize(options.cells.size());
+    const auto side =
+        static_cast<std::size_t>(std::ceil(std::sqrt(static_cast<double>(radio.cells.size()))));
+    for (std::size_t i = 0; i < radio.cells.size(); ++i) {
+        radio::RadioCell& cell = radio.cells[i];
+        cell.channel = lowpan::first_channel + static_cast<unsigned>(i % options.channels);
+        cell.router = {options.router_distance_m * static_cast<double>(i % side),
+                       options.router_distance_m * static_cast<double>(i / side)};
+        for (std::size_t j = 0; j < options.robots; ++j) {
+            const double angle =
+                2 * std::numbers::pi * static_cast<double>(j) / static_cast<double>(options.robots);
+            cell.robots.push_back({place_address(i * options.robots + j),
+                                   {cell.router.x_m + metres_to_robot * std::cos(angle),
+                                    cell.router.y_m + metres_to_robot * std::sin(angle)}});
+        }
+    }
+    return radio;
+}
+
+}  // namespace
+
+std::optional<std::string> problem_with(const RadioBridgeOptions& options) {
+    return radio::problem_with(radio_options(options));
+}
+
+RadioBridge::Cell::Cell(boost::asio::io_context& io, const BridgedCell& cell)
+    : socket(io, to_asio(cell.listen)), broker(to_asio(cell.broker)) {
+    socket.non_blocking(true);
+}
+
+RadioBridge::RadioBridge(boost::asio::io_context& io, const RadioBridgeOptions& options,
+                         std::function<void()> on_lag)
+    : options_(options),
+      began_(net::now()),
+      on_lag_(std::move(on_lag)),
+      world_(options.seed),
+      network_(world_, radio_options(options)),
+      io_(io),
+      timer_(io, [this] { catch_up(); }) {
+    for (std::size_t i = 0; i < options_.cells.size(); ++i) {
+        cells_.push_back(std::make_unique<Cell>(io, options_.cells[i]));
+        for (std::size_t j = 0; j < options_.robots; ++j) open_place(i, i * options_.robots + j);
+        (void)world_.clients().bind(
+            sim::World::service_address(i), everybody,
+            [this](const Endpoint&, const Endpoint& from, Bytes datagram) {
+                const auto place = std::ranges::find(places_, from, &Place::address);
+                if (place == places_.end()) return;
+                boost::system::error_code lost;
+                place->to_broker.send(boost::asio::buffer(datagram.data(), datagram.size()), 0,
+                                      lost);
+                ++figures_.to_brokers;
+                on_handed_over();
+            });
+        hear_robots(i);
+    }
+    catch_up();
+}
+
+void RadioBridge::open_place(std::size_t cell, std::size_t number) {
+    Place& place = places_.emplace_back(io_, cell, place_address(number));
+    place.to_broker.connect(cells_[cell]->broker);
+    place.to_broker.non_blocking(true);
+    (void)world_.clients().bind(
+        place.address, everybody, [this, &place](const Endpoint&, const Endpoint&, Bytes datagram) {
+            if (!place.robot) return;
+            boost::system::error_code lost;
+            cells_[place.cell]->socket.send_to(
+                boost::asio::buffer(datagram.data(), datagram.size()), *place.robot, 0, lost);
+            ++figures_.to_robots;
+            on_handed_over();
+        });
+    hear_broker(place);
+}
+
+void RadioBridge::hear_robots(std::size_t cell) {
+    Udp::socket& socket = cells_[cell]->socket;
+    socket.async_wait(
+        Udp::socket::wait_read, [this, cell, &socket](const boost::system::error_code& end) {
+            if (end) return;
+            for (;;) {
+                Udp::endpoint from;
+                boost::system::error_code none;
+                const std::size_t size =
+                    socket.receive_from(boost::asio::buffer(octets_), from, 0, none);
+                if (none == boost::asio::error::would_block) break;
+                if (none) continue;  // an earlier datagram found nobody
+                if (Place* place = place_of(cell, from)) {
+                    send(place->address, sim::World::service_address(cell), {octets_.data(), size});
+                } else {
+                    ++figures_.without_place;
+                }
+            }
+            hear_robots(cell);
+        });
+}
+
+void RadioBridge::hear_broker(Place& place) {
+    place.to_broker.async_wait(Udp::socket::wait_read, [this, &place](
+                                                           const boost::system::error_code& end) {
+        if (end) return;
+        for (;;) {
+            boost::system::error_code none;
+            const std::size_t size = place.to_broker.receive(boost::asio::buffer(octets_), 0, none);
+            if (none == boost::asio::error::would_block) break;
+            if (none) continue;  // nobody serves there
+            send(sim::World::service_address(place.cell), place.address, {octets_.data(), size});
+        }
+        hear_broker(place);
+    });
+}
+
+/// Who has said nothing for long makes room for another one.
+RadioBridge::Place* RadioBridge::place_of(std::size_t cell, const Udp::endpoint& robot) {
+    auto& robots = cells_[cell]->robots;
+    auto found = robots.find(robot);
+    if (found == robots.end()) {
+        const auto first = places_.begin() + static_cast<std::ptrdiff_t>(cell * options_.robots);
+        const auto last = first + static_cast<std::ptrdiff_t>(options_.robots);
+        const auto free = std::min_element(first, last, [](const Place& one, const Place& other) {
+            return one.robot.has_value() != other.robot.has_value() ? !one.robot
+                                                                    : one.heard < other.heard;
+        });
+        if (free->robot) {
+            if (now() - free->heard < place_is_kept) return nullptr;
+            robots.erase(*free->robot);
+        }
+        free->robot = robot;
+        found = robots.emplace(robot, &*free).first;
+    }
+    found->second->heard = now();
+    return found->second;
+}
+
+void RadioBridge::send(const Endpoint& from, const Endpoint& to, Bytes datagram) {
+    if (datagram.size() > most_octets) {
+        ++figures_.too_large;
+        return;
+    }
+    catch_up();
+    world_.clients().send(everybody, from, to, datagram);
+    timer_.arm(began_ + world_.events().next().time_since_epoch());
+}
+
+void RadioBridge::on_handed_over() {
+    const Duration lag = now() - world_.now();
+    figures_.lag.add(lag);
+    if (lag <= options_.most_lag) return;
+    if (figures_.late++ == 0) on_lag_();
+}
+
+/// All that was to happen by now.
+void RadioBridge::catch_up() {
+    world_.events().run_until(now());
+    const Instant next = world_.events().next();
+    if (next != never) timer_.arm(began_ + next.time_since_epoch());
+}
+
+/// The world's time begins with this.
+Instant RadioBridge::now() const {
+    return Instant{net::now() - began_};
+}
+
+RadioBridgeFigures RadioBridge::figures() {
+    catch_up();
+    RadioBridgeFigures figures = figures_;
+    figures.lost_in_queues = network_.lost();
+    figures.given_up_on_air = network_.counters().given_up;
+    for (std::size_t cell = 0; cell < cells_.size(); ++cell) {
+        const auto air = lowpan::air_time_ns(network_.sent_by_router(cell)) +
+                         lowpan::air_time_ns(network_.sent_by_robots(cell));
+        const auto time = std::chrono::nanoseconds{now().time_since_epoch()}.count();
+        figures.air_share =
+            std::max(figures.air_share, static_cast<double>(air) / static_cast<double>(time));
+    }
+    return figures;
+}
+
+}  // namespace romano::experiments

@@ -1,0 +1,93 @@
+// A cell whose robots are on modelled radio: what the channel carries, that a seed is a run, that a
+// broker's death is survived there, and what cannot be.
+
+#include "experiments/sweep/radio_world.h"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <iterator>
+#include <string>
+
+#include "experiments/sweep/cell_run.h"
+#include "tests/temporary_folder.h"
+
+namespace romano::experiments::radio_world_test {
+namespace {
+
+constexpr const char* small =
+    "world = \"radio\"\npattern = \"commands\"\nrouter_baud = 230400\nduration = 4\nfault_after = "
+    "1\n"
+    "broker_options = [\"--profile\", \"wifi\"]\n";
+
+/// The first cell of a sweep, run into a folder of its own.
+struct Ran {
+    explicit Ran(const std::string& text) {
+        Sweep sweep = parse_sweep(text, "small.toml");
+        check_radio(sweep.settings, sweep.cells);
+        sweep.settings.output = folder / "out";
+        const ResultsFolder results{sweep.settings.output, sweep, true};
+        row = CellRun{sweep.settings,
+                      sweep.cells.front(),
+                      {.make_world =
+                           [&](const Cell& cell) { return make_radio_world(sweep.settings, cell); },
+                       .results = results,
+                       .on_progress = [](double, std::string_view) {},
+                       .is_interrupted = [] { return false; }}}
+                  .run();
+    }
+    [[nodiscard]] std::string samples() const {
+        std::ifstream stream(folder / "out/samples/cell-0001.csv");
+        return {std::istreambuf_iterator<char>(stream), {}};
+    }
+
+    tests::TemporaryFolder folder;
+    RunRow row;
+};
+
+RunRow at_300_per_s(int brokers) {
+    return Ran(std::string{small} +
+               "drain = 1\n[axes]\nrobots = 6\nqos = 0\nrate = 300\nbrokers = " +
+               std::to_string(brokers) + "\n")
+        .row;
+}
+
+TEST(RadioCell, CarriesWhatItsChannelCarriesAndTwoCellsTwice) {
+    const RunRow one = at_300_per_s(1);
+    ASSERT_EQ(one.status, "ok");
+    ASSERT_TRUE(one.delivery_ratio);
+    EXPECT_LT(*one.delivery_ratio, 0.95) << "a cell carries 211 messages a second";
+    const RunRow two = at_300_per_s(2);
+    ASSERT_EQ(two.status, "ok");
+    EXPECT_GE(two.delivery_ratio, 0.99);
+}
+
+TEST(RadioCell, IsTheSameRunForTheSameSeedAndSurvivesItsBroker) {
+    const std::string text = std::string{small} +
+                             "[axes]\nbrokers = 2\nrobots = 4\nrate = 20\nqos = \"0+1+2\"\n"
+                             "fault = \"kill-home\"\n";
+    const Ran one(text);
+    ASSERT_EQ(one.row.status, "ok");
+    EXPECT_EQ(one.row.acknowledged_but_lost_qos1, 0);
+    EXPECT_EQ(one.row.acknowledged_but_lost_qos2, 0);
+    EXPECT_EQ(one.row.connects_after_fault, 0);
+    EXPECT_GE(one.row.delay_p50_ms, 10) << "two UARTs and a hop on the air";
+    const Ran again(text);
+    EXPECT_EQ(to_csv(one.row), to_csv(again.row));
+    EXPECT_EQ(one.samples(), again.samples());
+    EXPECT_NE(one.samples(), Ran(text + "seed = 2\n").samples());
+}
+
+TEST(RadioCell, MoreRobotsThanARouterCanHaveAreRefused) {
+    const Sweep sweep = parse_sweep("world = \"radio\"\n[axes]\nrobots = 2000\n", "try.toml");
+    try {
+        check_radio(sweep.settings, sweep.cells);
+        ADD_FAILURE() << "accepted";
+    } catch (const SweepError& error) {
+        EXPECT_STREQ(error.what(),
+                     "`world = \"radio\"`: 2000 robots are too many for one cell: at most 1000");
+    }
+}
+
+}  // namespace
+}  // namespace romano::experiments::radio_world_test
