@@ -189,8 +189,8 @@ FormationRun formation(const LoopGround& ground, std::size_t brokers, BrokerFaul
     const auto are_led = [&] {
         return std::ranges::all_of(followers, [](const auto& one) { return one->is_controlled(); });
     };
-    if (!around->run_until(are_led, 20s)) {
-        throw std::runtime_error("the formation's loops did not begin within 20 s");
+    if (!around->run_until(are_led, 60s)) {
+        throw std::runtime_error("the formation's loops did not begin within a minute");
     }
     Random random(sim::seed_of(seed, "strike"));
     around->run_for(drives_before + random.between(0s, bends_each));
