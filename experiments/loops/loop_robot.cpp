@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <cstdio>
 #include <string_view>
 #include <utility>
@@ -15,6 +16,7 @@ namespace {
 using mqttsn::Qos;
 
 constexpr client::KeepAlive keep_alive{30};  // as node::NodeOptions
+constexpr std::chrono::seconds t_retry{1};   // as romano-robot
 
 }  // namespace
 
@@ -29,7 +31,7 @@ LoopRobot::LoopRobot(Surroundings& surroundings, std::uint64_t seed, std::uint32
     : surroundings_(surroundings),
       id_(id_of_robot(number)),
       device_(device),
-      client_({}, sim::seed_of(seed, "loop client", number)),
+      client_({.t_retry = t_retry}, sim::seed_of(seed, "loop client", number)),
       plant_({.id = id_, .seed = sim::seed_of(seed, "loop plant", number)}),
       controller_(id_),
       alarm_(surroundings.make_alarm([this] { on_timer(); })),
@@ -75,9 +77,9 @@ void LoopRobot::ask() {
 void LoopRobot::on_report(const control::Report& report) {
     const auto wish = std::ranges::find(wishes_, report.plant, &Wish::plant);
     if (wish == wishes_.end()) return;
-    if (report.state != control::State::free) {
+    if (report.state == control::State::waiting || report.state == control::State::controlled) {
         wishes_.erase(wish);
-    } else if (report.reason == control::Reason::none) {
+    } else if (report.state == control::State::free && report.reason == control::Reason::none) {
         say(report.plant, control::Open{.channel = control::Channel{0},
                                         .ticket = report.session,
                                         .asker = id_,

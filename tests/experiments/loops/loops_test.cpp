@@ -10,6 +10,7 @@
 #include "experiments/loops/formation.h"
 #include "experiments/loops/margins.h"
 #include "experiments/loops/radio_brokers.h"
+#include "overlay/sim/seed.h"
 
 namespace romano::experiments::loops_test {
 namespace {
@@ -96,6 +97,15 @@ TEST(Deviation, OnRadioAPoleFallsWithItsOnlyBrokerAndNotWithOneOfThreeNorWhenItR
     EXPECT_FALSE(alone.angle_deg);
     EXPECT_EQ(alone.falls_back, 1U);
     EXPECT_LE(alone.age_ms, deadline_ms_for(LoopWorld::radio, 20) + 0.001);
+}
+
+/// In this run all answers to the plant's invitations come too late, and it gives the loop up.
+TEST(Deviation, ALoopThatWasGivenUpAtItsBeginningIsOpenedAgain) {
+    if (!has_radio) GTEST_SKIP() << "no ns-3";
+    EXPECT_NO_THROW((void)deviate(body, {.ground = {.world = LoopWorld::radio},
+                                         .brokers = 3,
+                                         .fault = BrokerFault::none,
+                                         .seed = sim::seed_of(1, "deviation", 20)}));
 }
 
 TEST(Deviation, WhereThereCanBeNoLoopOneSentenceSaysWhy) {
