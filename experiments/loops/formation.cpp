@@ -105,7 +105,7 @@ public:
 
     void move_on(Instant now) override {
         go_on_until(now);
-        if (!set_out_at_) set_out_at_ = now;
+        if (!set_out_at_) return;
         const std::chrono::duration<double> bend = (now - *set_out_at_) % bends_each;
         const std::chrono::duration<double> whole = bends_each;
         const double phase = 2 * std::numbers::pi * bend / whole;
@@ -122,6 +122,8 @@ public:
         std::ranges::copy(speed, room.begin());
         return speed.size();
     }
+    /// It stands until then.
+    void set_out(Instant now) { set_out_at_ = now; }
     void give_place(const RomanoId& follower, const WedgePlace& place) {
         places_.emplace(follower, place);
     }
@@ -192,6 +194,7 @@ FormationRun formation(const LoopGround& ground, std::size_t brokers, BrokerFaul
     if (!around->run_until(are_led, 60s)) {
         throw std::runtime_error("the formation's loops did not begin within a minute");
     }
+    leader.set_out(around->now());
     Random random(sim::seed_of(seed, "strike"));
     around->run_for(drives_before + random.between(0s, bends_each));
 
