@@ -34,12 +34,17 @@ void BrokerOptions::add_key_to(CLI::App& command) {
         .add_option("--key", key_file,
                     "Own key, for a broker with protected:// addresses (romano keys new)")
         ->type_name("FILE");
+    command
+        .add_flag("--dtls", speaks_dtls,
+                  "Speak DTLS 1.2 with the key, for a broker with dtls:// addresses")
+        ->needs("--key");
 }
 
 std::shared_ptr<keys::ClientPackets> BrokerOptions::packets() const {
     if (packets_ || key_file.empty()) return packets_;
     try {
-        packets_ = std::make_shared<keys::ClientPackets>(key_file, client_id);
+        packets_ = std::make_shared<keys::ClientPackets>(
+            key_file, client_id, speaks_dtls ? keys::Speech::dtls : keys::Speech::packets);
     } catch (const keys::KeyError& error) {
         throw CommandError("--key: " + std::string{error.what()});
     }
@@ -68,8 +73,8 @@ std::string BrokerOptions::unreachable(bool was_refused) const {
         return "no broker serves at " + where() + ": nobody listens there (see -h and -p)";
     }
     if (!key_file.empty()) {
-        return "no broker answered at " + where() +
-               ": does it serve protected:// there, with this key in its table?";
+        return "no broker answered at " + where() + ": does it serve " +
+               (speaks_dtls ? "dtls" : "protected") + ":// there, with this key in its table?";
     }
     return "no broker answered at " + where() +
            " (see -h, -p, --key, --broker-timeout; a broker that waits for its peers, or for a "

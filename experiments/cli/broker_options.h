@@ -16,8 +16,9 @@ struct BrokerOptions {
     std::uint16_t port = 1883;
     std::string client_id;  // empty: one is made up
     std::uint16_t keep_alive_s = 60;
-    double timeout_s = 5;  // how long a broker may not answer
-    std::string key_file;  // empty: plain
+    double timeout_s = 5;      // how long a broker may not answer
+    std::string key_file;      // empty: plain
+    bool speaks_dtls = false;  // with the key
 
     void add_to(CLI::App& command);
     /// For commands whose client can be protected.

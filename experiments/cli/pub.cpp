@@ -236,6 +236,11 @@ void check(const PubOptions& options) {
     (void)options.topic.topic();
     const bool is_registered = options.topic.predefined == 0 && !options.topic.is_short;
     if (options.qos < 0 && is_registered) throw CommandError(no_registration);
+    if (options.qos < 0 && options.broker.speaks_dtls) {
+        throw CommandError(
+            "-q -1 with --dtls: must be 0, 1 or 2; DTLS begins with a broker's answers, and "
+            "nothing at -1 waits for any");
+    }
     if (is_registered && !mqttsn::is_valid_topic_name(options.topic.name)) {
         throw CommandError("-t `" + options.topic.name +
                            "`: must be a topic's name: UTF-8, not empty, without + and #");

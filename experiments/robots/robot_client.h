@@ -69,6 +69,8 @@ public:
     [[nodiscard]] const SentCounts& sent() const { return sent_; }
     /// The kernel was told that nobody listens at the broker's address (ICMP).
     [[nodiscard]] bool was_refused() const { return port_->was_refused(); }
+    /// Of DTLS, that it has begun.
+    [[nodiscard]] std::uint64_t handshakes() const { return port_->handshakes(); }
 
 private:
     void drain();

@@ -2,10 +2,12 @@
 
 #include <array>
 #include <boost/asio/buffer.hpp>
+#include <optional>
 #include <utility>
 
 #include "broker/net/clock.h"
 #include "broker/net/core_timer.h"
+#include "romano/keys/client_speech.h"
 #include "romano/mqttsn/codec.h"
 
 namespace romano::experiments {
@@ -22,18 +24,39 @@ std::array<std::uint8_t, mqttsn::max_datagram>& shared_buffer() {
 class SocketPort final : public Port {
 public:
     SocketPort(boost::asio::io_context& io, const BrokerAddress& broker, OnDatagram on_datagram,
-               std::shared_ptr<keys::ClientPackets> packets)
+               std::shared_ptr<keys::ClientPackets> key)
         : socket_(io, broker.protocol()),
           on_datagram_(std::move(on_datagram)),
-          packets_(std::move(packets)) {
-        socket_.connect(broker);
+          key_(std::move(key)) {
+        if (key_) {
+            timer_.emplace(io, [this] {
+                speech_->on_time();
+                wake_when_due();
+            });
+        }
+        talk_to(broker);
         socket_.non_blocking(true);
         receive();
     }
 
     void send(Bytes message) override {
-        const Bytes datagram = packets_ ? packets_->seal(message) : message;
-        if (datagram.empty()) return;  // no number is left
+        if (!speech_) return put(message);
+        speech_->send(message);
+        wake_when_due();
+    }
+    /// The kernel keeps a socket's own address and port when it is connected again.
+    void talk_to(const BrokerAddress& broker) override {
+        speech_.reset();  // may say goodbye to the one before
+        socket_.connect(broker);
+        if (key_) speech_ = keys::speak(key_, [this](Bytes datagram) { put(datagram); });
+    }
+    [[nodiscard]] bool was_refused() const override { return was_refused_; }
+    [[nodiscard]] std::uint64_t handshakes() const override {
+        return speech_ ? speech_->handshakes() : 0;
+    }
+
+private:
+    void put(Bytes datagram) {
         boost::system::error_code lost;
         socket_.send(boost::asio::buffer(datagram.data(), datagram.size()), 0, lost);
         if (lost == boost::asio::error::connection_refused) {
@@ -42,11 +65,17 @@ public:
             socket_.send(boost::asio::buffer(datagram.data(), datagram.size()), 0, lost);
         }
     }
-    /// The kernel keeps a socket's own address and port when it is connected again.
-    void talk_to(const BrokerAddress& broker) override { socket_.connect(broker); }
-    [[nodiscard]] bool was_refused() const override { return was_refused_; }
 
-private:
+    void wake_when_due() {
+        if (const auto due = speech_->due_in()) timer_->arm(net::now() + *due);
+    }
+
+    void hear(Bytes datagram) {
+        if (!speech_) return on_datagram_(datagram);
+        const Bytes message = speech_->open(datagram);
+        if (!message.empty()) on_datagram_(message);  // else it is forged, old, or a handshake's
+    }
+
     void receive() {
         socket_.async_wait(
             udp::socket::wait_read, [this](const boost::system::error_code& stopped) {
@@ -61,18 +90,18 @@ private:
                         continue;
                     }
                     if (error) break;
-                    Bytes message{buffer.data(), size};
-                    if (packets_) message = packets_->open({buffer.data(), size});
-                    if (packets_ && message.empty()) continue;  // forged, old, or not for us
-                    on_datagram_(message);
+                    hear({buffer.data(), size});
                 }
+                if (speech_) wake_when_due();
                 receive();
             });
     }
 
     udp::socket socket_;
     OnDatagram on_datagram_;
-    std::shared_ptr<keys::ClientPackets> packets_;  // null: plain
+    std::shared_ptr<keys::ClientPackets> key_;    // null: plain
+    std::unique_ptr<keys::ClientSpeech> speech_;  // with the key
+    std::optional<net::CoreTimer> timer_;         // of the speech
     bool was_refused_ = false;
 };
 

@@ -1,5 +1,5 @@
 // The real world as clients see it: UDP sockets, the machine's monotonic clock, timers of Asio.
-// With a key, all that its ports say and hear is protected.
+// With a key, its ports speak protected packets or DTLS.
 #pragma once
 
 #include <boost/asio/io_context.hpp>

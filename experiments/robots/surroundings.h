@@ -4,6 +4,7 @@
 #pragma once
 
 #include <boost/asio/ip/udp.hpp>
+#include <cstdint>
 #include <functional>
 #include <memory>
 
@@ -30,6 +31,8 @@ public:
     virtual void talk_to(const BrokerAddress& broker) = 0;
     /// It was told that nobody listens at the broker's address.
     [[nodiscard]] virtual bool was_refused() const = 0;
+    /// Of DTLS, that it has begun.
+    [[nodiscard]] virtual std::uint64_t handshakes() const { return 0; }
 };
 
 class Alarm {

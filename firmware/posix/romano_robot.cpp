@@ -42,7 +42,7 @@ constexpr const char* examples = R"(Examples:
   romano-robot --count 300 --id 00000001 --broker 127.0.0.1:1883 --broker 127.0.0.2:1883 --quiet
       300 robots, dealt to two brokers in turn; Ctrl-C prints what became of them
   romano-robot --key abcd1234.key --broker 127.0.0.1:1883
-      robot abcd1234 at a protected:// address of that broker (romano keys new)
+      robot abcd1234 at a protected:// address of that broker (romano keys new); with --dtls, at a dtls:// one
 
 Each line of output is a robot's id and what happened; with --json it is a JSON object.
 Exit code: 0 at the end (Ctrl-C, --seconds), 2 when a setting is not possible.)";
@@ -53,6 +53,7 @@ constexpr std::chrono::seconds patience{5};
 struct Settings {
     std::string id;
     std::string key;
+    bool speaks_dtls = false;
     std::vector<std::string> brokers;
     bool discovers = false;
     std::string local;
@@ -77,6 +78,9 @@ void add_options(CLI::App& app, Settings& to) {
                    "Own key, for a broker with protected:// addresses; or the folder with the "
                    "robots' keys, ID.key (romano keys new)")
         ->type_name("FILE|DIR");
+    app.add_flag("--dtls", to.speaks_dtls,
+                 "Speak DTLS 1.2 with the key, for a broker with dtls:// addresses")
+        ->needs("--key");
     app.add_option("--broker", to.brokers, "The broker (repeatable: robots are dealt in turn)")
         ->type_name("ADDR:PORT");
     app.add_flag("--discover", to.discovers, "Find the nearest broker instead");
@@ -355,6 +359,7 @@ void run(const Settings& settings) {
         options.robot.node.id = id_of(first + i);
         options.robot.seed = first + i;
         options.key_file = key_of(settings, options.robot.node.id);
+        if (settings.speaks_dtls) options.speech = keys::Speech::dtls;
         options.telemetry_topic = topic_of(settings.telemetry, options.robot.node.id);
         if (!brokers.empty()) options.robot.broker = brokers[i % brokers.size()];
         robots.push_back(std::make_unique<SimulatedRobot>(

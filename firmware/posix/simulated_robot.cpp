@@ -15,8 +15,7 @@ namespace {
 struct Boards {
     romano_udp_board& udp;
     std::optional<RadioBoard>& radio;
-    std::optional<keys::ClientPackets>& packets;
-    std::optional<ProtectedBoard>& sealed;
+    std::optional<KeyedBoard>& keyed;
 };
 
 /// Each in front of the one before.
@@ -43,8 +42,9 @@ const romano_board& open_boards(const Boards& to, const SimulatedRobotOptions& o
     const romano_board* board = &udp.board;
     if (options.radio != nullptr) board = &to.radio.emplace(*board, *options.radio).board();
     if (options.key_file.empty()) return *board;
-    to.packets.emplace(options.key_file, std::string{options.robot.node.id.text()});
-    return to.sealed.emplace(*board, *to.packets).board();
+    auto key = std::make_shared<keys::ClientPackets>(
+        options.key_file, std::string{options.robot.node.id.text()}, options.speech);
+    return to.keyed.emplace(*board, std::move(key)).board();
 }
 
 [[noreturn]] void refuse(const char* option, const std::string& value, const char* what) {
@@ -119,7 +119,7 @@ SimulatedRobot::SimulatedRobot(boost::asio::io_context& io, const SimulatedRobot
       socket_(io),
       cell_(io),
       timer_(io, [this] { run(); }),
-      robot_(options.robot, open_boards({udp_, radio_, packets_, sealed_}, options), *this),
+      robot_(options.robot, open_boards({udp_, radio_, keyed_}, options), *this),
       body_(options.start),
       loops_(
           options.robot.node.id, options.robot.seed, body_,
@@ -139,6 +139,7 @@ SimulatedRobot::SimulatedRobot(boost::asio::io_context& io, const SimulatedRobot
 SimulatedRobot::~SimulatedRobot() {
     socket_.release();
     if (udp_.cell >= 0) cell_.release();
+    keyed_.reset();  // may say goodbye
     romano_udp_close(&udp_);
 }
 
@@ -165,7 +166,9 @@ void SimulatedRobot::run() {
         std::exchange(left_, nullptr)();
     }
     const Instant loops_next = left_ ? never : loops_.next_wakeup();
-    timer_.arm(std::min({next, telemetry_at_, leaves_at_, loops_next}));
+    const auto due = keyed_ ? keyed_->due_in() : std::nullopt;
+    const Instant keyed_next = due ? robot_.now() + *due : never;
+    timer_.arm(std::min({next, telemetry_at_, leaves_at_, loops_next, keyed_next}));
 }
 
 void SimulatedRobot::leave(std::function<void()> left) {

@@ -6,17 +6,19 @@
 #include <boost/asio/posix/stream_descriptor.hpp>
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
 
 #include "broker/net/core_timer.h"
 #include "firmware/posix/body.h"
-#include "firmware/posix/protected_board.h"
+#include "firmware/posix/keyed_board.h"
 #include "firmware/posix/radio_board.h"
 #include "firmware/posix/simulated_loops.h"
 #include "firmware/posix/udp_board.h"
 #include "firmware/robot/robot.h"
+#include "romano/keys/client_packets.h"
 
 namespace romano::firmware {
 
@@ -30,7 +32,8 @@ struct SimulatedRobotOptions {
     std::vector<std::string> subscriptions;
     std::string follow;  // copies the path of the locations on this topic; empty: none
     Pose start;
-    std::filesystem::path key_file;  // empty: speaks plain
+    std::filesystem::path key_file;               // empty: speaks plain
+    keys::Speech speech = keys::Speech::packets;  // with the key
     Radio* radio = nullptr;  // null: every datagram gets through, and nobody tells how strongly
     /// What nobody here carries out is told to it before it is printed; true: it is not printed.
     std::function<bool(std::string_view topic, const message::Message& message)> hears = {};
@@ -85,8 +88,7 @@ private:
     Say say_;
     romano_udp_board udp_{};
     std::optional<RadioBoard> radio_;
-    std::optional<keys::ClientPackets> packets_;  // of the robot with a key
-    std::optional<ProtectedBoard> sealed_;
+    std::optional<KeyedBoard> keyed_;  // of the robot with a key
     boost::asio::posix::stream_descriptor socket_;
     boost::asio::posix::stream_descriptor cell_;
     net::CoreTimer timer_;

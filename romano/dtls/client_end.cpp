@@ -2,8 +2,10 @@
 
 #include <openssl/err.h>
 #include <openssl/ssl.h>
+#include <sys/time.h>
 
 #include <algorithm>
+#include <chrono>
 #include <new>
 #include <stdexcept>
 #include <utility>
@@ -115,10 +117,17 @@ bool ClientEnd::seal(Bytes message) {
     return SSL_write(session_->ssl.get(), message.data(), static_cast<int>(message.size())) > 0;
 }
 
+std::optional<Duration> ClientEnd::due_in() const {
+    if (!session_->ssl || session_->is_closed || is_connected()) return std::nullopt;
+    timeval left{};
+    if (DTLSv1_get_timeout(session_->ssl.get(), &left) != 1) return std::nullopt;
+    return std::chrono::seconds{left.tv_sec} + std::chrono::microseconds{left.tv_usec};
+}
+
 void ClientEnd::on_time() {
     if (!session_->ssl || session_->is_closed || is_connected()) return;
     ERR_clear_error();
-    (void)DTLSv1_handle_timeout(session_->ssl.get());
+    if (DTLSv1_handle_timeout(session_->ssl.get()) < 0) session_->is_closed = true;
 }
 
 void ClientEnd::close() {

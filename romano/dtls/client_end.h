@@ -6,10 +6,12 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "romano/base/bytes.h"
+#include "romano/base/time.h"
 #include "romano/protection/keys.h"
 
 namespace romano::dtls {
@@ -33,7 +35,9 @@ public:
     [[nodiscard]] Bytes open(Bytes datagram);
     /// False when there is no association.
     bool seal(Bytes message);
-    /// A few times a second while it is not connected: repeats what may be lost.
+    /// When on_time() is to be called, while a handshake goes on; earlier calls are harmless.
+    [[nodiscard]] std::optional<Duration> due_in() const;
+    /// Repeats what may be lost. After about ten minutes without an answer the handshake fails.
     void on_time();
     /// Says goodbye.
     void close();

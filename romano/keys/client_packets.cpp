@@ -19,14 +19,20 @@ std::filesystem::path lock_of(const std::filesystem::path& key_file) {
 
 }  // namespace
 
-ClientPackets::ClientPackets(const std::filesystem::path& key_file, const std::string& client_id)
+ClientPackets::ClientPackets(const std::filesystem::path& key_file, const std::string& client_id,
+                             Speech speech)
     : file_(key_file),
+      speech_(speech),
       lock_(lock_of(key_file)),
       own_(read_own()),
       client_id_(take_session(client_id)),
       keys_(protection::direction_keys(key_of(own_.client, client_id_))),
       end_(keys_, client_id_, own_.bound) {
-    store_bound();
+    if (speech_ == Speech::packets) store_bound();
+}
+
+protection::Key ClientPackets::pre_shared_key() const {
+    return protection::pre_shared_key(key_of(own_.client, client_id_));
 }
 
 /// As it is now; other programs of this person may have written it.

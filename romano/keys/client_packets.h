@@ -1,4 +1,5 @@
 // A client's end of its protected packets with its key file: for programs, one of these a client.
+// For a client that speaks DTLS it keeps the key's place from other programs, and nothing more.
 //
 // The file's bound is stored before a number below it is used. Several programs may use one
 // person's key at a time: each is another client, with another key and numbers of its own.
@@ -17,16 +18,22 @@
 
 namespace romano::keys {
 
+/// What a key is used for.
+enum class Speech : std::uint8_t { packets, dtls };
+
 class ClientPackets {
 public:
     /// `client_id` must be one of the key's; empty: the first that no other program has. Throws
     /// KeyError.
-    explicit ClientPackets(const std::filesystem::path& key_file,
-                           const std::string& client_id = {});
+    explicit ClientPackets(const std::filesystem::path& key_file, const std::string& client_id = {},
+                           Speech speech = Speech::packets);
     ClientPackets(const ClientPackets&) = delete;
     ClientPackets& operator=(const ClientPackets&) = delete;
 
     [[nodiscard]] const std::string& client_id() const { return client_id_; }
+    [[nodiscard]] Speech speech() const { return speech_; }
+    /// Of DTLS.
+    [[nodiscard]] protection::Key pre_shared_key() const;
 
     /// The packet, valid until the next call; empty when none can be made. Throws KeyError when the
     /// file cannot be written.
@@ -42,6 +49,7 @@ private:
     void store_bound();
 
     std::filesystem::path file_;
+    Speech speech_;
     LockFile lock_;
     OwnKey own_;
     std::string client_id_;

@@ -51,9 +51,9 @@ const std::map<std::string, Folders>& allowed() {
           "broker/uplink", "overlay", "overlay/cluster"}},
         {"overlay/ros2", {"romano/base", "romano/mqttsn", "romano/message"}},
         // shells
-        {"romano/keys", {"romano/base", "romano/mqttsn", "romano/protection"}},
+        {"romano/dtls", {"romano/base", "romano/mqttsn", "romano/protection"}},
+        {"romano/keys", {"romano/base", "romano/mqttsn", "romano/protection", "romano/dtls"}},
         {"romano/cli", {}},
-        {"romano/dtls", {"romano/base", "romano/protection"}},
         {"broker/dtls/openssl",
          {"romano/base", "romano/mqttsn", "romano/protection", "romano/dtls", "broker/core",
           "broker/protection", "broker/dtls"}},

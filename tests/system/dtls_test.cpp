@@ -1,5 +1,5 @@
-// Brokers at DTLS addresses as processes, and clients that nobody here wrote: they connect once,
-// and go on through whatever happens to their brokers.
+// Brokers at DTLS addresses as processes, clients that nobody here wrote, and our own robots and
+// tools: they connect once, and go on through whatever happens to their brokers.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -58,6 +58,21 @@ struct DtlsFleet : ProtectedFleet {
         if (at == std::string::npos) return {};
         const auto from = at + name_and_labels.size() + 2;
         return page.substr(from, page.find('\n', from) - from);
+    }
+    std::vector<std::string> at(int broker, const std::string& name,
+                                std::vector<std::string> arguments) const {
+        const std::string service = addresses.service(broker);
+        const auto colon = service.find(':');
+        arguments.insert(arguments.end(),
+                         {"-h", service.substr(0, colon), "-p", service.substr(colon + 1), "--dtls",
+                          "--key", keys.own_file(name, keys::Role::person)});
+        return arguments;
+    }
+    std::unique_ptr<Process> robot_at(int broker, const std::string& keep_alive_s) const {
+        return std::make_unique<Process>(
+            ROMANO_ROBOT, std::vector<std::string>{
+                              "--dtls", "--key", keys.own_file("abcd1234", keys::Role::robot),
+                              "--broker", addresses.service(broker), "--keepalive", keep_alive_s});
     }
     bool comes_to_say(int broker, const std::string& name_and_labels, const std::string& value) {
         const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds{30};
@@ -128,6 +143,72 @@ TEST_F(DtlsFleet, ARobotHasTheSameRightsAsWithProtectedPackets) {
     ASSERT_TRUE(robot->asks(as_robot, connack));
     EXPECT_TRUE(robot->asks(subscribe, {8, 19, 0, 0, 0, 0, 1, 3})) << "not supported";
     EXPECT_TRUE(robot->asks(connect, {3, 5, 3})) << "in anna's name";
+}
+
+TEST_F(DtlsFleet, APersonMovesARobot) {
+    start_protected(1);
+    const auto robot = robot_at(1, "30");
+    EXPECT_THAT(robot->wait_for("established"), HasSubstr("abcd1234"));
+    EXPECT_EQ(romano(at(1, "anna", {"move", "abcd1234", "front", "100mm"})), 0) << said;
+    EXPECT_THAT(robot->wait_for("front 100 mm"), HasSubstr("x 100 mm"));
+    EXPECT_EQ(romano(at(1, "anna", {"robots"})), 0) << said;
+    EXPECT_THAT(said, HasSubstr("abcd1234"));
+    robot->signal(SIGTERM);
+    EXPECT_EQ(robot->wait_for_exit(), 0);
+    EXPECT_TRUE(comes_to_say(1, "romano_dtls_associations", "0")) << "all said goodbye";
+}
+
+TEST_F(DtlsFleet, OurClientsLoseNothingAndMakeNoHandshakeWhenTheirBrokerIsKilled) {
+    start_member(1);
+    start_member(2, {"--listen", addresses.service(3)});  // plain: the test publishes there
+    expect_both_in_view();
+    Process listener(ROMANO_PROGRAM, at(1, "anna", {"sub", "-t", "number", "-q", "2", "-C", "60"}));
+    const auto robot = robot_at(1, "30");
+    EXPECT_THAT(robot->wait_for("established"), HasSubstr("abcd1234"));
+    TestClient publisher(addresses.client(), addresses.service_endpoint(3), "somebody");
+    ASSERT_TRUE(publisher.connect());
+    const auto topic = publisher.register_topic("number");
+    ASSERT_TRUE(topic);
+    // Retained, because nobody says when it has subscribed.
+    ASSERT_TRUE(publisher.publish(*topic, "0", mqttsn::Qos::exactly_once, true));
+    EXPECT_EQ(listener.next_line(), "0");
+    for (int i = 1; i < 60; ++i) {
+        if (i == 20) brokers[0]->kill_9();
+        ASSERT_TRUE(publisher.publish(*topic, std::to_string(i), mqttsn::Qos::exactly_once)) << i;
+    }
+    for (int i = 1; i < 60; ++i) ASSERT_EQ(listener.next_line(), std::to_string(i));
+    EXPECT_EQ(listener.wait_for_exit(), 0);
+
+    EXPECT_EQ(metric(2, handshakes), "0");
+    EXPECT_EQ(romano(at(2, "anna", {"move", "abcd1234", "front", "100mm"})), 0) << said;
+    EXPECT_THAT(robot->next_line(), HasSubstr("front 100 mm"))
+        << "and it was not established again";
+    EXPECT_TRUE(comes_to_say(2, handshakes, "1")) << "of the one who moved it";
+}
+
+TEST_F(DtlsFleet, ABrokerThatHasLostTheAssociationIsFoundByAnotherHandshake) {
+    start_protected(1);
+    const auto robot = robot_at(1, "1");
+    EXPECT_THAT(robot->wait_for("established"), HasSubstr("abcd1234"));
+    brokers[0]->kill_9();
+    brokers.clear();
+    start_protected(1);
+    EXPECT_THAT(robot->wait_for("established", std::chrono::seconds{60}), HasSubstr("abcd1234"));
+    EXPECT_EQ(metric(1, handshakes), "1");
+}
+
+TEST_F(DtlsFleet, WhatCannotBeIsOneSentence) {
+    EXPECT_EQ(romano({"pub", "--dtls", "-t", "a", "-m", "b"}), 2);
+    EXPECT_THAT(said, HasSubstr("--dtls requires --key"));
+    EXPECT_EQ(romano(at(1, "anna", {"pub", "-q", "-1", "--predefined", "7", "-m", "b"})), 2);
+    EXPECT_THAT(said, HasSubstr("-q -1 with --dtls"));
+    EXPECT_EQ(romano(at(1, "anna", {"pub", "-t", "a", "-m", "b", "--broker-timeout", "0.4"})), 2);
+    EXPECT_THAT(said, HasSubstr("nobody listens there"));
+    start_protected(1);
+    EXPECT_EQ(romano_at(1, {"pub", "-t", "a", "-m", "b", "--broker-timeout", "0.4", "--key",
+                            keys.own_file("anna", keys::Role::person)}),
+              2);
+    EXPECT_THAT(said, HasSubstr("does it serve protected:// there"));
 }
 
 TEST_F(DtlsFleet, APlaceIsTakenOnceAndGoesWithTheRecordOfTheNumbers) {

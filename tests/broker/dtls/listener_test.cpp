@@ -1,8 +1,6 @@
 // DTLS clients of a broker core, from the first ClientHello on, and whoever else sends datagrams
 // there. The clients are OpenSSL's.
 
-#include "broker/dtls/openssl/listener.h"
-
 #include <gtest/gtest.h>
 
 #include <chrono>
@@ -12,75 +10,19 @@
 #include <utility>
 #include <vector>
 
-#include "broker/core/broker_core.h"
 #include "broker/protection/protected_node.h"
 #include "romano/base/random.h"
 #include "romano/dtls/client_end.h"
-#include "romano/mqttsn/codec.h"
 #include "romano/mqttsn/decode.h"
-#include "tests/broker/ciphered_clients.h"
+#include "tests/broker/dtls/broker_with_dtls.h"
 
 namespace romano::dtls::listener_test {
 namespace {
 
 using namespace std::chrono_literals;
+using namespace broker_with_dtls;
 using broker::Actions;
-using broker::test::connect_as;
-using broker::test::endpoint;
-using broker::test::Octets;
-using broker::test::octets_of;
-using broker::test::ping;
-using broker::test::Sent;
 using mqttsn::MsgType;
-Endpoint dtls_service() {
-    Endpoint out = endpoint(1, 8883);
-    out.packets = Endpoint::Packets::dtls;
-    return out;
-}
-
-const Endpoint service = dtls_service();
-const Endpoint place = endpoint(10, 5000);
-const Endpoint other_place = endpoint(11, 5000);
-const protection::RobotKey key_a{{0xA}};
-const protection::RobotKey key_b{{0xB}};
-
-/// A broker core behind its DTLS address, as a shell composes them.
-struct Broker {
-    explicit Broker(std::uint32_t its_place)
-        : place_of(its_place), listener({place_of, reserve}, {0x5E}), core({}, 1) {
-        const std::vector<broker::ProtectedClient> all{{"a", key_a}, {"b", key_b}};
-        listener.set_clients(all);
-    }
-    std::vector<Sent> take(const Endpoint& from, Bytes datagram) {
-        Actions actions;
-        listener.take(now, {service, from}, datagram, actions, [&](Bytes message) {
-            delivered.emplace_back(message.begin(), message.end());
-            core.on_datagram(now, service, from, message, actions);
-        });
-        return drain(actions);
-    }
-    std::vector<Sent> wait(std::chrono::seconds time) {
-        now += Duration{time};
-        Actions actions;
-        listener.on_time(now, actions);
-        return drain(actions);
-    }
-    std::vector<Sent> drain(Actions& actions) {
-        if (const auto bound = reserve.to_store()) reserve.on_stored(*bound);
-        listener.seal(actions);
-        return broker::test::sent_to_clients(actions);
-    }
-    std::uint64_t refused(Refusal why) const {
-        return listener.clients().counters().refused.of(why);
-    }
-
-    std::uint32_t place_of;
-    protection::Reserve reserve{0};
-    Instant now{};
-    Listener listener;
-    broker::BrokerCore core;
-    std::vector<Octets> delivered;
-};
 
 /// OpenSSL's client, and the datagrams between it and a broker.
 struct Client {
