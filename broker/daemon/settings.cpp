@@ -6,7 +6,6 @@
 #include <array>
 #include <charconv>
 #include <limits>
-#include <ranges>
 #include <span>
 #include <string_view>
 
@@ -370,9 +369,11 @@ std::vector<std::string> check_voters(const SettingTexts& texts) {
     }
     std::vector<std::string> voters;
     for (const std::string& names : texts.voters) {
-        for (const auto& name : std::views::split(names, ',')) {
-            voters.emplace_back(name.begin(), name.end());
+        for (std::size_t from = 0; from <= names.size();) {
+            const std::size_t end = std::min(names.find(',', from), names.size());
+            voters.push_back(names.substr(from, end - from));
             check_broker_name("voters", voters.back());
+            from = end + 1;
         }
     }
     if (voters.empty()) {
