@@ -111,23 +111,26 @@ void LoneBroker::read_rights_again() {
 }
 
 void LoneBroker::publish_status() {
+    processor_load_.on_reading(net::now(), process_processor_time());
     nlohmann::json addresses = nlohmann::json::array();
     for (const Endpoint& address : udp_.addresses()) addresses.push_back(net::to_text(address));
-    const std::string status = nlohmann::json{
-        {"name", name_},
-        {"alive", true},
-        {"leader", true},
-        {"rank", 0},
-        {"sessions", core_.session_count()},
-        {"connected", core_.connected_count()},
-        {"addresses", std::move(addresses)},
-        {"rights", rights_.digest()},
-        {"view", {{"term", 0}, {"leader", name_}, {"count", 1}, {"members", {name_}}}},
-        {"incarnation", options_.log.incarnation},
-        {"longest_turn_us",
-         std::chrono::duration_cast<std::chrono::microseconds>(
-             net::TurnClock::of(io_).longest(net::now()))
-             .count()}}.dump();
+    const std::string status =
+        nlohmann::json{
+            {"name", name_},
+            {"alive", true},
+            {"leader", true},
+            {"rank", 0},
+            {"sessions", core_.session_count()},
+            {"connected", core_.connected_count()},
+            {"addresses", std::move(addresses)},
+            {"rights", rights_.digest()},
+            {"view", {{"term", 0}, {"leader", name_}, {"count", 1}, {"members", {name_}}}},
+            {"incarnation", options_.log.incarnation},
+            {"longest_turn_us", std::chrono::duration_cast<std::chrono::microseconds>(
+                                    net::TurnClock::of(io_).longest(net::now()))
+                                    .count()},
+            {"cpu_percent", processor_load_.percent()}}
+            .dump();
     if (status == last_status_) return;
     last_status_ = status;
     core_.set_system_topic(net::now(), "$SYS/brokers/" + name_, as_octets(status), actions_);

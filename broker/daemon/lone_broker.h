@@ -12,6 +12,7 @@
 #include "broker/daemon/bad_senders.h"
 #include "broker/daemon/heap_limit.h"
 #include "broker/daemon/persistence.h"
+#include "broker/daemon/processor_load.h"
 #include "broker/daemon/protection.h"
 #include "broker/daemon/rights_in_force.h"
 #include "broker/daemon/running_broker.h"
@@ -53,6 +54,7 @@ private:
     net::CoreTimer core_timer_;
     net::CoreTimer status_timer_;
     std::string last_status_;
+    ProcessorLoad processor_load_;
     BadSenders bad_senders_;
     HeapLimit heap_limit_;
 };

@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 
 #include "broker/net/clock.h"
@@ -52,6 +53,10 @@ std::string turn_text(std::uint64_t microseconds) {
     return text.data();
 }
 
+std::string percent_text(const std::optional<std::uint64_t>& percent) {
+    return percent ? std::to_string(*percent) + " %" : "";
+}
+
 /// What must be the same at all brokers, and is not.
 void print_disagreements(const BrokerWatch& watch) {
     for (const auto& [name, seen] : watch.brokers()) {
@@ -84,8 +89,8 @@ void print_deafness(const BrokerWatch& watch) {
 }
 
 void print_table(const BrokerWatch& watch) {
-    SummaryTable table{.head = {"broker", "state", "role", "rank", "sessions", "connected",
-                                "longest turn", "addresses"},
+    SummaryTable table{.head = {"broker", "state", "role", "rank", "condition", "sessions",
+                                "connected", "CPU", "longest turn", "addresses"},
                        .units = {},
                        .rows = {}};
     const BrokerStatus* newest = nullptr;
@@ -94,7 +99,9 @@ void print_table(const BrokerWatch& watch) {
         table.rows.push_back(
             {status.name, status.alive ? "alive" : "dead",
              status.alive && status.leader ? "leader" : "", std::to_string(status.rank),
+             status.condition ? std::to_string(*status.condition) : "",
              std::to_string(status.sessions), std::to_string(status.connected),
+             status.alive ? percent_text(status.cpu_percent) : "",
              status.alive ? turn_text(status.longest_turn_us) : "", joined(status.addresses)});
         if (status.alive && (newest == nullptr || status.view_term > newest->view_term)) {
             newest = &status;

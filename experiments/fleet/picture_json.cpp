@@ -56,6 +56,8 @@ Json broker_json(const FleetPicture& picture, const SeenBroker& broker) {
              {"cannot_take", status.cannot_take},
              {"longest_turn_ms", static_cast<double>(status.longest_turn_us) / 1e3},
              {"does_not_hear", status.does_not_hear}};
+    if (status.condition) out["condition"] = *status.condition;
+    if (status.alive && status.cpu_percent) out["cpu_percent"] = *status.cpu_percent;
     if (broker.to_peers_octets_per_s) {
         out["to_peers_octets_per_s"] = std::llround(*broker.to_peers_octets_per_s);
     }

@@ -7,6 +7,12 @@ namespace {
 
 using nlohmann::json;
 
+void read(const json& object, const char* key, std::optional<std::uint64_t>& value) {
+    if (const auto found = object.find(key); found != object.end() && !found->is_null()) {
+        value = found->get<std::uint64_t>();
+    }
+}
+
 template <typename Value>
 void read(const json& object, const char* key, Value& value) {
     if (const auto found = object.find(key); found != object.end() && !found->is_null()) {
@@ -24,6 +30,7 @@ std::optional<BrokerStatus> parse_broker_status(std::string_view text) {
         read(object, "alive", status.alive);
         read(object, "leader", status.leader);
         read(object, "rank", status.rank);
+        read(object, "condition", status.condition);
         read(object, "sessions", status.sessions);
         read(object, "connected", status.connected);
         read(object, "addresses", status.addresses);
@@ -32,6 +39,7 @@ std::optional<BrokerStatus> parse_broker_status(std::string_view text) {
         read(object, "transport_octets_sent", status.transport_octets_sent);
         read(object, "rights", status.rights);
         read(object, "longest_turn_us", status.longest_turn_us);
+        read(object, "cpu_percent", status.cpu_percent);
         read(object, "does_not_hear", status.does_not_hear);
         read(object, "disagrees", status.disagrees);
         if (const auto view = object.find("view"); view != object.end() && view->is_object()) {

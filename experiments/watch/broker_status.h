@@ -18,6 +18,7 @@ struct BrokerStatus {
     bool alive = false;
     bool leader = false;
     std::uint64_t rank = 0;
+    std::optional<std::uint64_t> condition;  // battery or load, from 0 (spent) to 100
     std::uint64_t sessions = 0;
     std::uint64_t connected = 0;
     std::vector<std::string> addresses;  // "127.0.0.1:1883"
@@ -27,9 +28,10 @@ struct BrokerStatus {
     std::string view_leader;
     std::string rights;  // their digest; empty: it is not known
     std::vector<std::string> view_members;
-    std::uint64_t transport_octets_sent = 0;  // to its peers, since it started
-    std::uint64_t longest_turn_us = 0;        // of the last half minute to minute
-    std::vector<std::string> does_not_hear;   // living members of the view
+    std::uint64_t transport_octets_sent = 0;   // to its peers, since it started
+    std::uint64_t longest_turn_us = 0;         // of the last half minute to minute
+    std::optional<std::uint64_t> cpu_percent;  // of a core, in the last five seconds
+    std::vector<std::string> does_not_hear;    // living members of the view
     /// Settings that must agree and do not: the values by broker's name, by setting.
     std::map<std::string, std::map<std::string, std::string>> disagrees;
 };

@@ -449,6 +449,7 @@ Beacon ClusterCore::beacon(const broker::BrokerCore& broker) const {
                   .transport_octets_sent = octets_sent_,
                   .transport_octets_received = octets_received_,
                   .longest_turn_us = longest_turn_us_,
+                  .cpu_percent = cpu_percent_,
                   .link = link_,
                   .settings = settings_.digest(),
                   .predefined = predefined_};

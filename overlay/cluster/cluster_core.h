@@ -87,6 +87,7 @@ public:
         longest_turn_us_ =
             static_cast<std::uint32_t>(std::min<std::int64_t>(longest.count(), most));
     }
+    void on_cpu_percent(std::uint32_t percent) { cpu_percent_ = percent; }
     /// Instant::min(): there is more to be done than fits one turn.
     [[nodiscard]] Instant next_wakeup() const;
 
@@ -313,6 +314,7 @@ private:
     std::uint64_t octets_sent_ = 0;
     std::uint64_t octets_received_ = 0;
     std::uint32_t longest_turn_us_ = 0;
+    std::uint32_t cpu_percent_ = 0;
     election::Leadership last_leadership_;  // as the last beacon said
     ViewNumber last_view_;
 };

@@ -94,6 +94,7 @@ struct Beacon {
     std::uint64_t transport_octets_sent = 0;  // between brokers, since the start
     std::uint64_t transport_octets_received = 0;
     std::uint32_t longest_turn_us = 0;  // that its shell was busy at a stretch, of late
+    std::uint32_t cpu_percent = 0;      // of a core, that its process had of late
     bool leaving = false;               // the last beacon of an orderly stop
     LinkAddress link{};
     std::uint32_t settings = 0;  // digest of what all brokers must agree on (settings_comparison.h)
@@ -130,6 +131,7 @@ struct Heartbeat {
     std::uint64_t transport_octets_sent = 0;  // 0: not said this time
     std::uint64_t transport_octets_received = 0;
     std::uint32_t longest_turn_us = 0;
+    std::uint32_t cpu_percent = 0;
     bool leaving = false;
 };
 /// The other part, to whoever asks because the digest is new to it, and to all peers when it

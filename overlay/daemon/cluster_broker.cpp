@@ -359,6 +359,8 @@ void ClusterBroker::look_around() {
         protection_->on_time(net::now(), actions_.clients);
         if (!actions_.clients.empty()) carry_out();
     }
+    processor_load_.on_reading(net::now(), process_processor_time());
+    member_->on_cpu_percent(processor_load_.percent());
     const auto reading = condition_ ? condition_->look() : std::nullopt;
     if (reading) {
         member_->on_condition(net::now(), *reading, actions_);

@@ -15,6 +15,7 @@
 
 #include "broker/daemon/bad_senders.h"
 #include "broker/daemon/heap_limit.h"
+#include "broker/daemon/processor_load.h"
 #include "broker/daemon/protection.h"
 #include "broker/daemon/rights_in_force.h"
 #include "broker/daemon/running_broker.h"
@@ -100,6 +101,7 @@ private:
     net::CoreTimer timer_;
     net::CoreTimer look_timer_;
     std::optional<ConditionFile> condition_;
+    ProcessorLoad processor_load_;
     std::set<Endpoint> homes_of_peers_;  // that we may have to serve
     std::set<Endpoint> not_served_;      // people were told
     BadSenders bad_senders_;

@@ -11,6 +11,8 @@ void add_cluster(metrics::Page& page, const overlay::MemberFacts& facts) {
     page.counter("romano_cluster_views_total", "Views that were agreed on.", facts.views);
     page.gauge("romano_cluster_leader_info", "Who leads; always 1.", 1, {{"name", facts.leader}});
     gauge("romano_cluster_is_leader", "1 when this broker leads.", facts.leads ? 1 : 0);
+    gauge("romano_cluster_condition",
+          "Battery or load as this broker's rank has it, from 0 to 100 in steps.", facts.condition);
     page.counter("romano_cluster_take_overs_total",
                  "Failovers: service addresses of dead brokers that this one took over.",
                  facts.take_overs);

@@ -129,6 +129,7 @@ struct MessageWriter {
         to.set_transport_octets_sent(m.transport_octets_sent);
         to.set_transport_octets_received(m.transport_octets_received);
         to.set_longest_turn_us(m.longest_turn_us);
+        to.set_cpu_percent(m.cpu_percent);
         to.set_leaving(m.leaving);
     }
     void operator()(const cluster::ParticularsRequest&) const { out.mutable_particulars_request(); }
@@ -157,6 +158,7 @@ struct MessageWriter {
         to.set_transport_octets_sent(m.transport_octets_sent);
         to.set_transport_octets_received(m.transport_octets_received);
         to.set_longest_turn_us(m.longest_turn_us);
+        to.set_cpu_percent(m.cpu_percent);
         to.set_leaving(m.leaving);
         to_proto(m.link.endpoint, *to.mutable_link());
         to.set_link_process(m.link.process);
@@ -319,6 +321,7 @@ MaybeMessage read_heartbeat(const Heartbeat& in) {
     out.transport_octets_sent = in.transport_octets_sent();
     out.transport_octets_received = in.transport_octets_received();
     out.longest_turn_us = in.longest_turn_us();
+    out.cpu_percent = in.cpu_percent();
     out.leaving = in.leaving();
     return out;
 }
@@ -343,6 +346,7 @@ MaybeMessage read_particulars(const Beacon& in) {
     out.transport_octets_sent = in.transport_octets_sent();
     out.transport_octets_received = in.transport_octets_received();
     out.longest_turn_us = in.longest_turn_us();
+    out.cpu_percent = in.cpu_percent();
     out.leaving = in.leaving();
     out.settings = in.settings();
     out.predefined = in.predefined();

@@ -68,6 +68,7 @@ public:
         cluster_.on_transport_octets(sent, received);
     }
     void on_longest_turn(std::chrono::microseconds longest) { cluster_.on_longest_turn(longest); }
+    void on_cpu_percent(std::uint32_t percent) { cluster_.on_cpu_percent(percent); }
     void set_full(bool full) { broker_.set_full(full); }
     void set_rights(const broker::Permissions* permissions, const std::string& digest) {
         permissions_ = permissions;
@@ -529,6 +530,9 @@ void Member::set_rights(const broker::Permissions* permissions, const std::strin
 }
 void Member::on_longest_turn(std::chrono::microseconds longest) {
     state_->on_longest_turn(longest);
+}
+void Member::on_cpu_percent(std::uint32_t percent) {
+    state_->on_cpu_percent(percent);
 }
 void Member::set_full(bool full) {
     state_->set_full(full);

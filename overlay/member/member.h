@@ -101,6 +101,8 @@ public:
     void on_transport_octets(std::uint64_t sent, std::uint64_t received);
     /// How long the shell was busy at a stretch, of late: told there, too.
     void on_longest_turn(std::chrono::microseconds longest);
+    /// How much of a core the process had, of late: told there, too.
+    void on_cpu_percent(std::uint32_t percent);
 
     /// See broker::BrokerCore::set_permissions. Peers compare the digest with theirs.
     void set_rights(const broker::Permissions* permissions, const std::string& digest);

@@ -15,6 +15,7 @@ MemberFacts facts_of(const cluster::ClusterCore& cluster) {
     out.log_events_kept = own.history().events_kept();
     out.views = cluster.views_seen();
     out.take_overs = cluster.take_over().inherited();
+    out.condition = cluster.membership().condition();
     const auto leader = cluster.leadership().leader;
     out.leads = leader == cluster::node_of(own.id().broker);
     for (const auto& [id, peer] : cluster.membership().peers()) {

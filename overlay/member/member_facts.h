@@ -33,6 +33,7 @@ struct MemberFacts {
     cluster::View view;
     std::string leader;  // empty: nobody, or nobody known
     bool leads = false;
+    std::uint32_t condition = 0;  // battery or load, as the own rank has it
     broker::Seq log_last = 0;
     broker::Seq log_safe = 0;         // held by as many peers as must
     std::size_t log_events_kept = 0;  // for peers that lag

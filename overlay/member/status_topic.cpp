@@ -135,6 +135,7 @@ std::string to_json(const BrokerStatus& status) {
     return '{' + field("name", quoted(beacon.name)) + ',' + field("alive", truth(status.alive)) +
            ',' + field("leader", truth(status.leads)) + ',' +
            field("rank", number(beacon.claim.rank.capability)) + ',' +
+           field("condition", number(beacon.claim.rank.condition)) + ',' +
            field("sessions", number(beacon.sessions)) + ',' +
            field("connected", number(beacon.connected)) + ',' +
            field("addresses", list_of(beacon.serving, to_text)) + ',' +
@@ -142,7 +143,8 @@ std::string to_json(const BrokerStatus& status) {
            field("incarnation", number(beacon.log.incarnation)) + ',' +
            field("transport_octets_sent", number(beacon.transport_octets_sent)) + ',' +
            field("transport_octets_received", number(beacon.transport_octets_received)) + ',' +
-           field("longest_turn_us", number(beacon.longest_turn_us)) +
+           field("longest_turn_us", number(beacon.longest_turn_us)) + ',' +
+           field("cpu_percent", number(beacon.cpu_percent)) +
            (status.does_not_hear.empty()
                 ? std::string{}
                 : ',' + field("does_not_hear", list_of(status.does_not_hear,

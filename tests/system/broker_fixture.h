@@ -24,9 +24,11 @@ struct BrokerFixture : testing::Test {
         brokers.push_back(std::move(broker));
         return *brokers.back();
     }
-    BrokerProcess& start_member(int n) {
-        return start_broker(n, {"--domain", std::to_string(addresses.domain()), "--interface", "lo",
-                                "--rank", std::to_string(n), "--detection-timeout-ms", "300"});
+    BrokerProcess& start_member(int n, std::vector<std::string> more = {}) {
+        more.insert(more.end(),
+                    {"--domain", std::to_string(addresses.domain()), "--interface", "lo", "--rank",
+                     std::to_string(n), "--detection-timeout-ms", "300"});
+        return start_broker(n, std::move(more));
     }
 
     TestAddresses addresses;

@@ -99,6 +99,7 @@ TEST_F(LoneBroker, TellsAboutItselfUnderSys) {
     EXPECT_THAT(
         client.received.front().data,
         testing::AllOf(testing::HasSubstr(R"("alive":true)"), testing::HasSubstr(R"("name":"r1")"),
+                       testing::HasSubstr(R"("cpu_percent":)"),
                        testing::HasSubstr(addresses.service(1))));
 }
 

@@ -109,6 +109,7 @@ TEST_F(Metrics, TellOfViewAndTakeOverInACluster) {
     first->wait_until_serving();
     second->wait_until_serving();
     EXPECT_TRUE(comes_to_say(at(1), "romano_cluster_view_members 2\n"));
+    EXPECT_TRUE(comes_to_say(at(1), "romano_cluster_condition 100\n"));
     EXPECT_TRUE(comes_to_say(at(1), "romano_cluster_peer_alive{peer=\"r2\"} 1\n"));
     TestClient client(addresses.client(), at(2), "c");
     ASSERT_TRUE(client.connect());

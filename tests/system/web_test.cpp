@@ -148,6 +148,31 @@ TEST_F(Web, ShowsTheNewHomeOfAKilledBrokersRobotsWithinASecond) {
     EXPECT_TRUE(comes([&] { return state().at("cluster").at("leader") == "r1"; }));
 }
 
+TEST_F(Web, TellsTheLoadAndTheConditionOfEachBroker) {
+    const tests::TemporaryFolder folder;
+    std::ofstream(folder / "battery") << "40\n";
+    start_member(1, {"--condition-file", (folder / "battery").string()});
+    start_member(2);
+    start_web(2);
+    Process fleet(ROMANO_ROBOT,
+                  {"--id", "00000001", "--count", "20", "--broker", addresses.service(1),
+                   "--telemetry", "robots/{id}/pose", "--every", "0.01", "--quiet"});
+    // In the rank a reading counts in steps of 25. Who has no file is at his best.
+    EXPECT_TRUE(comes([&] {
+        const json seen = state();
+        return std::ranges::all_of(seen.at("brokers"),
+                                   [](const json& broker) {
+                                       return broker.value("cpu_percent", 0) > 0 &&
+                                              broker.value("condition", 0) ==
+                                                  (broker.at("name") == "r1" ? 25 : 100);
+                                   }) &&
+               seen.at("brokers").size() == 2;
+    })) << state().at("brokers");
+    const std::string table = romano("brokers", 2, {})->rest_of_output();
+    EXPECT_THAT(table, HasSubstr(" 25 "));
+    EXPECT_THAT(table, HasSubstr(" % "));
+}
+
 TEST_F(Web, MovesARobotAndStopsAllAndWhatControlsThem) {
     start_broker(1);
     Process& leader = start_robot("00000001", 1);

@@ -1,6 +1,6 @@
 // A card for each broker.
 
-import {age, byId, count, make, milliseconds, octets, put} from './text.js';
+import {age, byId, count, make, milliseconds, number, octets, put} from './text.js';
 
 const cards = new Map();
 
@@ -11,6 +11,8 @@ function makeCard() {
     card.robots = make('b', {});
     card.robotsWord = make('span', {});
     card.sessions = make('dd', {});
+    card.load = make('dd', {title: 'Processor time of its process in the last five seconds, of one core'});
+    card.condition = make('dd', {title: 'Battery or load of its machine, as its rank has it, in steps of a quarter'});
     card.peers = make('dd', {});
     card.turn = make('dd', {title: 'The longest that it did one thing and nothing else, in the last half minute to minute'});
     card.addresses = make('dd', {class: 'mono'});
@@ -18,7 +20,8 @@ function makeCard() {
     card.node.append(
         make('h3', {}, card.name, card.badge),
         make('p', {class: 'big'}, card.robots, ' ', card.robotsWord),
-        make('dl', {}, make('dt', {}, 'Sessions'), card.sessions, make('dt', {}, 'To peers'), card.peers,
+        make('dl', {}, make('dt', {}, 'Sessions'), card.sessions, make('dt', {}, 'Load'), card.load,
+             make('dt', {}, 'Condition'), card.condition, make('dt', {}, 'To peers'), card.peers,
              make('dt', {}, 'Longest turn'), card.turn,
              make('dt', {}, 'Serves'), card.addresses),
         card.warning);
@@ -48,6 +51,8 @@ export function showBrokers(model) {
         put(card.robots, here);
         put(card.robotsWord, here === 1 ? 'robot' : 'robots');
         put(card.sessions, broker.alive ? `${broker.sessions}, ${broker.connected} connected` : 'none');
+        put(card.load, broker.alive && broker.cpu_percent !== undefined ? `${number(broker.cpu_percent)} % of a core` : '–');
+        put(card.condition, broker.alive && broker.condition !== undefined ? `${broker.condition} of 100` : '–');
         put(card.peers, broker.to_peers_octets_per_s === undefined || !broker.alive
             ? '–' : octets(broker.to_peers_octets_per_s));
         put(card.turn, broker.alive && broker.longest_turn_ms > 0 ? milliseconds(broker.longest_turn_ms) : '–');

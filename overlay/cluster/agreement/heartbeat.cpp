@@ -83,6 +83,7 @@ Heartbeat HeartbeatWriter::write(const Beacon& beacon) {
         out.transport_octets_sent = beacon.transport_octets_sent;
         out.transport_octets_received = beacon.transport_octets_received;
         out.longest_turn_us = beacon.longest_turn_us;
+        out.cpu_percent = beacon.cpu_percent;
     }
     const std::uint32_t before = std::exchange(particulars_, out.particulars);
     has_news_ = before != 0 && before != out.particulars;
@@ -244,6 +245,7 @@ const Beacon* HeartbeatReader::join(Peer& peer, const View& own_view) const {
         beacon.transport_octets_sent = said.transport_octets_sent;
         beacon.transport_octets_received = said.transport_octets_received;
         beacon.longest_turn_us = said.longest_turn_us;
+        beacon.cpu_percent = said.cpu_percent;
     }
     beacon.leaving = said.leaving;
     join_view(peer, own_view);

@@ -88,6 +88,8 @@ public:
     [[nodiscard]] bool has_ended(const LogId& log) const;
     [[nodiscard]] election::Leadership leadership() const { return elector_->leadership(); }
     [[nodiscard]] bool leads() const;
+    /// Battery or load of this broker, as its rank has it.
+    [[nodiscard]] std::uint32_t condition() const { return condition_.told(); }
     /// The peer's name, as its beacons say it; empty when unknown.
     [[nodiscard]] std::string name_of(BrokerId id) const;
     /// Grows whenever somebody else is alive, or in another life.

@@ -20,6 +20,14 @@ TEST(ClusterMetrics, NamesFollowTheConventions) {
     metrics::expect_conventional_names(page.text());
 }
 
+TEST(ClusterMetrics, TellTheConditionInTheRank) {
+    metrics::Page page;
+    overlay::MemberFacts facts;
+    facts.condition = 75;
+    add_cluster(page, facts);
+    EXPECT_THAT(page.text(), HasSubstr("\nromano_cluster_condition 75\n"));
+}
+
 TEST(ClusterMetrics, TellWhatCameOfEachMessageOfTheUplink) {
     overlay::UplinkFacts facts{.is_up = true, .counters = {}, .too_long = 1};
     facts.counters = {.sent = 9,

@@ -41,10 +41,10 @@ static_assert(field_count<election::Claim>() == 3);
 static_assert(field_count<election::Ballot>() == 2);
 static_assert(field_count<cluster::ViewNumber>() == 3);
 static_assert(field_count<cluster::View>() == 2);
-static_assert(field_count<cluster::Beacon>() == 24);
+static_assert(field_count<cluster::Beacon>() == 25);
 static_assert(field_count<cluster::Echo>() == 2);
 static_assert(field_count<cluster::HeldByMember>() == 2);
-static_assert(field_count<cluster::Heartbeat>() == 20);
+static_assert(field_count<cluster::Heartbeat>() == 21);
 static_assert(field_count<cluster::Particulars>() == 1);
 static_assert(field_count<cluster::Pulse>() == 2);
 static_assert(field_count<cluster::LogBatch>() == 4);
@@ -113,6 +113,7 @@ TEST(BodyCodec, AHeartbeatKeepsItsFields) {
     EXPECT_EQ(out.transport_octets_sent, in.transport_octets_sent);
     EXPECT_EQ(out.transport_octets_received, in.transport_octets_received);
     EXPECT_EQ(out.longest_turn_us, in.longest_turn_us);
+    EXPECT_EQ(out.cpu_percent, in.cpu_percent);
     EXPECT_EQ(out.leaving, in.leaving);
 }
 
@@ -143,6 +144,7 @@ TEST(BodyCodec, ParticularsKeepTheirFields) {
     EXPECT_EQ(out.transport_octets_sent, in.transport_octets_sent);
     EXPECT_EQ(out.transport_octets_received, in.transport_octets_received);
     EXPECT_EQ(out.longest_turn_us, in.longest_turn_us);
+    EXPECT_EQ(out.cpu_percent, in.cpu_percent);
     EXPECT_EQ(out.leaving, in.leaving);
     EXPECT_EQ(out.link, in.link);
     EXPECT_EQ(out.settings, in.settings);

@@ -219,6 +219,7 @@ cluster::Beacon beacon(Random& r) {
     out.transport_octets_sent = wide(r);
     out.transport_octets_received = wide(r);
     out.longest_turn_us = r.next();
+    out.cpu_percent = r.next();
     out.leaving = flag(r);
     out.link = {endpoint(r), wide(r)};
     out.settings = r.next();
@@ -251,6 +252,7 @@ cluster::Heartbeat heartbeat(Random& r) {
     out.transport_octets_sent = wide(r);
     out.transport_octets_received = wide(r);
     out.longest_turn_us = r.next();
+    out.cpu_percent = r.next();
     out.leaving = flag(r);
     return out;
 }

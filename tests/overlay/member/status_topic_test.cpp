@@ -31,6 +31,8 @@ TEST(StatusTopic, IsAJsonObjectWithQuotesAndControlsEscaped) {
     beacon.sessions = 3;
     beacon.cannot_take = 2;
     beacon.longest_turn_us = 1500;
+    beacon.cpu_percent = 12;
+    beacon.claim.rank = {.capability = 3, .condition = 75};
     const cluster::View view{.number = {.term = 2, .leader = {}, .count = 4}, .members = {}};
     const std::vector<std::string> names{"a", "b"};
     const std::string json = to_json({.beacon = beacon,
@@ -45,7 +47,8 @@ TEST(StatusTopic, IsAJsonObjectWithQuotesAndControlsEscaped) {
     EXPECT_THAT(json, HasSubstr(R"("cannot_take":2)"));
     EXPECT_THAT(json, HasSubstr(R"("view":{"term":2,"leader":"a","count":4,"members":["a","b"]})"));
     EXPECT_THAT(json, HasSubstr(R"("incarnation":7)"));
-    EXPECT_THAT(json, HasSubstr(R"("longest_turn_us":1500)"));
+    EXPECT_THAT(json, HasSubstr(R"("longest_turn_us":1500,"cpu_percent":12)"));
+    EXPECT_THAT(json, HasSubstr(R"("rank":3,"condition":75)"));
     EXPECT_THAT(json, testing::Not(HasSubstr("does_not_hear")));
     EXPECT_EQ(json.front(), '{');
     EXPECT_EQ(json.back(), '}');
