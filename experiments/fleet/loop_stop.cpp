@@ -21,8 +21,13 @@ Octets encoded_for_loop(const Message& message) {
 }  // namespace
 
 LoopStop::ToRobot LoopStop::begin(Instant now, const message::RomanoId& robot) {
-    std::erase_if(begun_, [&](const auto& one) { return now - one.second > answers_within; });
+    for (; !in_order_.empty() && now - in_order_.front().first > answers_within;
+         in_order_.pop_front()) {
+        const auto old = begun_.find(in_order_.front().second);
+        if (old != begun_.end() && old->second == in_order_.front().first) begun_.erase(old);
+    }
     begun_[robot] = now;
+    in_order_.emplace_back(now, robot);
     return ask(robot, control::Channel{0});
 }
 

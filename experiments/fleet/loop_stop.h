@@ -3,8 +3,9 @@
 // robot is asked for each of its channels first.
 #pragma once
 
+#include <deque>
 #include <map>
-#include <optional>
+#include <utility>
 #include <vector>
 
 #include "experiments/operator/robot_message.h"
@@ -24,7 +25,7 @@ public:
         message::RomanoId robot;
         Octets octets;
     };
-    /// What to say to the robot first.
+    /// What to say to the robot first. Its answers count for some seconds from now.
     [[nodiscard]] ToRobot begin(Instant now, const message::RomanoId& robot);
     /// What came on the own topic; what to say then.
     [[nodiscard]] std::vector<ToRobot> on_answer(Instant now, Bytes data);
@@ -36,6 +37,7 @@ private:
 
     message::RomanoId self_;
     std::map<message::RomanoId, Instant> begun_;
+    std::deque<std::pair<Instant, message::RomanoId>> in_order_;  // the oldest first
 };
 
 }  // namespace romano::experiments

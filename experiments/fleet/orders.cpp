@@ -1,5 +1,6 @@
 #include "experiments/fleet/orders.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "romano/server/server.h"
@@ -45,6 +46,12 @@ Orders stop_all_orders(const FleetPicture& picture) {
     all.orders.push_back({.topic = std::string{server::common_topic},
                           .octets = stop_message(Form::binary),
                           .qos = Qos::at_least_once});
+    const auto is_legacy = [](const auto& one) { return one.second.entry.form == Form::legacy; };
+    if (std::ranges::any_of(picture.robots(), is_legacy)) {
+        all.orders.push_back({.topic = std::string{server::common_topic},
+                              .octets = stop_message(Form::legacy),
+                              .qos = Qos::at_least_once});
+    }
     for (const auto& [id, robot] : picture.robots()) {
         all.robots.push_back(id);
         all.orders.push_back(stop_order(robot));

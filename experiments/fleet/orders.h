@@ -34,7 +34,8 @@ struct Orders {
 /// authors' firmware drives for no time at no speed.
 [[nodiscard]] Orders stop_orders(const SeenRobot& robot);
 
-/// First once to all on `common`, then to each by itself, whatever it listens to.
+/// First to all at once on `common`, in each form that a robot of the picture has; then to each by
+/// itself, whatever it listens to.
 [[nodiscard]] Orders stop_all_orders(const FleetPicture& picture);
 
 }  // namespace romano::experiments

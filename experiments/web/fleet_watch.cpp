@@ -27,6 +27,11 @@ constexpr auto echo_is_missed_after = 1s;
 constexpr auto connect_again_after = 1s;
 // Robots are asked a few at a time: thousands of questions at once would be a burst.
 constexpr int most_asked_at_once = 20;
+// A client has one exchange open at a time. What is said to thousands waits here, and the page is
+// served meanwhile; the client has what it needs to go on at once.
+constexpr std::size_t most_open = 8;
+constexpr std::size_t most_waiting = 50'000;
+constexpr std::uint64_t no_command = 0;
 
 /// Where robots say where they are when they are asked; 15 octets at most, which all can name.
 constexpr std::string_view place_prefix = "at/";
@@ -119,7 +124,7 @@ void FleetWatch::on_event(const client::Event& event) {
         denial_ = refused->return_code;
         lose();
     } else if (const auto* denied = std::get_if<client::Failed>(&event)) {
-        if (!commands_.contains(denied->operation) && !has_begun_) denial_ = denied->return_code;
+        if (!open_.contains(denied->operation) && !has_begun_) denial_ = denied->return_code;
         on_ended(denied->operation, false);
     } else if (std::holds_alternative<client::Lost>(event) ||
                std::holds_alternative<client::Disconnected>(event)) {
@@ -131,9 +136,9 @@ void FleetWatch::lose() {
     failed_ = true;
     missed_.on_lost();
     picture_.on_link(net::now(), false);
-    for (const auto& [operation, command] : std::exchange(commands_, {})) {
-        picture_.on_command_ended(command, false);
-    }
+    loops_to_end_.clear();
+    for (const auto& [operation, command] : std::exchange(open_, {})) end_command(command, false);
+    for (const Outgoing& one : std::exchange(outgoing_, {})) end_command(one.command, false);
     for (; !echoes_.empty(); echoes_.pop_front()) picture_.on_echo_lost();
     connect_due_ = net::now() + connect_again_after;
 }
@@ -174,39 +179,68 @@ void FleetWatch::on_echo(Bytes data) {
 }
 
 void FleetWatch::on_ended(client::OperationId operation, bool broker_has_it) {
-    const auto command = commands_.find(operation);
-    if (command == commands_.end()) return;
-    picture_.on_command_ended(command->second, broker_has_it);
-    commands_.erase(command);
+    const auto exchange = open_.find(operation);
+    if (exchange == open_.end()) return;
+    end_command(exchange->second, broker_has_it);
+    open_.erase(exchange);
+    send_next();
 }
 
-void FleetWatch::publish(std::string_view topic, Bytes data, Qos qos,
-                         std::optional<std::uint64_t> command) {
-    const auto begun = client_->publish(client::topic_name(topic), data, {.qos = qos});
-    if (!command) return;
-    if (begun) {
-        commands_[*begun] = *command;
-    } else {
-        picture_.on_command_ended(*command, false);
-    }
+void FleetWatch::end_command(std::uint64_t command, bool broker_has_it) {
+    if (command != no_command) picture_.on_command_ended(command, broker_has_it);
+}
+
+void FleetWatch::publish(std::string_view topic, Bytes data, Qos qos) {
+    (void)client_->publish(client::topic_name(topic), data, {.qos = qos});
 }
 
 void FleetWatch::tell(const LoopStop::ToRobot& message) {
-    publish(message.robot.text(), message.octets, Qos::at_least_once, std::nullopt);
+    const auto begun = client_->publish(client::topic_name(message.robot.text()), message.octets,
+                                        {.qos = Qos::at_least_once});
+    if (begun) open_[*begun] = no_command;
 }
 
 std::uint64_t FleetWatch::carry_out(const Orders& orders) {
     const std::uint64_t command = picture_.on_command(net::now(), orders.words, orders.robots);
     for (const Order& order : orders.orders) {
-        publish(order.topic, order.octets, order.qos, command);
+        if (outgoing_.size() < most_waiting) {
+            outgoing_.push_back({order, command});
+        } else {
+            end_command(command, false);
+        }
     }
-    if (!orders.ends_loops) return command;
     for (const message::RomanoId& robot : orders.robots) {
         const auto found = picture_.robots().find(robot);
-        if (found == picture_.robots().end() || found->second.entry.form != Form::binary) continue;
-        tell(loops_.begin(net::now(), robot));
+        const bool has_loops =
+            found != picture_.robots().end() && found->second.entry.form == Form::binary;
+        if (orders.ends_loops && has_loops && loops_to_end_.size() < most_waiting) {
+            loops_to_end_.push_back(robot);
+        }
     }
+    send_next();
     return command;
+}
+
+void FleetWatch::send_next() {
+    while (open_.size() < most_open) {
+        if (!outgoing_.empty()) {
+            const auto [order, command] = std::move(outgoing_.front());
+            outgoing_.pop_front();
+            const auto begun =
+                client_->publish(client::topic_name(order.topic), order.octets, {.qos = order.qos});
+            if (begun) {
+                open_[*begun] = command;
+            } else {
+                end_command(command, false);
+            }
+        } else if (!loops_to_end_.empty()) {
+            const message::RomanoId robot = loops_to_end_.front();
+            loops_to_end_.pop_front();
+            tell(loops_.begin(net::now(), robot));
+        } else {
+            return;
+        }
+    }
 }
 
 void FleetWatch::tick() {
@@ -233,7 +267,7 @@ void FleetWatch::send_echo(Instant now) {
     if (now < echo_due_ || !picture_.is_linked()) return;
     echo_due_ = now + echo_every;
     echoes_.push_back({.number = ++last_echo_, .sent = now});
-    publish(echo_topic_, octets_of(last_echo_), Qos::at_most_once, std::nullopt);
+    publish(echo_topic_, octets_of(last_echo_), Qos::at_most_once);
 }
 
 void FleetWatch::ask_for_places(Instant now) {
@@ -250,7 +284,7 @@ void FleetWatch::ask_for_places(Instant now) {
         ++asked;
         const std::string answer_topic = std::string{place_prefix} + std::string{id.text()};
         publish(id.text(), request_message(Form::binary, answer_topic, "location"),
-                Qos::at_most_once, std::nullopt);
+                Qos::at_most_once);
     }
 }
 

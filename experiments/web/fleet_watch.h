@@ -61,10 +61,10 @@ private:
     void on_echo(Bytes data);
     void on_ended(client::OperationId operation, bool broker_has_it);
     void lose();
-    /// Counted for the command, if that is one of the picture's.
-    void publish(std::string_view topic, Bytes data, mqttsn::Qos qos,
-                 std::optional<std::uint64_t> command);
+    void publish(std::string_view topic, Bytes data, mqttsn::Qos qos);
     void tell(const LoopStop::ToRobot& message);
+    void send_next();
+    void end_command(std::uint64_t command, bool broker_has_it);
     void tick();
     void look_for_missed_entries(Instant now);
     void send_echo(Instant now);
@@ -81,8 +81,14 @@ private:
     std::unique_ptr<WatcherClient> client_;
     std::unique_ptr<WatcherClient> old_client_;  // a timer of its own may be about to call it
     unsigned life_ = 0;                          // of the client
-    std::map<client::OperationId, std::uint64_t> commands_;  // by what goes out for them
-    std::deque<Echo> echoes_;                                // the oldest first
+    struct Outgoing {
+        Order order;
+        std::uint64_t command;
+    };
+    std::deque<Outgoing> outgoing_;                      // in the order of their commands
+    std::deque<message::RomanoId> loops_to_end_;         // when all of those are out
+    std::map<client::OperationId, std::uint64_t> open_;  // exchanges, with their commands, or none
+    std::deque<Echo> echoes_;                            // the oldest first
     std::uint64_t last_echo_ = 0;
     Instant echo_due_{};
     std::optional<Instant> connect_due_;

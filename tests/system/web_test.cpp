@@ -18,6 +18,7 @@
 #include <iterator>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <string>
 #include <thread>
 #include <utility>
@@ -102,6 +103,14 @@ struct Web : BrokerFixture {
             if (one.at("kind") == kind) return true;
         }
         return false;
+    }
+    [[nodiscard]] json last_command() const {
+        const json seen = state();
+        json last;
+        for (const json& one : seen.at("time_line")) {
+            if (one.at("kind") == "command") last = one;
+        }
+        return last;
     }
     /// Asks again and again, until it is so.
     static bool comes(const std::function<bool()>& is_so, std::chrono::seconds limit = 20s) {
@@ -192,10 +201,7 @@ TEST_F(Web, MovesARobotAndStopsAllAndWhatControlsThem) {
     EXPECT_EQ(ask(http::verb::post, "/api/stop").result_int(), 202U);
     EXPECT_NE(leader.wait_for("front 0 mm"), "");
     EXPECT_NE(plant.wait_for("is no longer controlled by 00000001: ended by a node"), "");
-    EXPECT_TRUE(comes([&] {
-        const json last = state().at("time_line").back();
-        return last.at("kind") == "command" && last.at("confirmed") == 3;
-    }));
+    EXPECT_TRUE(comes([&] { return last_command().at("confirmed") == 3; }));
 }
 
 TEST_F(Web, StreamsWhatChanges) {
@@ -240,16 +246,48 @@ TEST_F(Web, RefusesCommandsWhileNoBrokerAnswersAndGoesOnWhenItIsBack) {
     EXPECT_EQ(web->wait_for_exit(), 0);
 }
 
-TEST_F(Web, KnowsTwelveHundredRobotsThatComeAtOnce) {
+/// Those of `file`, in which robots say what they do, that did `what`.
+std::set<std::string> who_did(const std::filesystem::path& file, const std::string& what) {
+    std::set<std::string> robots;
+    std::ifstream stream(file);
+    for (std::string line; std::getline(stream, line);) {
+        const std::size_t id_end = line.find(' ');
+        if (line.find(what) == id_end + 1) robots.insert(line.substr(0, id_end));
+    }
+    return robots;
+}
+
+TEST_F(Web, KnowsTwelveHundredRobotsThatComeAtOnceAndStopsEachOfThem) {
+    const tests::TemporaryFolder folder;
     start_broker(1);
     start_web(1);
-    Process fleet(ROMANO_ROBOT,
-                  {"--id", "00000001", "--count", "1200", "--broker", addresses.service(1),
-                   "--telemetry", "robots/{id}/pose", "--every", "5", "--quiet"});
-    EXPECT_TRUE(comes([&] { return state().at("robots").size() == 1200; }, 90s))
+    Process fleet(
+        "/bin/sh",
+        {"-c", "exec " ROMANO_ROBOT " --id 00000001 --count 1200 --broker " + addresses.service(1) +
+                   " --telemetry 'robots/{id}/pose' --every 5 >" + (folder / "said").string()});
+    ASSERT_TRUE(comes([&] { return state().at("robots").size() == 1200; }, 90s))
         << state().at("robots").size();
     const auto listed = romano("robots", 1, {"--json"});
     EXPECT_EQ(json::parse(listed->rest_of_output()).size(), 1200U);
+
+    ASSERT_EQ(ask(http::verb::post, "/api/stop").result_int(), 202U);
+    json command;
+    EXPECT_TRUE(comes(
+        [&] {  // the page is served meanwhile
+            command = last_command();
+            return command.at("confirmed") == 1201;
+        },
+        90s))
+        << command;
+    EXPECT_EQ(command.at("refused"), 0);
+    EXPECT_TRUE(comes([&] { return who_did(folder / "said", "front 0 mm").size() == 1200; }));
+    // What comes then need not wait for the questions about 1,200 robots' loops.
+    ASSERT_EQ(ask(http::verb::post, "/api/robots/00000007/move",
+                  R"({"movement": "back", "amount": "10cm"})")
+                  .result_int(),
+              202U);
+    EXPECT_TRUE(
+        comes([&] { return who_did(folder / "said", "back 100 mm").contains("00000007"); }));
 }
 
 TEST_F(Web, IsServedToThisMachineAloneUnlessItIsToldOtherwise) {

@@ -65,6 +65,23 @@ TEST(Orders, StopAllIsSaidToAllAtOnceAndThenToEach) {
     EXPECT_EQ(all.orders[2].topic, "00000002");
 }
 
+TEST(Orders, StopAllIsSaidToAllInTheFormOfTheAuthorsFirmwareWhereARobotHasIt) {
+    FleetPicture picture{Duration{0}};
+    for (const RomanoId& id : {robot_1, robot_2}) {
+        server::NodeEntry entry;
+        entry.id = id;
+        entry.form = id == robot_2 ? server::Form::legacy : server::Form::binary;
+        picture.on_entry(Instant{1s}, entry);
+    }
+    const Orders all = stop_all_orders(picture);
+    ASSERT_EQ(all.orders.size(), 4U);
+    EXPECT_EQ(all.orders[0].topic, "common");
+    EXPECT_EQ(all.orders[1].topic, "common");
+    EXPECT_EQ(as_text(all.orders[1].octets), "7040000000000");
+    EXPECT_EQ(all.orders[2].topic, robot_1.text());
+    EXPECT_EQ(all.orders[3].topic, robot_2.text());
+}
+
 /// What was said, decoded again.
 template <typename Message>
 Message said(const LoopStop::ToRobot& message) {
@@ -100,6 +117,15 @@ TEST(LoopStop, EndsTheLoopsOfAllChannelsOneByOne) {
     ASSERT_EQ(next.size(), 1U);
     EXPECT_EQ(said<control::Ask>(next[0]).channel, Channel{1});
     EXPECT_TRUE(answer(stop, now, report_of(1, State::free, Reason::no_such_channel)).empty());
+}
+
+TEST(LoopStop, ARobotThatIsBegunAgainHasItsTimeAnew) {
+    LoopStop stop{robot_2};
+    (void)stop.begin(Instant{1s}, robot_1);
+    (void)stop.begin(Instant{9s}, robot_1);
+    (void)stop.begin(Instant{12s}, robot_2);
+    EXPECT_EQ(answer(stop, Instant{18s}, report_of(0, State::controlled)).size(), 1U);
+    EXPECT_TRUE(answer(stop, Instant{20s}, report_of(0, State::controlled)).empty());
 }
 
 TEST(LoopStop, EndsNoLoopThatNobodyWantedEnded) {
