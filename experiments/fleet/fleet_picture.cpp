@@ -284,15 +284,9 @@ SeenRobot* FleetPicture::find(std::string_view text) {
     return found == robots_.end() ? nullptr : &found->second;
 }
 
-/// On a robot's own topic it is spoken to. What a robot sends has its id in it, or in its topic as
-/// a level among others: `robots/abcd1234/pose`.
-void FleetPicture::on_message(Instant now, std::string_view topic, Bytes data) {
-    pace_.on_message();
-    if (SeenRobot* robot = find(topic)) {
-        robot->on_said(now, topic, data);
-        robot->changed = next_version();
-        return;
-    }
+/// What a robot sends has its id in it, or in its topic as a level among others:
+/// `robots/abcd1234/pose`.
+SeenRobot* FleetPicture::find_speaker(std::string_view topic, Bytes data) {
     SeenRobot* robot = nullptr;
     if (const auto sender = sender_in(topic, data)) robot = find(sender->text());
     for (std::string_view rest = topic; robot == nullptr && !rest.empty();) {
@@ -300,6 +294,28 @@ void FleetPicture::on_message(Instant now, std::string_view topic, Bytes data) {
         robot = find(rest.substr(0, end));
         rest.remove_prefix(std::min(end + 1, rest.size()));
     }
+    return robot;
+}
+
+void FleetPicture::note_talk(const SeenRobot* speaker, std::string_view topic,
+                             const SeenRobot* addressee) {
+    const bool has_room =
+        talks_.on_message(speaker == nullptr ? "" : speaker->home, shown_topic(topic),
+                          addressee == nullptr ? "" : addressee->home);
+    if (!has_room) ++dropped_;
+}
+
+/// On a robot's own topic it is spoken to.
+void FleetPicture::on_message(Instant now, std::string_view topic, Bytes data) {
+    pace_.on_message();
+    if (SeenRobot* robot = find(topic)) {
+        note_talk(nullptr, topic, robot);
+        robot->on_said(now, topic, data);
+        robot->changed = next_version();
+        return;
+    }
+    SeenRobot* robot = find_speaker(topic, data);
+    note_talk(robot, topic, nullptr);
     if (robot == nullptr) return;
     robot->on_heard(now, topic, data);
     robot->changed = next_version();
@@ -339,6 +355,7 @@ void FleetPicture::on_tick(Instant now) {
     for (auto& [id, robot] : robots_) {
         if (robot.on_second()) robot.changed = version;
     }
+    if (talks_.on_second()) talks_changed_ = version;
 }
 
 /// Robots that left while nobody watched.

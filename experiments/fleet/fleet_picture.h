@@ -19,6 +19,7 @@
 
 #include "experiments/fleet/pace.h"
 #include "experiments/fleet/seen_robot.h"
+#include "experiments/fleet/talks.h"
 #include "experiments/fleet/time_line.h"
 #include "experiments/watch/broker_status.h"
 #include "romano/base/bytes.h"
@@ -101,6 +102,9 @@ public:
     [[nodiscard]] const SeenBroker* newest_view() const;
     [[nodiscard]] const TimeLine& time_line() const { return time_line_; }
     [[nodiscard]] const Pace& pace() const { return pace_; }
+    [[nodiscard]] const Talks& talks() const { return talks_; }
+    /// The version of their last change.
+    [[nodiscard]] std::uint64_t talks_changed() const { return talks_changed_; }
     /// Robots that have left since that version; empty when that is not known so far back.
     [[nodiscard]] std::optional<std::vector<message::RomanoId>> left_since(
         std::uint64_t version) const;
@@ -121,6 +125,8 @@ private:
     void add_silence(Instant now, const SeenRobot& robot);
     void leave(Instant now, Robots::iterator robot);
     [[nodiscard]] SeenRobot* find(std::string_view id);
+    [[nodiscard]] SeenRobot* find_speaker(std::string_view topic, Bytes data);
+    void note_talk(const SeenRobot* speaker, std::string_view topic, const SeenRobot* addressee);
 
     Duration unix_time_at_zero_;
     std::string watched_;
@@ -138,6 +144,8 @@ private:
     std::uint64_t left_known_since_;
     TimeLine time_line_;
     Pace pace_;
+    Talks talks_;
+    std::uint64_t talks_changed_ = 0;
     std::uint64_t dropped_ = 0;
 };
 

@@ -122,6 +122,17 @@ Json second_json(const FleetPicture& picture, const PaceSecond& second) {
     return out;
 }
 
+Json talks_json(const Talks& talks) {
+    Json out = Json::array();
+    for (const auto& [ends, talk] : talks.all()) {
+        Json& added = out.emplace_back(Json{{"topic", ends.topic}});
+        if (!ends.from.empty()) added["from"] = ends.from;
+        if (!ends.to.empty()) added["to"] = ends.to;
+        added["messages_per_s"] = std::round(talk.messages_per_s() * 10) / 10;
+    }
+    return out;
+}
+
 /// What has changed after `since`; all of it, with paths, when there is no such version.
 Json parts(const FleetPicture& picture, std::optional<std::uint64_t> since) {
     const auto is_due = [&](std::uint64_t changed) { return !since || changed > *since; };
@@ -146,6 +157,7 @@ Json parts(const FleetPicture& picture, std::optional<std::uint64_t> since) {
     for (const PaceSecond& second : picture.pace().seconds()) {
         if (is_due(second.changed)) out["seconds"].push_back(second_json(picture, second));
     }
+    if (is_due(picture.talks_changed())) out["talks"] = talks_json(picture.talks());
     return out;
 }
 

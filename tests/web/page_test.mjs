@@ -41,6 +41,7 @@ async function theFleetIsShown() {
     assert.equal(await page.locator('#brokers li').count(), 3);
     assert.equal(await page.locator('#brokers dd', {hasText: /^\d+ % of a core$/}).count(), 3, 'the load of each');
     assert.equal(await page.locator('#brokers dd', {hasText: /^100 of 100$/}).count(), 3, 'the condition of each');
+    await page.locator('#topics tr', {hasText: /robots of r2robots\/\{id\}\/posewho subscribed/}).waitFor();
     await page.locator('#map-hint:empty').waitFor({state: 'attached'});  // so it has places to show
     await page.locator('#chart-delay svg[aria-label^="Delay of an echo: now"]').waitFor({state: 'attached'});
     say('the fleet is shown');

@@ -9,6 +9,7 @@ import {Chart} from './chart.js';
 import {announced, forgetTimeLine, showTimeLine} from './time_line.js';
 import {RobotPage, isRobotId} from './robot_page.js';
 import {showTalks} from './talks.js';
+import {showTopics} from './topics.js';
 import {RecordingBar} from './recording.js';
 
 const model = new Model();
@@ -56,6 +57,7 @@ function show() {
         showRobots(model);
         showTimeLine(model);
         showTalks(model);
+        showTopics(model);
     }
     showRows(model, urgentRobots);
     urgentRobots.clear();

@@ -16,6 +16,7 @@ export class Model {
         this.robots = new Map();
         this.happenings = new Map();
         this.seconds = [];
+        this.talks = [];
         this.watch = {is_linked: false};
         this.cluster = {leader: '', members: []};
         this.skewMs = 0;
@@ -59,6 +60,7 @@ export class Model {
             if (this.happenings.size <= mostHappenings) break;
             this.happenings.delete(number);
         }
+        this.talks = change.talks ?? this.talks;
         this.seconds.push(...change.seconds);
         this.seconds.splice(0, Math.max(0, this.seconds.length - mostSeconds));
         if (change.seconds.length > 0) {

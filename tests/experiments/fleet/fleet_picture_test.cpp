@@ -221,6 +221,51 @@ TEST_F(Fleet, WhatIsSaidToARobotIsNoSignOfIt) {
     EXPECT_TRUE(robot(0xabcd1234).messages.front().to_robot);
 }
 
+TEST_F(Fleet, TellsWhoTalksToWhom) {
+    for (const unsigned n : {1U, 2U}) tell_robot(n, "r1");
+    tell_robot(3, "r2");
+    settle();
+    for (int tenth = 0; tenth < 60; ++tenth) {
+        for (const unsigned n : {1U, 2U, 3U}) hear(n);
+        picture.on_message(now, id_of(3).text(), as_octets("go"));
+        if (tenth % 10 == 0) picture.on_message(now, "weather", as_octets("rain"));
+        hear(0x40 + static_cast<unsigned>(tenth));  // robots that are not known yet
+        pass(100ms);
+    }
+    const auto talks = to_json(picture).at("talks");
+    EXPECT_EQ(talks, nlohmann::ordered_json::parse(R"([
+        {"topic": "robots/{id}/pose", "messages_per_s": 10.0},
+        {"topic": "weather", "messages_per_s": 1.0},
+        {"topic": "{id}", "to": "r2", "messages_per_s": 10.0},
+        {"topic": "robots/{id}/pose", "from": "r1", "messages_per_s": 20.0},
+        {"topic": "robots/{id}/pose", "from": "r2", "messages_per_s": 10.0}])"));
+    for (int second = 0; second < 40; ++second) pass(1s);
+    EXPECT_TRUE(to_json(picture).at("talks").empty()) << "silent for half a minute";
+}
+
+TEST_F(Fleet, ALineOfWhoTalksToWhomIsToldWhenItChanges) {
+    tell_robot(1, "r1");
+    settle();
+    hear(1);
+    pass(1s);
+    const std::uint64_t seen = picture.version();
+    EXPECT_EQ(changes_since(picture, seen)->count("talks"), 0U);
+    hear(1);
+    pass(1s);
+    EXPECT_EQ(changes_since(picture, seen)->at("talks").size(), 1U);
+}
+
+TEST_F(Fleet, OnlySoManyTopicsAreWords) {
+    settle();
+    for (int n = 0; n < 1000; ++n) {
+        picture.on_message(now, "t/" + std::to_string(n), as_octets("x"));
+    }
+    picture.on_message(now, std::string(60'000, '/'), as_octets("x"));
+    pass(1s);
+    EXPECT_EQ(to_json(picture).at("talks").size(), Talks::most);
+    EXPECT_EQ(picture.dropped(), 1001 - Talks::most);
+}
+
 TEST_F(Fleet, ChangesAreWhatIsOtherThanAtAVersion) {
     tell_robot(1, "r1");
     tell_robot(2, "r1");

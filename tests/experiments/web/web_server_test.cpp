@@ -85,7 +85,7 @@ struct Served : ::testing::Test {
 TEST_F(Served, AConnectionServesSeveralRequests) {
     Client client{*this};
     client.send(get("/api/state"));
-    EXPECT_THAT(client.receive_until("\"seconds\":[]}\n"), StartsWith("HTTP/1.1 200 OK\r\n"));
+    EXPECT_THAT(client.receive_until("\"talks\":[]}\n"), StartsWith("HTTP/1.1 200 OK\r\n"));
     client.send(get("/nothing"));
     EXPECT_THAT(client.receive_until("}\n"), StartsWith("HTTP/1.1 404"));
     client.send("HEAD / HTTP/1.1\r\nHost: 127.0.0.1\r\nConnection: close\r\n\r\n");
