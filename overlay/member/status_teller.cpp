@@ -22,6 +22,17 @@ std::vector<cluster::Beacon> newest_beacons(const cluster::ClusterCore& cluster,
     return out;
 }
 
+/// What this broker serves, and behind it what its peers do.
+std::vector<Endpoint> serving_in(const cluster::ClusterCore& cluster) {
+    std::vector<Endpoint> out = cluster.addresses().claimed();
+    for (const auto& [id, peer] : cluster.membership().peers()) {
+        out.emplace_back();  // whose it is matters, too
+        const auto& serving = peer.beacon.serving;
+        if (peer.alive) out.insert(out.end(), serving.begin(), serving.end());
+    }
+    return out;
+}
+
 std::string rights_of(const cluster::ClusterCore& cluster, const broker::LogId& self,
                       const broker::LogId& log) {
     const auto& settings = cluster.settings();
@@ -34,9 +45,12 @@ std::string rights_of(const cluster::ClusterCore& cluster, const broker::LogId& 
 
 void StatusTeller::on_tick(Instant now, const cluster::ClusterCore& cluster,
                            broker::BrokerCore& broker, broker::Actions& out) {
-    const bool is_news =
-        cluster.view().number != told_view_ || cluster.leadership() != told_leadership_;
+    // An heir takes its addresses some time after the view in which it is one.
+    std::vector<Endpoint> serving = serving_in(cluster);
+    const bool is_news = cluster.view().number != told_view_ ||
+                         cluster.leadership() != told_leadership_ || serving != told_serving_;
     if (now < next_ && !is_news) return;
+    told_serving_ = std::move(serving);
     next_ = now + tell_every;
     told_view_ = cluster.view().number;
     told_leadership_ = cluster.leadership();

@@ -1,9 +1,11 @@
 // When a member tells people about the brokers that it knows, and which of that is news: the
-// retained messages of `status_topic.h`, every second and when the view or the leader changes.
+// retained messages of `status_topic.h`, every second and when the view, the leader or who serves
+// which address changes.
 #pragma once
 
 #include <map>
 #include <string>
+#include <vector>
 
 #include "broker/core/broker_core.h"
 #include "overlay/cluster/cluster_core.h"
@@ -25,6 +27,7 @@ private:
     Instant next_ = Instant::min();
     cluster::ViewNumber told_view_;
     election::Leadership told_leadership_;
+    std::vector<Endpoint> told_serving_;
     std::map<std::string, std::string> told_;  // by topic: only changes are published
 };
 
