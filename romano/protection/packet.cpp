@@ -4,8 +4,7 @@
 #include <cstring>
 
 #include "romano/mqttsn/frame.h"
-#include "romano/protection/ccm.h"
-#include "romano/protection/sha256.h"
+#include "romano/protection/packet_cipher.h"
 
 namespace romano::protection {
 namespace {
@@ -26,26 +25,13 @@ void put_be32(MutableBytes octets, std::size_t at, std::uint32_t value) {
     put_be16(octets, at + 2, static_cast<std::uint16_t>(value & 0xFFFFU));
 }
 
-Sha256::Digest hash_of(Bytes octets) {
-    Sha256 hash;
-    hash.add(octets);
-    return hash.finish();
-}
-
 }  // namespace
 
 SenderId sender_id(std::string_view client_id) {
-    const auto hash = hash_of(as_octets(client_id));
+    const Nonce hash = nonce_of(as_octets(client_id));  // begins as its SHA-256 does
     SenderId id;
     std::copy_n(hash.begin(), id.size(), id.begin());
     return id;
-}
-
-Nonce nonce_of(Bytes header) {
-    const auto hash = hash_of(header);
-    Nonce nonce;
-    std::copy_n(hash.begin(), nonce.size(), nonce.begin());
-    return nonce;
 }
 
 Result<Packet, Refusal> parse(MutableBytes datagram) {
@@ -83,13 +69,12 @@ std::size_t write(const Fields& fields, Bytes message, const Key& key, MutableBy
     std::copy(fields.sender.begin(), fields.sender.end(), body.begin() + 2);
     put_be32(body, 10, static_cast<std::uint32_t>(fields.run));
     put_be32(body, 14, fields.number);
-    const Bytes header = out.first(header_size);
-    Ccm{key, nonce_of(header)}.seal(header, sealed, out.last(tag_size));
+    seal(key, out.first(header_size), sealed, out.last(tag_size));
     return size;
 }
 
 bool open(const Packet& packet, const Key& key) {
-    return Ccm{key, nonce_of(packet.header)}.open(packet.header, packet.message(), packet.tag());
+    return open(key, packet.header, packet.message(), packet.tag());
 }
 
 }  // namespace romano::protection

@@ -5,6 +5,8 @@
 
 #include <gtest/gtest.h>
 
+#include "romano/protection/ccm.h"
+#include "romano/protection/packet_cipher.h"
 #include "tests/romano/protection/hex.h"
 
 namespace romano::protection {
@@ -69,6 +71,26 @@ TEST(Packet, SaysAgainWhatWasWritten) {
         ASSERT_TRUE(open(*packet, keys.to_robot)) << size;
         EXPECT_EQ(hex(packet->message()), hex(message));
     }
+}
+
+TEST(Packet, IsSealedByTheCcmThatTheVectorsAreOf) {
+    for (std::size_t size = 1; size < 600; ++size) {
+        Octets message = counting(size, static_cast<std::uint8_t>(size));
+        Octets expected = message;
+        const Octets header = counting(20 + size % 2 * 2, static_cast<std::uint8_t>(3 * size));
+        Octets tag(tag_size);
+        Octets expected_tag(tag_size);
+        protection::seal(keys.to_robot, header, message, tag);
+        Ccm{keys.to_robot, nonce_of(header)}.seal(header, expected, expected_tag);
+        ASSERT_EQ(hex(message), hex(expected)) << size;
+        ASSERT_EQ(hex(tag), hex(expected_tag)) << size;
+    }
+}
+
+TEST(Packet, LeavesNothingOfAMessageWhoseTagIsWrong) {
+    Octets message = counting(40);
+    EXPECT_FALSE(protection::open(keys.to_robot, counting(20), message, Octets(tag_size)));
+    EXPECT_EQ(message, Octets(40));
 }
 
 TEST(Packet, MayBeWrittenOverItsMessage) {
