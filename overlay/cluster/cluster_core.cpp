@@ -20,6 +20,7 @@ ClusterCore::ClusterCore(const ClusterOptions& options, const Identity& identity
       lease_(identity.log, options.beacon_every, options.detection_timeout),
       view_change_(identity.log),
       take_over_(identity.log.broker, options.sessions_per_turn),
+      fetching_(identity.log.broker),
       hand_back_(identity.log.broker, options.sessions_per_turn),
       handoffs_(options.sessions_per_turn),
       settlement_(identity.log.broker),
@@ -58,7 +59,7 @@ void ClusterCore::on_message(Effects& effects, const Envelope& envelope) {
 }
 
 void ClusterCore::on_tick(Effects& effects, const std::set<Endpoint>& pending_output) {
-    snapshots_.carry_on(effects, logs(), membership_);  // before the broker writes more events
+    log_sender_.carry_on(effects, logs(), membership_);  // before the broker writes more events
     membership_.on_tick(effects.now);
     has_frozen_logs_ =
         std::ranges::any_of(logs_, [](const auto& log) { return log.second.is_frozen(); });
@@ -82,7 +83,6 @@ void ClusterCore::on_tick(Effects& effects, const std::set<Endpoint>& pending_ou
     }
     if (effects.now >= next_trim_) {
         trim(effects);
-        missing_messages_.carry_on(effects, logs_, membership_);
         next_trim_ = effects.now + (keeping_.is_behind() ? effects.times.beacon_every
                                                          : effects.times.logs_trimmed_every());
     }
@@ -90,7 +90,6 @@ void ClusterCore::on_tick(Effects& effects, const std::set<Endpoint>& pending_ou
         next_addresses_ = effects.now + effects.times.addresses_sought_every();
         seek_addresses(effects);
     }
-    ask_for_gaps(effects);
     warn_when_leaderless(effects);
     send_beacon(effects);
 }
@@ -112,7 +111,7 @@ Instant ClusterCore::next_wakeup() const {
         settlement_.is_half_done() || !take_over_.half_adopted().empty() ||
         std::ranges::any_of(logs_, [](const auto& log) { return log.second.next() != nullptr; });
     if (is_behind) return Instant::min();
-    return std::min({next_tick_, membership_.next_wakeup(), snapshots_.next_wakeup(),
+    return std::min({next_tick_, membership_.next_wakeup(), log_sender_.next_wakeup(),
                      view_change_.next_wakeup()});
 }
 
@@ -167,7 +166,8 @@ void ClusterCore::after_input(Effects& effects) {
     membership_.send_ballots(effects.peers);
     hand_back_.forget_for_the_dead(effects, view(), addresses_);
     take_over_.carry_on(effects, logs(), membership_, view(), addresses_);
-    last_words_.carry_on(effects, logs_, membership_, view());
+    fetching_.carry_on(effects, logs_, membership_, view(),
+                       [this](const LogId& log) { return take_over_.awaits(log); });
     publish_order_.carry_on(effects, logs_, view());
     if (!is_back()) heed_handoffs(effects);
     for (const auto& [from, address] : handoffs_.take_adopted()) {
@@ -337,9 +337,8 @@ void ClusterCore::on_view(Effects& effects, const ViewAnnouncement& announcement
     warn_of_foreign_sessions(effects, announcement);
     take_over_.on_view(effects.now, announcement);
     hand_back_.on_view(announcement);
-    last_words_.on_view(announcement);
+    fetching_.on_view(announcement);
     acknowledge_what_waited(effects);
-    ask_for_gaps(effects);
     settlement_.compare(effects.broker, view());
 }
 
@@ -498,13 +497,12 @@ void ClusterCore::restart(Effects& effects, LogId log) {
     acquaintance_.restart();
     smaller_side_.restart();
     take_over_.restart();
-    last_words_.restart();
-    missing_messages_.restart();
+    fetching_.restart();
     hand_back_.restart();
     handoffs_.restart();
     settlement_.restart();
     roaming_.restart();
-    snapshots_.restart();
+    log_sender_.restart();
     for (const Endpoint& address : addresses_.claimed()) addresses_.give_up(effects, address);
     publish_order_.release_all(effects);
     for (auto& [id, held] : logs_) {

@@ -41,14 +41,13 @@
 #include "overlay/cluster/ownership/settlement.h"
 #include "overlay/cluster/ownership/take_over.h"
 #include "overlay/cluster/replication/acknowledgements.h"
-#include "overlay/cluster/replication/last_words.h"
+#include "overlay/cluster/replication/fetching.h"
 #include "overlay/cluster/replication/log_keeping.h"
-#include "overlay/cluster/replication/missing_messages.h"
+#include "overlay/cluster/replication/log_sender.h"
 #include "overlay/cluster/replication/own_log.h"
 #include "overlay/cluster/replication/peer_log.h"
 #include "overlay/cluster/replication/peer_sessions.h"
 #include "overlay/cluster/replication/publish_order.h"
-#include "overlay/cluster/replication/snapshot_sender.h"
 #include "overlay/cluster/replication/watermark.h"
 #include "overlay/cluster/speaking/lease.h"
 
@@ -194,10 +193,8 @@ private:
     void on(Effects& effects, BrokerId from, const ElectionMessage& message);
     void on(Effects& effects, BrokerId from, const ViewProposal& message);
     void on(Effects& effects, BrokerId from, const ViewHoldings& message);
-    void on(Effects& effects, BrokerId from, const TailRequest& message);
-    void on(Effects& effects, BrokerId from, const LogTail& message);
     void on(Effects& effects, BrokerId from, const ViewAnnouncement& message);
-    void on(Effects& effects, BrokerId from, const SnapshotRequest& message);
+    void on(Effects& effects, BrokerId from, const Fetch& message);
     void on(Effects& effects, BrokerId from, const SnapshotPart& message);
     void on(Effects& effects, BrokerId from, const AddressOffer& message);
     void on(Effects& effects, BrokerId from, const AddressBound& message);
@@ -239,6 +236,7 @@ private:
     [[nodiscard]] Acknowledgements::IsHeld is_held() const;
     void heed_handoffs(const Effects& effects);
     void apply_event(Effects& effects, const LogId& id, PeerLog& log);
+    void take_last_publishes(Effects& effects, const SnapshotPart& part);
     void learn(const MessagePtr& message);
     void mark_taken(const broker::ClientId& client);
     void after_input(Effects& effects);
@@ -251,7 +249,6 @@ private:
     void seek_addresses(Effects& effects);
     void warn_when_leaderless(Effects& effects);
     void warn_of_foreign_sessions(Effects& effects, const ViewAnnouncement& announcement);
-    void ask_for_gaps(Effects& effects);
     void trim(Effects& effects);
     void forget_old_lives(Effects& effects);
     /// Predefined topic ids mean something else there.
@@ -284,14 +281,13 @@ private:
     Lease lease_;
     ViewChange view_change_;
     TakeOver take_over_;
-    LastWords last_words_;
-    MissingMessages missing_messages_;
+    Fetching fetching_;
     HandBack hand_back_;
     HandoffReceiver handoffs_;
     Settlement settlement_;
     Roaming roaming_;
     EndedLogs ended_;
-    SnapshotSender snapshots_;
+    LogSender log_sender_;
     mutable LivePeers live_peers_;
     bool has_frozen_logs_ = false;  // as of the last tick
     std::set<Endpoint> silent_;     // of those that are served

@@ -12,7 +12,7 @@ void ClusterCore::append(Seq seq, LogEvent event) {
     if (const auto* session = std::get_if<broker::SessionPut>(&event)) {
         peer_sessions_.on_own_session(session->image.header.client_id, logs_);
     }
-    snapshots_.on_own_event(own_.id(), event);
+    log_sender_.on_own_event(own_.id(), event);
     own_.append(seq, std::move(event));
 }
 
@@ -40,8 +40,10 @@ void ClusterCore::on(Effects& effects, BrokerId, const ForwardBatch& batch) {
 void ClusterCore::on(Effects& effects, BrokerId from, const LogBatch& batch) {
     // Only of peers whose beacons are known: anything else is of an earlier life.
     const auto log = logs_.find(batch.log);
-    if (batch.log.broker != from || log == logs_.end() || log->second.is_frozen()) return;
+    if (log == logs_.end() || (log->second.is_frozen() && from == batch.log.broker)) return;
+    const Seq before = log->second.received();
     log->second.offer(batch.first_seq, batch.events);
+    fetching_.on_events(effects, from, *log, before);
     apply(effects, batch.log, log->second, 2 * batch.events.size(), answer_to(batch));
 }
 
@@ -56,53 +58,30 @@ ClusterCore::Answer ClusterCore::answer_to(const LogBatch& batch) const {
     return is_asked ? Answer::at_once : Answer::with_the_beacon;
 }
 
-void ClusterCore::on(Effects& effects, BrokerId from, const LogTail& tail) {
-    const auto log = logs_.find(tail.log);
-    if (log == logs_.end() || (log->second.is_frozen() && from == tail.log.broker)) return;
-    const Seq before = log->second.received();
-    log->second.offer(tail.first_seq, tail.events);
-    const Seq received = log->second.received();
-    apply(effects, tail.log, log->second, 2 * tail.events.size());
-    if (received > before && received < tail.end) {
-        effects.peers.push_back({from, TailRequest{{tail.log, received}, own_.id().broker}});
-    }
-}
-
 void ClusterCore::on(Effects&, BrokerId, const LogAck& ack) {
     if (ack.through.log != own_.id() || !membership_.is_alive(ack.by)) return;
     watermark_.on_ack(ack.by, ack.through.seq);
 }
 
-void ClusterCore::on(Effects& effects, BrokerId, const TailRequest& request) {
-    const auto& [id, after] = request.after;
-    if (id == own_.id()) {
-        send_tail(own_.history(), {id, own_.last()}, after, request.to, effects.peers);
-    } else if (const auto log = logs_.find(id); log != logs_.end()) {
-        send_tail(log->second.history(), {id, log->second.end()}, after, request.to, effects.peers);
-    }
-}
-
-void ClusterCore::on(Effects& effects, BrokerId from, const SnapshotRequest& request) {
-    snapshots_.on_request(effects, from, request, logs(), membership_);
+void ClusterCore::on(Effects& effects, BrokerId, const Fetch& fetch) {
+    log_sender_.on_fetch(effects, fetch, logs(), membership_);
 }
 
 void ClusterCore::on(Effects& effects, BrokerId from, const SnapshotPart& part) {
     const LogId id = part.as_of.log;
-    if (id.broker != from) {
-        // Sessions that are on their way to us may lack them, too.
-        const auto log = logs_.find(id);
-        if (last_words_.on_part(effects, part) && log != logs_.end()) {
-            log->second.offer_ahead(part.publishes);
-        }
-        for (const auto& message : part.publishes) learn(message);
-        return;
-    }
+    if (id.broker != from) return take_last_publishes(effects, part);
     const auto found = logs_.find(id);
     if (found == logs_.end() || found->second.is_frozen()) return;
     PeerLog& log = found->second;
     for (const auto& message : part.retained) effects.broker.put_retained(message);
-    for (const auto& message : MissingMessages::found_in(part, log)) learn(message);
-    if (part.as_of.seq <= log.applied() || !log.offer(effects.now, part)) return;
+    for (const auto& session : part.sessions) {
+        for (const auto& delivery : session.deliveries) {
+            const bool is_missing = log.mirror().is_unresolved(delivery.position);
+            if (is_missing && delivery.message) learn(delivery.message);
+        }
+    }
+    if (part.as_of.seq <= log.applied() || !log.offer(part)) return;
+    fetching_.on_part(effects.now, id);
     publish_order_.on_snapshot(effects, part, logs_);
     for (const auto& message : part.publishes) learn(message);
     const bool is_first = log.applied() == 0;
@@ -122,6 +101,17 @@ void ClusterCore::on(Effects& effects, BrokerId from, const SnapshotPart& part) 
     });
     apply(effects, id, log, options_.events_per_turn);
     acknowledge(effects, id, log);
+}
+
+/// Of a removed broker's log. Sessions that are on their way to us may lack them, too.
+void ClusterCore::take_last_publishes(Effects& effects, const SnapshotPart& part) {
+    if (fetching_.on_last_publishes(effects.now, part)) {
+        const auto log = logs_.find(part.as_of.log);
+        if (log != logs_.end()) log->second.offer_ahead(part.publishes);
+        for (const auto& message : part.publishes) publish_order_.on_publish(effects, message);
+        if (part.last) publish_order_.on_snapshot_end(effects, part.as_of);
+    }
+    for (const auto& message : part.publishes) learn(message);
 }
 
 void ClusterCore::catch_up(Effects& effects) {
@@ -167,7 +157,7 @@ Acknowledgements::IsHeld ClusterCore::is_held() const {
         }
         if (log == logs_.end()) return true;  // it ended before we came
         // Of a removed log comes what the view agreed on, from the members that hold it.
-        if (log->second.is_frozen()) return !last_words_.await(publish);
+        if (log->second.is_frozen()) return !fetching_.awaits(publish);
         return log->second.holds(publish.seq) || !membership_.is_alive(id);
     };
 }
@@ -222,15 +212,6 @@ void ClusterCore::mark_taken(const broker::ClientId& client) {
 
 void ClusterCore::learn(const MessagePtr& message) {
     for (auto& [id, log] : logs_) log.mirror().resolve(message);
-}
-
-void ClusterCore::ask_for_gaps(Effects& effects) {
-    for (auto& [id, log] : logs_) {
-        if (!membership_.is_alive(id)) continue;
-        if (const auto request = log.ask(effects.now, effects.times.gap_asked_after())) {
-            effects.peers.push_back({id.broker, *request});
-        }
-    }
 }
 
 void ClusterCore::trim(Effects& effects) {

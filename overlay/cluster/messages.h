@@ -149,7 +149,8 @@ struct Pulse {
     std::uint64_t tick = 0;  // the last beacon's
 };
 
-/// Events first_seq, first_seq + 1, ... of the sender's log.
+/// Events first_seq, first_seq + 1, ... of a log: of the sender's to all, as they are written, or
+/// to one who lacks them.
 struct LogBatch {
     LogId log{};
     Seq first_seq = 0;
@@ -194,19 +195,6 @@ struct ViewHoldings {
     std::vector<LogId> foreign{};           // of these: topic ids mean something else to the sender
     std::vector<Endpoint> cannot_take{};  // peers' home addresses that its machine would not serve
 };
-/// "Send it the events of that log": the leader to the member that holds most of a removed one, and
-/// who was sent a piece, for the next.
-struct TailRequest {
-    LogPosition after{};  // exclusive
-    BrokerId to{};
-};
-/// A piece of what the receiver lacks of a log.
-struct LogTail {
-    LogId log{};
-    Seq first_seq = 0;
-    std::vector<broker::LogEvent> events{};
-    Seq end = 0;  // how far the sender holds it
-};
 /// What becomes of a removed broker's service address and of the sessions that use it.
 struct Assignment {
     LogPosition end{};  // the removed log, and its agreed last event
@@ -223,15 +211,16 @@ struct ViewAnnouncement {
 // --- joining and healing
 // --------------------------------------------------------------------------
 
-/// "I hold your log up to `after`: send what follows (LogTail), or where you do not have it any
-/// more, and to a newcomer (after 0), all that is yours (SnapshotPart); I continue your log from
-/// there." Or of a removed broker's log: its publishes after `after` (SnapshotPart; last_words.h).
-struct SnapshotRequest {
-    LogId log{};
-    Seq after = 0;
+/// "Send what follows of that log": the next events (LogBatch), or where they are not kept, and to
+/// who holds nothing of it (after 0), a snapshot. Said by who lacks it, or by a leader of what a
+/// member lacks of a removed log.
+struct Fetch {
+    LogPosition after{};  // exclusive
+    BrokerId to{};
 };
-/// A part of a snapshot of the sender's own state; parts come in order. What a later part says of a
-/// session replaces what an earlier one said: with the last part the whole is as of its `as_of`.
+/// A part of a snapshot: of the sender's own state, or of what a removed broker published. Parts
+/// come in order. What a later part says of a session replaces what an earlier one said: with the
+/// last part the whole is as of its `as_of`.
 struct SnapshotPart {
     LogPosition as_of{};
     Seq since = 0;  // the log's end when the snapshot was begun: the same in all its parts
@@ -240,9 +229,8 @@ struct SnapshotPart {
     std::vector<broker::SessionImage> sessions{};
     std::vector<broker::ClientId> gone{};  // sessions that were in earlier parts
     std::vector<broker::MessagePtr> retained{};
-    std::vector<broker::MessagePtr>
-        publishes{};                     // of the sender's log, not yet passed by all cursors
-    std::vector<LogPosition> cursors{};  // the sender's own
+    std::vector<broker::MessagePtr> publishes{};  // of the log, not yet passed by all cursors
+    std::vector<LogPosition> cursors{};           // the sender's own
 };
 
 // --- handing back an address, roaming
@@ -334,15 +322,14 @@ struct AssociationsTold {
 
 using ClusterMessage =
     std::variant<Heartbeat, LogBatch, LogAck, ForwardBatch, ElectionMessage, ViewProposal,
-                 ViewHoldings, TailRequest, LogTail, ViewAnnouncement, SnapshotRequest,
-                 SnapshotPart, AddressOffer, AddressBound, SessionHandoff, SessionRequest,
-                 HandoffAck, SessionClaim, Pulse, SettingsTold, Particulars, ParticularsRequest,
-                 PacketsTold, AssociationsTold>;
+                 ViewHoldings, ViewAnnouncement, Fetch, SnapshotPart, AddressOffer, AddressBound,
+                 SessionHandoff, SessionRequest, HandoffAck, SessionClaim, Pulse, SettingsTold,
+                 Particulars, ParticularsRequest, PacketsTold, AssociationsTold>;
 
 /// How a message travels.
 enum class Delivery : std::uint8_t {
     beacon,       // to all, best-effort, the newest counts: heartbeats and pulses
-    log,          // to all, reliable, in order
+    log,          // to all, reliable, in order; what one is sent of it goes direct
     direct,       // to one, reliable, in order
     best_effort,  // to one, may be lost
 };

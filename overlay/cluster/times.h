@@ -18,12 +18,10 @@ struct Times {
     [[nodiscard]] Duration particulars_asked_again_after() const { return 2 * beacon_every; }
 
     // --- logs
-    /// A gap may close by itself: what is late comes within two beacons.
-    [[nodiscard]] Duration gap_asked_after() const { return 2 * beacon_every; }
-    /// Asked of a member, which answers at once; then the next one is asked.
-    [[nodiscard]] Duration tail_asked_again_after() const { return detection / 4; }
+    /// A gap may close by itself: what is late comes within two beacons. Who is asked answers at
+    /// once; then the next one is asked.
+    [[nodiscard]] Duration fetched_again_after() const { return 2 * beacon_every; }
     [[nodiscard]] Duration tail_waited_for() const { return 4 * detection; }
-    [[nodiscard]] Duration last_words_asked_after() const { return detection; }
     [[nodiscard]] Duration message_waited_for() const { return 4 * detection; }
     [[nodiscard]] Duration cursors_told_every() const { return 5 * beacon_every; }
     [[nodiscard]] Duration logs_trimmed_every() const { return 10 * beacon_every; }

@@ -44,34 +44,11 @@ election::Claim claim_from(const Claim& in) {
     return out;
 }
 
-template <typename Log>  // LogBatch and LogTail
-void events_to_proto(const Log& in, LogEvents& out) {
-    to_proto(in.log, *out.mutable_log());
-    out.set_first_seq(in.first_seq);
-    out.mutable_events()->Reserve(static_cast<int>(in.events.size()));
-    for (const auto& event : in.events) to_proto(event, *out.add_events());
-}
-
-template <typename Log>
-bool read_events(const LogEvents& in, Log& out) {
+MaybeMessage read_log_batch(const LogBatch& in) {
     const auto log = from_proto(in.log());
-    if (!log) return false;
-    out.log = *log;
-    out.first_seq = in.first_seq();
-    return all_from_proto(in.events(), out.events);
-}
-
-MaybeMessage read_log_batch(const LogEvents& in) {
-    cluster::LogBatch out{};
-    if (!read_events(in, out)) return std::nullopt;
-    out.awaited = in.awaited();
-    return out;
-}
-
-MaybeMessage read_log_tail(const LogTail& in) {
-    cluster::LogTail out{};
-    if (!read_events(in.events(), out)) return std::nullopt;
-    out.end = in.end();
+    if (!log) return std::nullopt;
+    cluster::LogBatch out{.log = *log, .first_seq = in.first_seq(), .awaited = in.awaited()};
+    if (!all_from_proto(in.events(), out.events)) return std::nullopt;
     return out;
 }
 
@@ -166,8 +143,11 @@ struct MessageWriter {
         to.set_predefined(m.predefined);
     }
     void operator()(const cluster::LogBatch& m) const {
-        events_to_proto(m, *out.mutable_log_batch());
-        out.mutable_log_batch()->set_awaited(m.awaited);
+        auto& to = *out.mutable_log_batch();
+        to_proto(m.log, *to.mutable_log());
+        to.set_first_seq(m.first_seq);
+        all_to_proto(m.events, *to.mutable_events());
+        to.set_awaited(m.awaited);
     }
     void operator()(const cluster::LogAck& m) const {
         to_proto(m.through, *out.mutable_log_ack()->mutable_through());
@@ -196,24 +176,15 @@ struct MessageWriter {
         all_to_proto(m.cannot_take, *to.mutable_cannot_take());
         for (const auto& left : m.addresses) to_proto(left, *to.add_addresses());
     }
-    void operator()(const cluster::TailRequest& m) const {
-        auto& to = *out.mutable_tail_request();
-        to_proto(m.after, *to.mutable_after());
-        to.set_to(static_cast<std::uint64_t>(m.to));
-    }
-    void operator()(const cluster::LogTail& m) const {
-        events_to_proto(m, *out.mutable_log_tail()->mutable_events());
-        out.mutable_log_tail()->set_end(m.end);
-    }
     void operator()(const cluster::ViewAnnouncement& m) const {
         auto& to = *out.mutable_view_announcement();
         to_proto(m.view, *to.mutable_view());
         for (const auto& assignment : m.assignments) to_proto(assignment, *to.add_assignments());
         all_to_proto(m.ends, *to.mutable_ends());
     }
-    void operator()(const cluster::SnapshotRequest& m) const {
-        to_proto(m.log, *out.mutable_snapshot_request()->mutable_log());
-        out.mutable_snapshot_request()->set_after(m.after);
+    void operator()(const cluster::Fetch& m) const {
+        to_proto(m.after, *out.mutable_fetch()->mutable_after());
+        out.mutable_fetch()->set_to(static_cast<std::uint64_t>(m.to));
     }
     void operator()(const cluster::SnapshotPart& m) const {
         auto& to = *out.mutable_snapshot_part();
@@ -505,18 +476,11 @@ MaybeMessage from_proto(const ClusterMessage& in) {
             return read_view_proposal(in.view_proposal());
         case ClusterMessage::kViewHoldings:
             return read_view_holdings(in.view_holdings());
-        case ClusterMessage::kTailRequest:
-            if (const auto after = from_proto(in.tail_request().after())) {
-                return cluster::TailRequest{*after, broker::BrokerId{in.tail_request().to()}};
-            }
-            break;
-        case ClusterMessage::kLogTail:
-            return read_log_tail(in.log_tail());
         case ClusterMessage::kViewAnnouncement:
             return read_view_announcement(in.view_announcement());
-        case ClusterMessage::kSnapshotRequest:
-            if (const auto log = from_proto(in.snapshot_request().log())) {
-                return cluster::SnapshotRequest{*log, in.snapshot_request().after()};
+        case ClusterMessage::kFetch:
+            if (const auto after = from_proto(in.fetch().after())) {
+                return cluster::Fetch{*after, broker::BrokerId{in.fetch().to()}};
             }
             break;
         case ClusterMessage::kSnapshotPart:

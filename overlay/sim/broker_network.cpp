@@ -95,7 +95,9 @@ void BrokerNetwork::break_link(Node from, Node to) {
 }
 
 void BrokerNetwork::send(const broker::LogId& from, const overlay::Outgoing& outgoing) {
-    const Delivery delivery = cluster::delivery_of(outgoing.message);
+    const bool is_to_one = outgoing.to.has_value();
+    const Delivery usual = cluster::delivery_of(outgoing.message);
+    const Delivery delivery = is_to_one && usual == Delivery::log ? Delivery::direct : usual;
     const std::size_t octets = options_.octets_of ? options_.octets_of(outgoing.message) : 0;
     count(traffic_[node_of_.at(from)].sent, delivery, octets);
     const auto message = std::make_shared<const Sample>(Sample{outgoing.message, octets});

@@ -190,13 +190,6 @@ std::string line(const ViewHoldings& m) {
     }
     return all;
 }
-std::string line(const TailRequest& m) {
-    return "TailRequest after " + text(m.after);
-}
-std::string line(const LogTail& m) {
-    return "LogTail " + text(LogPosition{m.log, m.first_seq}) + text(m.events) + " of " +
-           std::to_string(m.end);
-}
 std::string line(const ViewAnnouncement& m) {
     std::string all = "ViewAnnouncement " + text(m.view) + " ends" + text(m.ends);
     for (const Assignment& a : m.assignments) {
@@ -204,8 +197,8 @@ std::string line(const ViewAnnouncement& m) {
     }
     return all;
 }
-std::string line(const SnapshotRequest& m) {
-    return "SnapshotRequest " + text(LogPosition{m.log, m.after});
+std::string line(const Fetch& m) {
+    return "Fetch after " + text(m.after) + " for " + short_id(m.to);
 }
 std::string line(const SnapshotPart& m) {
     std::string all = "SnapshotPart " + text(m.as_of) + text(m.sessions) + " gone " +

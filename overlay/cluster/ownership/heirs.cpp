@@ -206,18 +206,18 @@ std::vector<Assignment> assign(const Answers& answers, const std::map<LogId, Seq
     return assignments;
 }
 
-std::vector<std::pair<BrokerId, TailRequest>> missing_tails(const Answers& answers,
-                                                            const std::map<LogId, Seq>& ends) {
-    std::vector<std::pair<BrokerId, TailRequest>> requests;
+std::vector<std::pair<BrokerId, Fetch>> missing_tails(const Answers& answers,
+                                                      const std::map<LogId, Seq>& ends) {
+    std::vector<std::pair<BrokerId, Fetch>> requests;
     for (const auto& log_and_end : ends) {
         const LogId& log = log_and_end.first;
         const Seq end = log_and_end.second;
         for (const auto& [member, holdings] : answers.holdings) {
             const auto held = held_of(holdings, log);
-            if (!held || *held >= end) continue;
+            if (held.value_or(0) == 0 || *held >= end) continue;
             const auto sender = sender_of_tail(answers, {log, end}, *held);
             if (!sender) continue;
-            requests.emplace_back(*sender, TailRequest{.after = {log, *held}, .to = member.broker});
+            requests.emplace_back(*sender, Fetch{.after = {log, *held}, .to = member.broker});
         }
     }
     return requests;

@@ -37,8 +37,9 @@ struct Answers {
 [[nodiscard]] std::vector<Assignment> assign(const Answers& answers,
                                              const std::map<LogId, Seq>& ends,
                                              const Membership& membership);
-/// Requests for the tails that members lack, to one that holds them.
-[[nodiscard]] std::vector<std::pair<BrokerId, TailRequest>> missing_tails(
+/// The tails that members lack, to be sent by one that holds them. Who holds nothing inherits
+/// nothing, and asks for itself (fetching.h).
+[[nodiscard]] std::vector<std::pair<BrokerId, Fetch>> missing_tails(
     const Answers& answers, const std::map<LogId, Seq>& ends);
 
 }  // namespace romano::cluster

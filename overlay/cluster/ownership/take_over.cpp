@@ -74,7 +74,7 @@ void TakeOver::on_view(Instant now, const ViewAnnouncement& announcement) {
         const bool is_begun = std::ranges::any_of(pending_, [&](const Pending& pending) {
             return is_same(assignment, pending.assignment);
         });
-        if (!is_begun) pending_.push_back({assignment, now, now});
+        if (!is_begun) pending_.push_back({assignment, now});
     }
 }
 
@@ -98,9 +98,8 @@ void TakeOver::carry_on(Effects& effects, const Logs& logs, const Membership& me
                                ? std::nullopt
                                : present_server(address, self_, membership, view);
         if (owner && !membership.find(owner->broker)->hears(self_)) return false;
-        const auto lacks = lacking(*log, logs, owner.has_value());
-        if (lacks && !is_out_of_patience(effects, pending)) {
-            ask_for(effects, pending, *lacks, membership, view);
+        if (!is_complete(effects, log->second, logs, owner.has_value()) &&
+            !is_out_of_patience(effects, pending)) {
             return false;
         }
         if (owner) {
@@ -133,35 +132,27 @@ bool TakeOver::holds_all(const Logs& logs, const Membership& membership, const V
     });
 }
 
-/// How far we hold what must be complete first: the dead broker's log. What another broker is to go
-/// on from must be complete in all that is removed: it may hold nothing of that.
-std::optional<LogPosition> TakeOver::lacking(const PeerLogs::value_type& dead, const Logs& logs,
-                                             bool for_another) {
-    if (!dead.second.has_agreed_end()) return LogPosition{dead.first, dead.second.applied()};
-    if (!for_another) return std::nullopt;
-    for (const auto& [id, log] : logs.peers) {
-        if (!log.has_agreed_end()) return LogPosition{id, log.applied()};
-    }
-    return std::nullopt;
+/// The dead broker's log is here. What another broker is to go on from must have all publishes of
+/// all logs that are removed: it may hold nothing of them.
+bool TakeOver::is_complete(const Effects& effects, const PeerLog& dead, const Logs& logs,
+                           bool for_another) {
+    if (!dead.has_agreed_end()) return false;
+    return !for_another || std::ranges::all_of(logs.peers, [&](const auto& entry) {
+        const auto& [id, log] = entry;
+        return log.has_agreed_end() || log.reaches_agreed_end(effects.broker.cursor(id));
+    });
+}
+
+bool TakeOver::awaits(const LogId& log) const {
+    return std::ranges::any_of(pending_, [&log](const Pending& pending) {
+        return !pending.is_begun && pending.assignment.end.log == log;
+    });
 }
 
 bool TakeOver::is_out_of_patience(Effects& effects, const Pending& pending) const {
     if (effects.now <= pending.since + effects.times.tail_waited_for()) return false;
     effects.local.push_back(Notice{"takes over without the last events of a removed broker"});
     return true;
-}
-
-void TakeOver::ask_for(Effects& effects, Pending& pending, const LogPosition& after,
-                       const Membership& membership, const View& view) const {
-    if (effects.now < pending.asked_at + effects.times.tail_asked_again_after()) return;
-    pending.asked_at = effects.now;
-    for (const LogId& member : view.members) {
-        const Peer* peer = membership.find(member.broker);
-        if (peer == nullptr) continue;
-        if (peer->beacon.applied_through(after.log) <= after.seq) continue;
-        effects.peers.push_back({member.broker, TailRequest{after, self_}});
-        break;
-    }
 }
 
 /// Those that the dead left, to the address's own broker, which is back and holds none of that.

@@ -1,8 +1,8 @@
 // An heir's work after a view change: adopt the sessions of the addresses that were assigned to it
 // and answer on these addresses (design section 3, "View change" and "Taking over the address").
 //
-// It waits until it holds the dead broker's log up to the agreed end, and asks the members for the
-// tail while it lacks it; after some time it goes on with what it has. When the address's own
+// It waits until it holds the dead broker's log up to the agreed end (fetching.h); after some time
+// it goes on with what it has. When the address's own
 // broker is back and serving by then, the sessions go to it instead, as soon as it hears us in its
 // new life, and with all that they missed: a newcomer holds none of the removed brokers' logs. And
 // while the removed broker itself is heard to serve the address, it is left there.
@@ -36,7 +36,8 @@ public:
     /// Does what has become possible.
     void carry_on(Effects& effects, const Logs& logs, const Membership& membership,
                   const View& view, ServiceAddresses& addresses);
-    [[nodiscard]] bool is_busy() const { return !pending_.empty(); }
+    /// We are to go on from that log, and have not begun.
+    [[nodiscard]] bool awaits(const LogId& log) const;
     /// Addresses of which sessions are here, and others not yet.
     [[nodiscard]] std::set<Endpoint> half_adopted() const;
     /// Also those that are still to come.
@@ -53,17 +54,14 @@ private:
     struct Pending {
         Assignment assignment;
         Instant since;
-        Instant asked_at;
         bool is_begun = false;
     };
 
     [[nodiscard]] bool holds_all(const Logs& logs, const Membership& membership,
                                  const View& view) const;
-    [[nodiscard]] static std::optional<LogPosition> lacking(const PeerLogs::value_type& dead,
-                                                            const Logs& logs, bool for_another);
+    [[nodiscard]] static bool is_complete(const Effects& effects, const PeerLog& dead,
+                                          const Logs& logs, bool for_another);
     [[nodiscard]] bool is_out_of_patience(Effects& effects, const Pending& pending) const;
-    void ask_for(Effects& effects, Pending& pending, const LogPosition& after,
-                 const Membership& membership, const View& view) const;
     static void hand_on(Effects& effects, const LogId& owner, const Endpoint& address, PeerLog& log,
                         const Logs& logs);
     void begin(Effects& effects, const Assignment& assignment, PeerLog& log,

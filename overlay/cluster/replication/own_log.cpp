@@ -49,7 +49,7 @@ bool send_tail(const LogHistory& history, const LogPosition& end, Seq after, Bro
     if (after > end.seq || !history.reaches_back_to(after)) return false;
     auto events = history.events_after(after, std::min<Seq>(events_per_batch, end.seq - after));
     if (!events.empty()) {
-        out.push_back({to, LogTail{end.log, after + 1, std::move(events), end.seq}});
+        out.push_back({to, LogBatch{end.log, after + 1, std::move(events)}});
     }
     return true;
 }

@@ -71,29 +71,13 @@ void PeerLog::follow_in_tail(const LogEvent& event) {
     }
 }
 
-std::optional<SnapshotRequest> PeerLog::ask(Instant now, Duration patience) {
-    if (frozen_ || known_end_ <= applied() || !ready_.empty()) {
-        asked_at_ = now;
-        asked_after_ = applied();
-        return std::nullopt;
-    }
-    if (asked_after_ != applied()) {  // it moves: no need to ask yet
-        asked_at_ = now;
-        asked_after_ = applied();
-        if (applied() != 0) return std::nullopt;
-    }
-    if (now < asked_at_ + patience) return std::nullopt;
-    asked_at_ = now;
-    return SnapshotRequest{.log = id_, .after = applied()};
-}
-
 void PeerLog::offer_ahead(const std::vector<MessagePtr>& publishes) {
     std::ranges::copy_if(publishes, std::back_inserter(ahead_), [this](const MessagePtr& message) {
         return message->position.seq > (ahead_.empty() ? applied() : ahead_.back()->position.seq);
     });
 }
 
-bool PeerLog::offer(Instant now, const SnapshotPart& part) {
+bool PeerLog::offer(const SnapshotPart& part) {
     if (part.part == 0) snapshot_.emplace(part);
     if (!snapshot_ || snapshot_->since != part.since || snapshot_->next_part != part.part) {
         snapshot_.reset();  // parts are lost: the gap remains and is asked for again
@@ -109,8 +93,6 @@ bool PeerLog::offer(Instant now, const SnapshotPart& part) {
         snapshot_->as_of = part.as_of.seq;
         snapshot_->sessions.begin_after(part.as_of.seq, part.cursors);
     }
-    asked_at_ = now;  // it comes
-    asked_after_ = applied();
     return true;
 }
 
@@ -161,8 +143,6 @@ void PeerLog::thaw() {
     agreed_end_ = 0;
     lived_on_ = false;
     taken_.clear();
-    asked_at_ = Instant::min();  // what was missed meanwhile is asked for at once
-    asked_after_ = applied();
 }
 
 template <typename Look>

@@ -1,10 +1,10 @@
 // What is held of one peer's log: the mirror made by applying it in order, and its history.
 //
 // Batches may come twice, early or not at all. Early ones wait (bounded; the oldest gap is asked
-// for anyway, so that overflow drops the newest); a gap is asked for after a moment and again while
-// it lasts. When it closes there may be much at once: what can be applied waits, too, until its
-// owner takes it. A frozen log takes nothing from its writer any more: its broker is being removed,
-// and the members must agree on its last event; only tails that peers send continue it.
+// for anyway, so that overflow drops the newest). When a gap closes there may be much at once: what
+// can be applied waits, too, until its owner takes it. A frozen log takes nothing from its writer
+// any more: its broker is being removed, and the members must agree on its last event; only tails
+// that peers send continue it.
 #pragma once
 
 #include <algorithm>
@@ -53,15 +53,12 @@ public:
     [[nodiscard]] Seq known_end() const { return std::max(known_end_, applied()); }
     /// The writer says that its log ends there, and in which view it is.
     void heard_end(Seq last, const ViewNumber& view);
-    /// A request for what is missing, at most one in `patience` and not before it was missing for
-    /// as long.
-    [[nodiscard]] std::optional<SnapshotRequest> ask(Instant now, Duration patience);
 
     // --- snapshots
     /// Publishes beyond the events that are here, in log order.
     void offer_ahead(const std::vector<MessagePtr>& publishes);
     /// False when it does not follow the parts that are here.
-    [[nodiscard]] bool offer(Instant now, const SnapshotPart& part);
+    [[nodiscard]] bool offer(const SnapshotPart& part);
     /// Once the last part is here: replaces mirror and history by the snapshot, and says as of
     /// which event it is.
     [[nodiscard]] std::optional<LogPosition> restart();
@@ -98,7 +95,8 @@ public:
     /// lived on beyond an earlier one, in views that we missed: then what was taken from it is its
     /// own again.
     void end_at(Seq end, const ViewNumber& view);
-    [[nodiscard]] bool has_agreed_end() const { return applied() >= agreed_end_; }
+    [[nodiscard]] bool has_agreed_end() const { return reaches_agreed_end(applied()); }
+    [[nodiscard]] bool reaches_agreed_end(Seq through) const { return through >= agreed_end_; }
     /// All up to there is here, or, of a frozen log, all that was agreed on: nothing follows that,
     /// whoever knows of more.
     [[nodiscard]] bool holds(Seq seq) const {
@@ -140,8 +138,6 @@ private:
     std::map<Seq, std::vector<LogEvent>> early_;  // by first seq; beyond a gap
     std::size_t early_events_ = 0;
     Seq known_end_ = 0;
-    Instant asked_at_ = Instant::min();
-    Seq asked_after_ = 0;
     /// What has come of it.
     struct Snapshot {
         explicit Snapshot(const SnapshotPart& first)

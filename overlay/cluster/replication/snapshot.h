@@ -1,7 +1,7 @@
 // All that is a broker's own, for a peer that cannot continue its log: sessions, publishes that
 // somebody's cursor has not passed, cursors. And all retained messages that it knows: who wrote one
 // may be dead, and nobody has noticed yet. Or of a removed broker's log, its last publishes
-// (last_words.h). In parts, made one by one: under load there are ten thousand sessions and a
+// (fetching.h). In parts, made one by one: under load there are ten thousand sessions and a
 // hundred thousand publishes, and to look at all of them at once takes longer than peers wait for a
 // beacon.
 //

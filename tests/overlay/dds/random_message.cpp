@@ -278,48 +278,44 @@ cluster::ClusterMessage random_message(std::size_t kind, Random& r) {
                                          some(r, left_address), some(r, position), some(r, log_id),
                                          some(r, endpoint)};
         case 7:
-            return cluster::TailRequest{position(r), broker_id(r)};
-        case 8:
-            return cluster::LogTail{log_id(r), wide(r), one_event_of_each_kind(r), wide(r)};
-        case 9:
             return cluster::ViewAnnouncement{view(r), some(r, assignment), some(r, position)};
-        case 10:
-            return cluster::SnapshotRequest{log_id(r), wide(r)};
-        case 11:
+        case 8:
+            return cluster::Fetch{position(r), broker_id(r)};
+        case 9:
             return cluster::SnapshotPart{
                 position(r),      wide(r),
                 r.next(),         flag(r),
                 some(r, image),   some(r, [](Random& from) { return text(from); }),
                 some(r, message), some(r, message),
                 some(r, position)};
-        case 12:
+        case 10:
             return cluster::AddressOffer{endpoint(r)};
-        case 13:
+        case 11:
             return cluster::AddressBound{endpoint(r), flag(r)};
-        case 14:
+        case 12:
             return cluster::SessionHandoff{log_id(r), endpoint(r), r.next(), flag(r),
                                            some(r, image)};
-        case 15:
+        case 13:
             return cluster::SessionRequest{text(r)};
-        case 16:
+        case 14:
             return cluster::HandoffAck{endpoint(r), text(r)};
-        case 17:
+        case 15:
             return cluster::SessionClaim{header(r)};
-        case 18:
+        case 16:
             return cluster::Pulse{log_id(r), wide(r)};
-        case 20:
+        case 18:
             return cluster::Particulars{beacon(r)};
-        case 21:
+        case 19:
             return cluster::ParticularsRequest{};
-        case 22:
+        case 20:
             return cluster::PacketsTold{some(r, packets_of_client)};
-        case 23:
+        case 21:
             return cluster::AssociationsTold{some(r, association_of_client),
                                              some(r, progress_of_association)};
         default:
             return cluster::SettingsTold{some(r, setting), flag(r)};
     }
 }
-static_assert(message_kinds == 24, "random_message() makes every kind");
+static_assert(message_kinds == 22, "random_message() makes every kind");
 
 }  // namespace romano::dds

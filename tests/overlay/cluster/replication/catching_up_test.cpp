@@ -111,18 +111,18 @@ TEST_F(CatchingUp, WhatComesMeanwhileIsWorkedThroughTwiceAsFast) {
 TEST_F(CatchingUp, WhoIsCaughtUpWithAsksForNothing) {
     for (Seq first = 2; first < 1'000; first += 100) take_batch(first, 100);
     take_batch(1, 1);
-    (void)take_sent<SnapshotRequest>();
+    (void)take_sent<Fetch>();
     for (int i = 0; i < 10; ++i) {
         now += 10ms;
         take(Beacon{.name = "peer", .log = peer, .last_seq = 1'001, .tick = ++ticks});
-        EXPECT_TRUE(take_sent<SnapshotRequest>().empty());
+        EXPECT_TRUE(take_sent<Fetch>().empty());
     }
 }
 
 TEST_F(CatchingUp, ASnapshotLeavesInPiecesAndOnce) {
     constexpr Seq publishes = 5'000;
     for (Seq seq = 1; seq <= publishes; ++seq) core.append(seq, test::published(self, seq));
-    const auto request = [&] { take(SnapshotRequest{.log = self, .after = 0}); };
+    const auto request = [&] { take(Fetch{.after = {self, 0}, .to = peer.broker}); };
     (void)take_sent<SnapshotPart>();
     request();
     std::size_t sent = 0;
@@ -234,8 +234,7 @@ TEST_F(CatchingUp, WhatNamesAMessageOfASilentBrokerWaitsForTheViewThatEndsItsLog
     announcement.ends = {{publisher, 1}};
     take(announcement);
     EXPECT_EQ(acknowledged(), 1U) << "it is before the end, so that it comes yet";
-    take(LogTail{
-        .log = publisher, .first_seq = 1, .events = {test::published(publisher, 1)}, .end = 1});
+    take(LogBatch{.log = publisher, .first_seq = 1, .events = {test::published(publisher, 1)}});
     EXPECT_EQ(acknowledged(), 2U);
 }
 

@@ -26,7 +26,7 @@ struct Held {
         while (log.next() != nullptr) log.apply();
     }
     void restart_at(Seq as_of) {
-        ASSERT_TRUE(log.offer(start, {.as_of = {test::log_of("b1"), as_of}, .last = true}));
+        ASSERT_TRUE(log.offer({.as_of = {test::log_of("b1"), as_of}, .last = true}));
         ASSERT_TRUE(log.restart());
     }
     [[nodiscard]] std::vector<std::string> clients_left(const Endpoint& at) const {
@@ -64,27 +64,6 @@ TEST(PeerLog, WhatComesEarlyWaitsForTheGap) {
     EXPECT_EQ(held.log.applied(), 4U);
 }
 
-TEST(PeerLog, AGapThatLastsIsAskedFor) {
-    Held held;
-    held.take(1, {session("a")});
-    held.take(3, {session("c")});
-    EXPECT_FALSE(held.log.ask(start, 20ms));
-    const auto request = held.log.ask(start + 20ms, 20ms);
-    ASSERT_TRUE(request);
-    EXPECT_EQ(request->after, 1U);
-    EXPECT_FALSE(held.log.ask(start + 21ms, 20ms)) << "not again at once";
-    EXPECT_TRUE(held.log.ask(start + 45ms, 20ms));
-}
-
-TEST(PeerLog, ABeaconThatNamesALaterEndIsAGap) {
-    Held held;
-    held.take(1, {session("a")});
-    EXPECT_FALSE(held.log.ask(start, 20ms));
-    held.log.heard_end(2, {});
-    EXPECT_FALSE(held.log.ask(start + 10ms, 20ms));
-    EXPECT_TRUE(held.log.ask(start + 30ms, 20ms));
-}
-
 TEST(PeerLog, ASnapshotInPartsReplacesEverything) {
     Held held;
     held.take(1, {session("old")});
@@ -92,9 +71,9 @@ TEST(PeerLog, ASnapshotInPartsReplacesEverything) {
     first.sessions.push_back(std::get<broker::SessionPut>(session("a")).image);
     SnapshotPart last{.as_of = first.as_of, .part = 1, .last = true};
     last.sessions.push_back(std::get<broker::SessionPut>(session("b")).image);
-    EXPECT_TRUE(held.log.offer(start, first));
+    EXPECT_TRUE(held.log.offer(first));
     EXPECT_FALSE(held.log.restart());
-    EXPECT_TRUE(held.log.offer(start, last));
+    EXPECT_TRUE(held.log.offer(last));
     EXPECT_EQ(held.log.restart(), (LogPosition{test::log_of("b1"), 50}));
     EXPECT_EQ(held.log.applied(), 50U);
     EXPECT_FALSE(held.log.mirror().contains("old"));
@@ -115,8 +94,8 @@ TEST(PeerLog, WhatALaterPartSaysOfASessionReplacesWhatAnEarlierOneSaid) {
     last.sessions = {std::get<broker::SessionPut>(session("a", address(2))).image};
     last.gone = {"b", "never there"};
     held.take(52, {session("c")});  // it is in neither part's state; the last one's is newer
-    ASSERT_TRUE(held.log.offer(start, first));
-    ASSERT_TRUE(held.log.offer(start, last));
+    ASSERT_TRUE(held.log.offer(first));
+    ASSERT_TRUE(held.log.offer(last));
     EXPECT_EQ(held.log.restart(), (LogPosition{b1, 60}));
     EXPECT_EQ(held.log.applied(), 60U);
     EXPECT_EQ(held.log.mirror().size(), 1U);
@@ -127,8 +106,8 @@ TEST(PeerLog, WhatALaterPartSaysOfASessionReplacesWhatAnEarlierOneSaid) {
 TEST(PeerLog, PartsOfTwoSnapshotsAreNotOne) {
     const LogId b1 = test::log_of("b1");
     Held held;
-    EXPECT_TRUE(held.log.offer(start, {.as_of = {b1, 50}, .since = 50}));
-    EXPECT_FALSE(held.log.offer(start, {.as_of = {b1, 60}, .since = 55, .part = 1, .last = true}));
+    EXPECT_TRUE(held.log.offer({.as_of = {b1, 50}, .since = 50}));
+    EXPECT_FALSE(held.log.offer({.as_of = {b1, 60}, .since = 55, .part = 1, .last = true}));
     EXPECT_FALSE(held.log.restart());
 }
 
@@ -136,8 +115,8 @@ TEST(PeerLog, ASnapshotWithAMissingPartIsDropped) {
     Held held;
     const SnapshotPart first{.as_of = {test::log_of("b1"), 50}, .part = 0};
     const SnapshotPart third{.as_of = first.as_of, .part = 2, .last = true};
-    EXPECT_TRUE(held.log.offer(start, first));
-    EXPECT_FALSE(held.log.offer(start, third));
+    EXPECT_TRUE(held.log.offer(first));
+    EXPECT_FALSE(held.log.offer(third));
     EXPECT_FALSE(held.log.restart());
 }
 
@@ -156,14 +135,14 @@ TEST(PeerLog, ThePublishesOfAnUnfinishedSnapshotAreFoundUntilTheHistoryHasThem) 
         return seqs;
     };
     Held held;
-    EXPECT_TRUE(held.log.offer(start, part(0, {1, 3}, false)));
+    EXPECT_TRUE(held.log.offer(part(0, {1, 3}, false)));
     EXPECT_THAT(found(held.log), ElementsAre(3));
     EXPECT_TRUE(held.log.publish_at(3));
     EXPECT_FALSE(held.log.publish_at(4));
-    EXPECT_FALSE(held.log.offer(start, part(2, {40}, true))) << "a part is lost";
+    EXPECT_FALSE(held.log.offer(part(2, {40}, true))) << "a part is lost";
     EXPECT_THAT(found(held.log), ElementsAre(3));
-    EXPECT_TRUE(held.log.offer(start, part(0, {1, 3}, false)));
-    EXPECT_TRUE(held.log.offer(start, part(1, {20, 40}, true)));
+    EXPECT_TRUE(held.log.offer(part(0, {1, 3}, false)));
+    EXPECT_TRUE(held.log.offer(part(1, {20, 40}, true)));
     EXPECT_THAT(found(held.log), ElementsAre(3, 20, 40));
     EXPECT_TRUE(held.log.restart());
     EXPECT_THAT(found(held.log), ElementsAre(3, 20, 40));
@@ -187,26 +166,6 @@ TEST(PeerLog, WhatIsHereAndFollowsASnapshotStays) {
     EXPECT_EQ(held.log.next(), nullptr);
     EXPECT_EQ(held.log.applied(), 3U);
     EXPECT_TRUE(held.log.mirror().contains("c"));
-}
-
-TEST(PeerLog, WhileASnapshotComesItIsNotAskedForAgain) {
-    Held held;
-    held.log.heard_end(50, {});
-    EXPECT_TRUE(held.log.ask(start, 20ms));
-    SnapshotPart part{.as_of = {test::log_of("b1"), 50}, .part = 0};
-    for (Instant now = start; now < start + 100ms; now += 10ms, ++part.part) {
-        EXPECT_TRUE(held.log.offer(now, part));
-        EXPECT_FALSE(held.log.ask(now + 15ms, 20ms));
-    }
-    EXPECT_TRUE(held.log.ask(start + 150ms, 20ms)) << "no more comes";
-}
-
-TEST(PeerLog, WhatIsHereAndNotYetAppliedIsNotAskedFor) {
-    Held held;
-    held.log.offer(1, {session("a"), session("b")});
-    EXPECT_EQ(held.log.received(), 2U);
-    EXPECT_FALSE(held.log.ask(start, 20ms));
-    EXPECT_FALSE(held.log.ask(start + 1s, 20ms));
 }
 
 // P2: what is here beyond the agreed end would be in one member's mirror alone.
@@ -322,25 +281,6 @@ TEST(PeerLog, AWriterThatHeardUsAgainDiedBeforeOurEyes) {
     held.log.heard_by_writer();
     held.log.freeze();
     EXPECT_NE(held.log.session("a"), nullptr);
-}
-
-TEST(PeerLog, AFrozenLogAsksItsWriterForNothing) {
-    Held held;
-    held.take(2, {session("b")});
-    held.log.freeze();
-    EXPECT_FALSE(held.log.ask(start, 20ms));
-    EXPECT_FALSE(held.log.ask(start + 1s, 20ms));
-}
-
-TEST(PeerLog, WhatAFrozenLogMissedIsAskedForAsSoonAsItsWriterIsBack) {
-    Held held;
-    held.take(1, {session("a")});
-    held.log.freeze();
-    EXPECT_FALSE(held.log.ask(start, 20ms));
-    held.log.heard_end(3, {});
-    held.log.thaw();
-    EXPECT_TRUE(held.log.ask(start + 1ms, 20ms));
-    EXPECT_FALSE(held.log.ask(start + 2ms, 20ms)) << "once";
 }
 
 }  // namespace

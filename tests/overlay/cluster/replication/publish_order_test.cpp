@@ -74,7 +74,7 @@ protected:
     void snapshot(const LogId& id, const std::vector<Seq>& publishes, Seq as_of) {
         part(id, publishes);
         PeerLog& log = logs.at(id);
-        ASSERT_TRUE(log.offer(now, {.as_of = {id, as_of}, .last = true}));
+        ASSERT_TRUE(log.offer({.as_of = {id, as_of}, .last = true}));
         ASSERT_TRUE(log.restart());
         Effects acting = effects();
         order.on_snapshot_end(acting, {id, as_of});

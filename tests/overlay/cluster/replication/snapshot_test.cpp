@@ -124,7 +124,7 @@ TEST(SnapshotOfABusyBroker, IsAsOfOneEvent) {
         std::optional<LogPosition> as_of;
         for (int parts = 0; !as_of; ++parts) {
             ASSERT_LT(parts, 1'000) << "it ends, however busy its broker is";
-            ASSERT_TRUE(held.offer(Instant{}, busy.snapshot->next(busy.home.core, busy.logs)));
+            ASSERT_TRUE(held.offer(busy.snapshot->next(busy.home.core, busy.logs)));
             as_of = held.restart();
             if (as_of) break;
             for (std::uint32_t i = 0; i < deeds; ++i) busy.somebody_does_something();

@@ -1,5 +1,5 @@
-// Snapshots and last words on their way to peers: some parts at a time. Who asks again meanwhile is
-// not sent a second one.
+// Answers to Fetch: a batch of the events that are asked for, where they are kept; else a snapshot,
+// some parts at a time. Who asks again meanwhile is not sent a second one.
 #pragma once
 
 #include <map>
@@ -12,17 +12,15 @@
 
 namespace romano::cluster {
 
-class SnapshotSender {
+class LogSender {
 public:
     /// That peer is being sent one of that log.
     [[nodiscard]] bool is_sending(const LogId& to, const LogId& log) const {
         return underway_.contains({to, log});
     }
     void send(const LogId& to, Snapshot snapshot);
-    /// Of the own log what follows, where that is kept, or else all that is ours; of a removed one
-    /// its last publishes.
-    void on_request(Effects& effects, BrokerId from, const SnapshotRequest& request,
-                    const Logs& logs, const Membership& membership);
+    void on_fetch(Effects& effects, const Fetch& fetch, const Logs& logs,
+                  const Membership& membership);
     /// The next event of the own log.
     void on_own_event(const LogId& own, const broker::LogEvent& event);
     /// Sends the next parts when it is time. What was for an earlier life of a peer is dropped.

@@ -1,10 +1,10 @@
-#include "overlay/cluster/replication/snapshot_sender.h"
+#include "overlay/cluster/replication/log_sender.h"
 
 #include <gtest/gtest.h>
 
 #include "tests/overlay/cluster/events.h"
 
-namespace romano::cluster::snapshot_sender_test {
+namespace romano::cluster::log_sender_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -12,8 +12,8 @@ using namespace std::chrono_literals;
 const LogId self = test::log_of("self");
 const LogId peer = test::log_of("peer");
 
-struct SnapshotSenderTest : testing::Test {
-    SnapshotSenderTest() {
+struct LogSenderTest : testing::Test {
+    LogSenderTest() {
         for (Seq seq = 1; seq <= 1'000; ++seq) own.append(seq, test::published(self, seq));
         hear(peer);
         sender.send(peer, Snapshot(core, logs));
@@ -40,10 +40,10 @@ struct SnapshotSenderTest : testing::Test {
     OwnLog own{self, 1'000};
     Logs logs{peers, own};
     Membership membership{ClusterOptions{}, self.broker, 1};
-    SnapshotSender sender;
+    LogSender sender;
 };
 
-TEST_F(SnapshotSenderTest, SomePartsLeaveAtATime) {
+TEST_F(LogSenderTest, SomePartsLeaveAtATime) {
     std::size_t sent = 0;
     for (; sender.is_sending(peer, self); now = std::max(now, sender.next_wakeup())) {
         const std::size_t parts = carry_on();
@@ -56,7 +56,7 @@ TEST_F(SnapshotSenderTest, SomePartsLeaveAtATime) {
     EXPECT_EQ(sender.next_wakeup(), Instant::max());
 }
 
-TEST_F(SnapshotSenderTest, WhatIsForAnEarlierLifeOfThePeerIsDropped) {
+TEST_F(LogSenderTest, WhatIsForAnEarlierLifeOfThePeerIsDropped) {
     carry_on();
     EXPECT_TRUE(sender.is_sending(peer, self));
     now += 2ms;
@@ -66,4 +66,4 @@ TEST_F(SnapshotSenderTest, WhatIsForAnEarlierLifeOfThePeerIsDropped) {
 }
 
 }  // namespace
-}  // namespace romano::cluster::snapshot_sender_test
+}  // namespace romano::cluster::log_sender_test

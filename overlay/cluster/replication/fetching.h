@@ -1,0 +1,78 @@
+// What is missing here of the peers' logs, and asked for (Fetch): at once where nothing is held of
+// a log or a view is new, else when it was missing for a moment; and again, of the next who holds
+// it, while nothing comes. Each piece that comes asks for the next one.
+//
+// A peer that lives is asked for what follows a gap in its log. Members are asked for what removed
+// brokers wrote last: a newcomer may be home to subscribers when a broker dies of whose log it
+// holds nothing, and who was cut off may lack more than others keep. Publishes are enough then, for
+// the own sessions; but an heir goes on from events alone.
+//
+// And deliveries of a peer's sessions may name messages that came from nowhere: they were published
+// at a broker that came and died while this one was away. The home of these sessions is asked for
+// a snapshot when they have been missing for long; most come a moment later, with their
+// publisher's log.
+#pragma once
+
+#include <functional>
+#include <map>
+#include <optional>
+#include <vector>
+
+#include "overlay/cluster/agreement/membership.h"
+#include "overlay/cluster/effects.h"
+#include "overlay/cluster/replication/peer_log.h"
+
+namespace romano::cluster {
+
+class Fetching {
+public:
+    explicit Fetching(BrokerId self) : self_(self) {}
+
+    void on_view(const ViewAnnouncement& announcement);
+    /// `inherits`: we are to go on from that log.
+    using Inherits = std::function<bool(const LogId&)>;
+    void carry_on(Effects& effects, const PeerLogs& logs, const Membership& membership,
+                  const View& view, const Inherits& inherits);
+    /// That peer sent events of the log, which was here up to `before`.
+    void on_events(Effects& effects, BrokerId from, const PeerLogs::value_type& log, Seq before);
+    /// The next part of a snapshot of a living peer's log is here.
+    void on_part(Instant now, const LogId& log) { waits_[log].since = now; }
+    /// Of a removed one's. False when it was not asked for, or does not follow what came.
+    bool on_last_publishes(Instant now, const SnapshotPart& part);
+    /// That event lies before the end of a removed log, and its publish is not here.
+    [[nodiscard]] bool awaits(const LogPosition& event) const;
+    void restart();
+
+private:
+    struct Wait {
+        Instant since = Instant::min();
+        Seq after = 0;     // is here
+        BrokerId asked{};  // and has not sent all; 0: nobody
+    };
+    struct Removed {
+        Seq end = 0;
+        std::uint32_t next_part = 0;
+        bool has_publishes = false;  // up to the end
+    };
+    struct Missing {
+        std::vector<LogPosition> messages;
+        Instant since;
+    };
+
+    void ask(Effects& effects, const LogPosition& after, Instant missing_since, BrokerId holder);
+    void ask_for_messages(Effects& effects, const PeerLogs::value_type& log);
+    void send(Effects& effects, Wait& wait, const LogPosition& after, BrokerId holder);
+    [[nodiscard]] bool lacks(const PeerLogs::value_type& log) const;
+    [[nodiscard]] std::optional<BrokerId> next_holder(const LogPosition& after,
+                                                      const Membership& membership,
+                                                      const View& view) const;
+
+    BrokerId self_;
+    std::map<LogId, Wait> waits_;       // of logs of which something is missing
+    std::map<LogId, Removed> removed_;  // that are not all here
+    std::map<LogId, Missing> missing_;  // by the log whose mirror lacks them
+    bool is_new_view_ = false;
+    Instant next_look_ = Instant::min();
+};
+
+}  // namespace romano::cluster

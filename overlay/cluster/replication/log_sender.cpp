@@ -1,0 +1,60 @@
+#include "overlay/cluster/replication/log_sender.h"
+
+#include <iterator>
+
+namespace romano::cluster {
+
+void LogSender::send(const LogId& to, Snapshot snapshot) {
+    const LogId log = snapshot.log();
+    underway_.insert_or_assign({to, log}, std::move(snapshot));
+}
+
+/// Who holds nothing of a log is sent a snapshot, though its first events may be kept.
+void LogSender::on_fetch(Effects& effects, const Fetch& fetch, const Logs& logs,
+                         const Membership& membership) {
+    const auto& [id, after] = fetch.after;
+    const bool is_own = id == logs.own.id();
+    const auto log = logs.peers.find(id);
+    if (!is_own && log == logs.peers.end()) return;
+    const Seq end = is_own ? logs.own.last() : log->second.end();
+    if (after != 0 && send_tail(*logs.history_of(id), {id, end}, after, fetch.to, effects.peers)) {
+        return;
+    }
+    const Peer* peer = membership.find(fetch.to);
+    if (peer == nullptr || is_sending(peer->beacon.log, id)) return;
+    if (is_own) {
+        send(peer->beacon.log, Snapshot(effects.broker, logs));
+    } else if (log->second.is_frozen()) {
+        send(peer->beacon.log, Snapshot(*log, after));
+    }
+}
+
+void LogSender::on_own_event(const LogId& own, const broker::LogEvent& event) {
+    for (auto& [key, snapshot] : underway_) {
+        if (snapshot.log() == own) snapshot.on_event(event);
+    }
+}
+
+void LogSender::carry_on(Effects& effects, const Logs& logs, const Membership& membership) {
+    if (underway_.empty() || effects.now < next_turn_) return;
+    next_turn_ = effects.now + effects.times.snapshot_pieces_every();
+    for (auto at = underway_.begin(); at != underway_.end();) {
+        const LogId& to = at->first.first;
+        const Peer* peer = membership.find(to.broker);
+        const bool is_there = peer != nullptr && peer->beacon.log == to;
+        at = is_there && send_some(effects, to, at->second, logs) ? std::next(at)
+                                                                  : underway_.erase(at);
+    }
+}
+
+bool LogSender::send_some(Effects& effects, const LogId& to, Snapshot& snapshot, const Logs& logs) {
+    for (int i = 0; i < parts_at_once; ++i) {
+        SnapshotPart part = snapshot.next(effects.broker, logs);
+        const bool is_last = part.last;
+        effects.peers.push_back({to.broker, std::move(part)});
+        if (is_last) return false;
+    }
+    return true;
+}
+
+}  // namespace romano::cluster
