@@ -207,12 +207,13 @@ void ClusterCore::on(Effects& effects, BrokerId from, const Heartbeat& heartbeat
 
 void ClusterCore::on(Effects& effects, BrokerId from, const Particulars& particulars) {
     if (particulars.beacon.log.broker != from) return;
+    settings_.on_told(from, particulars.settings);
     const Beacon* beacon = peers_beacons_.read(particulars, view());
     if (beacon != nullptr) on_beacon(effects, *beacon);
 }
 
 void ClusterCore::on(Effects& effects, BrokerId from, const ParticularsRequest&) {
-    effects.peers.push_back({from, Particulars{beacon(effects.broker)}});
+    effects.peers.push_back({from, Particulars{beacon(effects.broker), settings_.own()}});
 }
 
 void ClusterCore::on_beacon(Effects& effects, const Beacon& beacon) {
@@ -234,10 +235,6 @@ void ClusterCore::on_beacon(Effects& effects, const Beacon& beacon) {
 
 void ClusterCore::on(Effects& effects, BrokerId, const Pulse& pulse) {
     membership_.on_pulse(effects.now, pulse);
-}
-
-void ClusterCore::on(Effects& effects, BrokerId from, const SettingsTold& told) {
-    settings_.on_told(effects, from, membership_.name_of(from), told);
 }
 
 void ClusterCore::heed_news_of_peers(Effects& effects) {
@@ -472,7 +469,8 @@ void ClusterCore::say(Effects& effects, const Beacon& beacon) {
     const Heartbeat heartbeat = heartbeats_.write(beacon);
     if (heartbeats_.has_news()) {
         for (const auto& [id, peer] : membership_.peers()) {
-            if (membership_.is_heard(id)) effects.peers.push_back({id, Particulars{beacon}});
+            if (!membership_.is_heard(id)) continue;
+            effects.peers.push_back({id, Particulars{beacon, settings_.own()}});
         }
     }
     effects.peers.push_back({std::nullopt, heartbeat});

@@ -202,7 +202,6 @@ private:
     void on(Effects& effects, BrokerId from, const SessionRequest& message);
     void on(Effects& effects, BrokerId from, const HandoffAck& message);
     void on(Effects& effects, BrokerId from, const SessionClaim& message);
-    void on(Effects& effects, BrokerId from, const SettingsTold& message);
     static void on(Effects&, BrokerId, const PacketsTold&) {}
     static void on(Effects&, BrokerId, const AssociationsTold&) {}
 

@@ -134,10 +134,17 @@ struct Heartbeat {
     std::uint32_t cpu_percent = 0;
     bool leaving = false;
 };
+/// A setting that all brokers must agree on, as people wrote it.
+struct Setting {
+    std::string name{};
+    std::string value{};       // cut when it is long
+    std::uint32_t digest = 0;  // of the whole value
+};
 /// The other part, to whoever asks because the digest is new to it, and to all peers when it
 /// changes. `beacon` has what the heartbeat of that tick says, too, and in full.
 struct Particulars {
     Beacon beacon{};
+    std::vector<Setting> settings{};
 };
 /// "Tell me yours."
 struct ParticularsRequest {};
@@ -269,18 +276,6 @@ struct SessionClaim {
     broker::SessionHeader header;
 };
 
-/// A setting that all brokers must agree on, as people wrote it.
-struct Setting {
-    std::string name{};
-    std::string value{};       // cut when it is long
-    std::uint32_t digest = 0;  // of the whole value
-};
-/// The sender's, to one whose digest is another one.
-struct SettingsTold {
-    std::vector<Setting> settings{};
-    bool asks = false;  // for the receiver's
-};
-
 /// How far the packets of a protected client were taken: for who stands in for the sender. The
 /// cluster core heeds it not; overlay/packets_told.h does.
 struct PacketsOfClient {
@@ -323,8 +318,8 @@ struct AssociationsTold {
 using ClusterMessage =
     std::variant<Heartbeat, LogBatch, LogAck, ForwardBatch, ElectionMessage, ViewProposal,
                  ViewHoldings, ViewAnnouncement, Fetch, SnapshotPart, AddressOffer, AddressBound,
-                 SessionHandoff, SessionRequest, HandoffAck, SessionClaim, Pulse, SettingsTold,
-                 Particulars, ParticularsRequest, PacketsTold, AssociationsTold>;
+                 SessionHandoff, SessionRequest, HandoffAck, SessionClaim, Pulse, Particulars,
+                 ParticularsRequest, PacketsTold, AssociationsTold>;
 
 /// How a message travels.
 enum class Delivery : std::uint8_t {

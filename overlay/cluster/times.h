@@ -71,7 +71,6 @@ struct Times {
     [[nodiscard]] Duration waiting_handover_outlives() const { return 8 * detection; }
 
     // --- what people are told
-    [[nodiscard]] Duration settings_asked_every() const { return 20 * detection; }
     [[nodiscard]] Duration leaderless_told_every() const { return 100 * detection; }
 };
 

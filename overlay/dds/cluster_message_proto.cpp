@@ -112,7 +112,14 @@ struct MessageWriter {
     void operator()(const cluster::ParticularsRequest&) const { out.mutable_particulars_request(); }
     void operator()(const cluster::Particulars& told) const {
         const cluster::Beacon& m = told.beacon;
-        auto& to = *out.mutable_particulars();
+        auto& particulars = *out.mutable_particulars();
+        for (const auto& setting : told.settings) {
+            auto& one = *particulars.add_settings();
+            one.set_name(setting.name);
+            one.set_value(setting.value);
+            one.set_digest(setting.digest);
+        }
+        auto& to = *particulars.mutable_beacon();
         to.set_name(m.name);
         to_proto(m.log, *to.mutable_log());
         to.set_last_seq(m.last_seq);
@@ -228,16 +235,6 @@ struct MessageWriter {
         to_proto(m.log, *out.mutable_pulse()->mutable_log());
         out.mutable_pulse()->set_tick(m.tick);
     }
-    void operator()(const cluster::SettingsTold& m) const {
-        auto& to = *out.mutable_settings_told();
-        to.set_asks(m.asks);
-        for (const auto& setting : m.settings) {
-            auto& one = *to.add_settings();
-            one.set_name(setting.name);
-            one.set_value(setting.value);
-            one.set_digest(setting.digest);
-        }
-    }
     void operator()(const cluster::PacketsTold& m) const {
         auto& to = *out.mutable_packets_told();
         for (const auto& client : m.clients) {
@@ -297,7 +294,8 @@ MaybeMessage read_heartbeat(const Heartbeat& in) {
     return out;
 }
 
-MaybeMessage read_particulars(const Beacon& in) {
+MaybeMessage read_particulars(const Particulars& all) {
+    const Beacon& in = all.beacon();
     const auto log = from_proto(in.log());
     auto view = from_proto(in.view());
     const auto link = from_proto(in.link());
@@ -332,7 +330,11 @@ MaybeMessage read_particulars(const Beacon& in) {
     if (!all_from_proto(in.ended(), out.ended)) return std::nullopt;
     if (!all_from_proto(in.home_addresses(), out.home_addresses)) return std::nullopt;
     if (!all_from_proto(in.serving(), out.serving)) return std::nullopt;
-    return cluster::Particulars{std::move(out)};
+    cluster::Particulars particulars{std::move(out), {}};
+    for (const auto& setting : all.settings()) {
+        particulars.settings.push_back({setting.name(), setting.value(), setting.digest()});
+    }
+    return particulars;
 }
 
 MaybeMessage read_log_ack(const LogAck& in) {
@@ -409,14 +411,6 @@ MaybeMessage read_session_handoff(const SessionHandoff& in) {
     if (!to || !address) return std::nullopt;
     cluster::SessionHandoff out{*to, *address, in.part(), in.last(), {}};
     if (!all_from_proto(in.sessions(), out.sessions)) return std::nullopt;
-    return out;
-}
-
-MaybeMessage read_settings_told(const SettingsTold& in) {
-    cluster::SettingsTold out{.settings = {}, .asks = in.asks()};
-    for (const auto& setting : in.settings()) {
-        out.settings.push_back({setting.name(), setting.value(), setting.digest()});
-    }
     return out;
 }
 
@@ -514,8 +508,6 @@ MaybeMessage from_proto(const ClusterMessage& in) {
                 return cluster::Pulse{*log, in.pulse().tick()};
             }
             break;
-        case ClusterMessage::kSettingsTold:
-            return read_settings_told(in.settings_told());
         case ClusterMessage::kPacketsTold:
             return read_packets_told(in.packets_told());
         case ClusterMessage::kAssociationsTold:

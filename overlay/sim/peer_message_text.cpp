@@ -228,13 +228,6 @@ std::string line(const SessionClaim& m) {
 std::string line(const Pulse& m) {
     return "Pulse after beacon " + std::to_string(m.tick);
 }
-std::string line(const SettingsTold& m) {
-    std::string all = m.asks ? "SettingsTold, asks for yours" : "SettingsTold";
-    for (const Setting& setting : m.settings)
-        all += ' ' + setting.name + "='" + setting.value + '\'';
-    return all;
-}
-
 }  // namespace
 
 std::string to_text(const ClusterMessage& message) {

@@ -11,44 +11,32 @@ constexpr std::size_t longest_believed_value = 256;  // that is believed of a pe
 
 }  // namespace
 
-void SettingsComparison::on_beacon(Effects& effects, const Beacon& beacon) {
-    const BrokerId from = beacon.log.broker;
-    if (beacon.settings == digest_) {
-        others_.erase(from);
-        return;
-    }
+void SettingsComparison::on_told(BrokerId from, const std::vector<Setting>& settings) {
     if (others_.size() >= others_most && !others_.contains(from)) return;
-    Other& other = others_[from];
-    if (std::exchange(other.digest, beacon.settings) != beacon.settings) other = {beacon.settings};
-    if (other.is_known || effects.now < other.asked_at + effects.times.settings_asked_every())
-        return;
-    other.asked_at = effects.now;
-    effects.peers.push_back({from, SettingsTold{.settings = own_, .asks = true}});
-}
-
-void SettingsComparison::on_told(Effects& effects, BrokerId from, const std::string& name,
-                                 const SettingsTold& told) {
-    if (told.asks) {
-        effects.peers.push_back({from, SettingsTold{.settings = own_, .asks = false}});
-    }
-    const auto other = others_.find(from);
-    if (other == others_.end() || other->second.is_known) return;
-    if (digest_of(told.settings) != other->second.digest) return;  // of an earlier life
-    compare(effects, name, other->second, told);
-}
-
-void SettingsComparison::compare(Effects& effects, const std::string& name, Other& other,
-                                 const SettingsTold& told) const {
-    other.is_known = true;
+    std::vector<Setting> known;
     for (const Setting& ours : own_) {
-        const auto theirs = std::ranges::find(told.settings, ours.name, &Setting::name);
-        if (theirs == told.settings.end() || theirs->digest == ours.digest) continue;
-        const std::string value = cut(theirs->value, longest_believed_value);
+        const auto theirs = std::ranges::find(settings, ours.name, &Setting::name);
+        if (theirs == settings.end()) continue;
+        known.push_back({ours.name, cut(theirs->value, longest_believed_value), theirs->digest});
+    }
+    Other& other = others_[from];
+    if (digest_of(other.settings) != digest_of(known)) other = {.settings = std::move(known)};
+}
+
+void SettingsComparison::on_beacon(Effects& effects, const Beacon& beacon) {
+    const auto found = others_.find(beacon.log.broker);
+    if (found == others_.end() || std::exchange(found->second.is_compared, true)) return;
+    Other& other = found->second;
+    other.differences.clear();
+    for (const Setting& theirs : other.settings) {
+        const Setting& ours = *std::ranges::find(own_, theirs.name, &Setting::name);
+        if (theirs.digest == ours.digest) continue;
         effects.local.push_back(Notice{.text = "the brokers disagree about " + ours.name + ": " +
-                                               name_ + " has '" + ours.value + "', " + name +
-                                               " has '" + value + "'; give all brokers the same",
+                                               name_ + " has '" + ours.value + "', " + beacon.name +
+                                               " has '" + theirs.value +
+                                               "'; give all brokers the same",
                                        .is_warning = true});
-        other.differences.push_back({ours.name, ours.value, value});
+        other.differences.push_back({ours.name, ours.value, theirs.value});
     }
 }
 
@@ -58,7 +46,7 @@ void SettingsComparison::change(const std::string& name, const std::string& valu
     if (own->digest == changed.digest) return;
     *own = changed;
     digest_ = digest_of(own_);
-    others_.clear();
+    for (auto& [id, other] : others_) other.is_compared = false;
 }
 
 std::string SettingsComparison::own_value(const std::string& name) const {
@@ -67,11 +55,10 @@ std::string SettingsComparison::own_value(const std::string& name) const {
 
 std::string SettingsComparison::value_at(BrokerId peer, const std::string& name) const {
     const auto other = others_.find(peer);
-    if (other == others_.end()) return own_value(name);
-    if (!other->second.is_known) return {};
-    const auto& differences = other->second.differences;
-    const auto difference = std::ranges::find(differences, name, &Difference::setting);
-    return difference == differences.end() ? own_value(name) : difference->theirs;
+    if (other == others_.end()) return {};
+    const auto& settings = other->second.settings;
+    const auto theirs = std::ranges::find(settings, name, &Setting::name);
+    return theirs == settings.end() ? std::string{} : theirs->value;
 }
 
 std::vector<Difference> SettingsComparison::differences_with(BrokerId peer) const {
