@@ -33,7 +33,7 @@ cluster::ProgressOfAssociation to_message(const dtls::ProgressTold& told) {
 template <typename In, typename Field>
 void add(const std::vector<In>& told, Field field, std::vector<cluster::Outgoing>& out) {
     for (std::size_t from = 0; from < told.size(); from += most_at_once) {
-        cluster::AssociationsTold part;
+        cluster::SecuredTold part;
         const std::size_t end = std::min(from + most_at_once, told.size());
         for (std::size_t i = from; i < end; ++i) (part.*field).push_back(to_message(told[i]));
         out.push_back({std::nullopt, std::move(part)});
@@ -47,13 +47,13 @@ void tell_associations(dtls::DtlsClients& clients, std::vector<cluster::Outgoing
     const dtls::Told told = clients.to_tell();
     if (told.empty()) return;
     std::vector<cluster::Outgoing> first;
-    add(told.associations, &cluster::AssociationsTold::associations, first);
-    add(told.progress, &cluster::AssociationsTold::progress, first);
+    add(told.associations, &cluster::SecuredTold::associations, first);
+    add(told.progress, &cluster::SecuredTold::progress, first);
     outgoing.insert(outgoing.begin(), std::make_move_iterator(first.begin()),
                     std::make_move_iterator(first.end()));
 }
 
-void on_associations_told(const cluster::AssociationsTold& told, dtls::DtlsClients& clients) {
+void on_associations_told(const cluster::SecuredTold& told, dtls::DtlsClients& clients) {
     dtls::Told out;
     for (const auto& each : told.associations) {
         if (each.keys.size() != dtls::wrapped_octets) continue;

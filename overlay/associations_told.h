@@ -16,6 +16,6 @@ namespace romano::overlay {
 /// Puts it in front of what is to be sent.
 void tell_associations(dtls::DtlsClients& clients, std::vector<cluster::Outgoing>& outgoing);
 
-void on_associations_told(const cluster::AssociationsTold& told, dtls::DtlsClients& clients);
+void on_associations_told(const cluster::SecuredTold& told, dtls::DtlsClients& clients);
 
 }  // namespace romano::overlay

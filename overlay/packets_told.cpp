@@ -34,10 +34,10 @@ void tell_packets(broker::ProtectedClients& clients, std::vector<cluster::Outgoi
     if (heard.empty()) return;
     std::vector<cluster::Outgoing> told;
     for (std::size_t from = 0; from < heard.size(); from += most_at_once) {
-        cluster::PacketsTold part;
+        cluster::SecuredTold part;
         const std::size_t end = std::min(from + most_at_once, heard.size());
         for (std::size_t i = from; i < end; ++i) {
-            part.clients.push_back({.sender = number_of(heard[i].sender),
+            part.packets.push_back({.sender = number_of(heard[i].sender),
                                     .run = static_cast<std::uint32_t>(heard[i].heard.run),
                                     .floor = heard[i].heard.floor});
         }
@@ -47,10 +47,10 @@ void tell_packets(broker::ProtectedClients& clients, std::vector<cluster::Outgoi
                     std::make_move_iterator(told.end()));
 }
 
-void on_packets_told(const cluster::PacketsTold& told, broker::ProtectedClients& clients) {
+void on_packets_told(const cluster::SecuredTold& told, broker::ProtectedClients& clients) {
     std::vector<broker::PacketsHeard> heard;
-    heard.reserve(told.clients.size());
-    for (const auto& each : told.clients) {
+    heard.reserve(told.packets.size());
+    for (const auto& each : told.packets) {
         heard.push_back({id_of(each.sender), {protection::RunId{each.run}, each.floor}});
     }
     clients.on_told(heard);

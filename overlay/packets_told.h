@@ -16,6 +16,6 @@ namespace romano::overlay {
 /// Puts it in front of what is to be sent.
 void tell_packets(broker::ProtectedClients& clients, std::vector<cluster::Outgoing>& outgoing);
 
-void on_packets_told(const cluster::PacketsTold& told, broker::ProtectedClients& clients);
+void on_packets_told(const cluster::SecuredTold& told, broker::ProtectedClients& clients);
 
 }  // namespace romano::overlay

@@ -202,8 +202,7 @@ private:
     void on(Effects& effects, BrokerId from, const SessionRequest& message);
     void on(Effects& effects, BrokerId from, const HandoffAck& message);
     void on(Effects& effects, BrokerId from, const SessionClaim& message);
-    static void on(Effects&, BrokerId, const PacketsTold&) {}
-    static void on(Effects&, BrokerId, const AssociationsTold&) {}
+    static void on(Effects&, BrokerId, const SecuredTold&) {}
 
     void say(Effects& effects, const Beacon& beacon);
     void on_beacon(Effects& effects, const Beacon& beacon);

@@ -36,8 +36,7 @@ Delivery delivery_of(const ClusterMessage& message) {
     if (std::holds_alternative<Heartbeat>(message)) return Delivery::beacon;
     if (std::holds_alternative<Pulse>(message)) return Delivery::beacon;
     if (std::holds_alternative<LogBatch>(message)) return Delivery::log;
-    if (std::holds_alternative<PacketsTold>(message)) return Delivery::log;
-    if (std::holds_alternative<AssociationsTold>(message)) return Delivery::log;
+    if (std::holds_alternative<SecuredTold>(message)) return Delivery::log;
     if (std::holds_alternative<ForwardBatch>(message)) return Delivery::best_effort;
     return Delivery::direct;
 }

@@ -276,8 +276,7 @@ struct SessionClaim {
     broker::SessionHeader header;
 };
 
-/// How far the packets of a protected client were taken: for who stands in for the sender. The
-/// cluster core heeds it not; overlay/packets_told.h does.
+/// How far the packets of a protected client were taken (overlay/packets_told.h).
 struct PacketsOfClient {
     std::uint64_t sender = 0;
     std::uint32_t run = 0;
@@ -285,12 +284,7 @@ struct PacketsOfClient {
 
     friend bool operator==(const PacketsOfClient&, const PacketsOfClient&) = default;
 };
-struct PacketsTold {
-    std::vector<PacketsOfClient> clients{};
-};
-
-/// A client's DTLS association, and how far others are: for who stands in for the sender. The
-/// cluster core heeds them not; overlay/associations_told.h does.
+/// A client's DTLS association (overlay/associations_told.h).
 struct AssociationOfClient {
     std::uint64_t id = 0;
     std::string client{};
@@ -310,7 +304,10 @@ struct ProgressOfAssociation {
 
     friend bool operator==(const ProgressOfAssociation&, const ProgressOfAssociation&) = default;
 };
-struct AssociationsTold {
+/// What is known of clients that have keys, for who stands in for the sender. The cluster core
+/// heeds it not.
+struct SecuredTold {
+    std::vector<PacketsOfClient> packets{};
     std::vector<AssociationOfClient> associations{};
     std::vector<ProgressOfAssociation> progress{};
 };
@@ -319,7 +316,7 @@ using ClusterMessage =
     std::variant<Heartbeat, LogBatch, LogAck, ForwardBatch, ElectionMessage, ViewProposal,
                  ViewHoldings, ViewAnnouncement, Fetch, SnapshotPart, AddressOffer, AddressBound,
                  SessionHandoff, SessionRequest, HandoffAck, SessionClaim, Pulse, Particulars,
-                 ParticularsRequest, PacketsTold, AssociationsTold>;
+                 ParticularsRequest, SecuredTold>;
 
 /// How a message travels.
 enum class Delivery : std::uint8_t {

@@ -261,12 +261,11 @@ void ClusterBroker::on_peer_message(const overlay::Envelope& envelope) {
         if (links_) links_->on_heartbeat(envelope.from.broker);
         if (!member_) transport_->send({envelope.from.broker, cluster::ParticularsRequest{}});
     }
-    if (const auto* told = std::get_if<cluster::PacketsTold>(&envelope.message)) {
-        if (protection_) overlay::on_packets_told(*told, protection_->clients());
-    } else if (const auto* associations =
-                   std::get_if<cluster::AssociationsTold>(&envelope.message)) {
-        dtls::DtlsClients* dtls = protection_ ? protection_->dtls_clients() : nullptr;
-        if (dtls != nullptr) overlay::on_associations_told(*associations, *dtls);
+    if (const auto* told = std::get_if<cluster::SecuredTold>(&envelope.message)) {
+        if (!protection_) return;
+        overlay::on_packets_told(*told, protection_->clients());
+        dtls::DtlsClients* dtls = protection_->dtls_clients();
+        if (dtls != nullptr) overlay::on_associations_told(*told, *dtls);
     } else if (member_) {
         member_->on_peer_message(net::now(), envelope, actions_);
     }

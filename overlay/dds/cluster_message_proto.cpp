@@ -235,17 +235,14 @@ struct MessageWriter {
         to_proto(m.log, *out.mutable_pulse()->mutable_log());
         out.mutable_pulse()->set_tick(m.tick);
     }
-    void operator()(const cluster::PacketsTold& m) const {
-        auto& to = *out.mutable_packets_told();
-        for (const auto& client : m.clients) {
-            auto& one = *to.add_clients();
+    void operator()(const cluster::SecuredTold& m) const {
+        auto& to = *out.mutable_secured_told();
+        for (const auto& client : m.packets) {
+            auto& one = *to.add_packets();
             one.set_sender(client.sender);
             one.set_run(client.run);
             one.set_floor(client.floor);
         }
-    }
-    void operator()(const cluster::AssociationsTold& m) const {
-        auto& to = *out.mutable_associations_told();
         for (const auto& association : m.associations) {
             auto& one = *to.add_associations();
             one.set_id(association.id);
@@ -414,16 +411,11 @@ MaybeMessage read_session_handoff(const SessionHandoff& in) {
     return out;
 }
 
-MaybeMessage read_packets_told(const PacketsTold& in) {
-    cluster::PacketsTold out;
-    for (const auto& client : in.clients()) {
-        out.clients.push_back({client.sender(), client.run(), client.floor()});
+MaybeMessage read_secured_told(const SecuredTold& in) {
+    cluster::SecuredTold out;
+    for (const auto& client : in.packets()) {
+        out.packets.push_back({client.sender(), client.run(), client.floor()});
     }
-    return out;
-}
-
-MaybeMessage read_associations_told(const AssociationsTold& in) {
-    cluster::AssociationsTold out;
     for (const auto& association : in.associations()) {
         const auto via = from_proto(association.via());
         const auto from = from_proto(association.from());
@@ -508,10 +500,8 @@ MaybeMessage from_proto(const ClusterMessage& in) {
                 return cluster::Pulse{*log, in.pulse().tick()};
             }
             break;
-        case ClusterMessage::kPacketsTold:
-            return read_packets_told(in.packets_told());
-        case ClusterMessage::kAssociationsTold:
-            return read_associations_told(in.associations_told());
+        case ClusterMessage::kSecuredTold:
+            return read_secured_told(in.secured_told());
         case ClusterMessage::MESSAGE_NOT_SET:
             break;
     }

@@ -172,7 +172,7 @@ void ClusterBroker::take(const Datagram& datagram) {
 }
 
 void ClusterBroker::take(const cluster::Envelope& envelope) {
-    if (const auto* told = std::get_if<cluster::PacketsTold>(&envelope.message)) {
+    if (const auto* told = std::get_if<cluster::SecuredTold>(&envelope.message)) {
         if (protection_) overlay::on_packets_told(*told, *protection_);
         return;
     }

@@ -134,15 +134,11 @@ std::string line(const Heartbeat& m) {
     }
     return all + text(m.held_others) + (m.leaving ? " leaving" : "");
 }
-std::string line(const PacketsTold& m) {
-    std::string all = "PacketsTold";
-    for (const auto& client : m.clients) {
+std::string line(const SecuredTold& m) {
+    std::string all = "SecuredTold";
+    for (const auto& client : m.packets) {
         all += ' ' + number(client.sender) + ':' + number(client.floor);
     }
-    return all;
-}
-std::string line(const AssociationsTold& m) {
-    std::string all = "AssociationsTold";
     for (const auto& association : m.associations) all += ' ' + association.client;
     for (const auto& progress : m.progress) {
         all += ' ' + number(progress.id) + ':' + number(progress.floor);

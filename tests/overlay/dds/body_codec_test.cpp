@@ -61,10 +61,9 @@ static_assert(field_count<cluster::SessionHandoff>() == 5);
 static_assert(field_count<cluster::HandoffAck>() == 2);
 static_assert(field_count<cluster::Setting>() == 3);
 static_assert(field_count<cluster::PacketsOfClient>() == 3);
-static_assert(field_count<cluster::PacketsTold>() == 1);
 static_assert(field_count<cluster::AssociationOfClient>() == 7);
 static_assert(field_count<cluster::ProgressOfAssociation>() == 4);
-static_assert(field_count<cluster::AssociationsTold>() == 2);
+static_assert(field_count<cluster::SecuredTold>() == 3);
 
 // Two messages are equal when their octets are: encoding is deterministic. That no field is
 // forgotten both ways is checked field by field below.

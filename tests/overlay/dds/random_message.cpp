@@ -307,13 +307,11 @@ cluster::ClusterMessage random_message(std::size_t kind, Random& r) {
             return cluster::Particulars{beacon(r), some(r, setting)};
         case 18:
             return cluster::ParticularsRequest{};
-        case 19:
-            return cluster::PacketsTold{some(r, packets_of_client)};
         default:
-            return cluster::AssociationsTold{some(r, association_of_client),
-                                             some(r, progress_of_association)};
+            return cluster::SecuredTold{some(r, packets_of_client), some(r, association_of_client),
+                                        some(r, progress_of_association)};
     }
 }
-static_assert(message_kinds == 21, "random_message() makes every kind");
+static_assert(message_kinds == 20, "random_message() makes every kind");
 
 }  // namespace romano::dds
