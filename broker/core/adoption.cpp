@@ -173,17 +173,17 @@ SessionImage Adoption::caught_up(SessionImage image, std::span<const MessagePtr>
 }
 
 void Adoption::forget_logs(const std::function<bool(const LogId&)>& are_over, Actions& out) {
-    for (Session* session : tables_.sessions.by_client_id()) {
-        std::erase_if(session->worked_ahead,
+    tables_.sessions.visit([&](Session& session) {
+        std::erase_if(session.worked_ahead,
                       [&](const LogPosition& position) { return are_over(position.log); });
-        std::erase_if(session->awaited, [&](const Delivery& delivery) {
+        std::erase_if(session.awaited, [&](const Delivery& delivery) {
             if (!are_over(delivery.position.log)) return false;
             tables_.log.append(out, [&] {
-                return DeliveryEnded{session->header.client_id, delivery.position};
+                return DeliveryEnded{session.header.client_id, delivery.position};
             });
             return true;
         });
-    }
+    });
 }
 
 std::optional<SessionImage> Adoption::release(std::string_view client_id, Actions& out) {

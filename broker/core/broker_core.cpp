@@ -392,11 +392,18 @@ std::optional<SessionImage> BrokerCore::release(std::string_view client_id, Acti
     return state_->adoption.release(client_id, out);
 }
 
-void BrokerCore::send_again(Instant now, const Endpoint& via, Actions& out) {
+std::optional<std::uint32_t> BrokerCore::send_again(Instant now, const Endpoint& via,
+                                                    std::uint32_t from, std::size_t most,
+                                                    Actions& out) {
     Turn turn{now, out};
-    for (Session* session : state_->tables.sessions.by_client_id()) {
-        if (session->header.via == via) state_->deliveries.send_again(*session, turn);
+    const SessionTable& sessions = state_->tables.sessions;
+    const std::size_t end = std::min(sessions.numbers(), from + most);
+    for (; from < end; ++from) {
+        Session* session = sessions.at(from);
+        if (session == nullptr || session->header.via != via) continue;
+        state_->deliveries.send_again(*session, turn);
     }
+    return from < sessions.numbers() ? std::optional{from} : std::nullopt;
 }
 
 bool BrokerCore::serves(const Endpoint& via, const Endpoint& from, Bytes datagram) const {
@@ -455,8 +462,14 @@ std::vector<ClientId> BrokerCore::client_ids_via(const Endpoint& via) const {
     state_->tables.sessions.visit([&](const Session& session) {
         if (session.header.via == via) found.push_back(session.header.client_id);
     });
-    std::ranges::sort(found);
     return found;
+}
+
+bool BrokerCore::is_home_of_any_via(const Endpoint& via) const {
+    bool is_home = false;
+    state_->tables.sessions.visit(
+        [&](const Session& session) { is_home |= session.header.via == via; });
+    return is_home;
 }
 
 void BrokerCore::set_system_topic(Instant now, std::string_view topic, Bytes payload,

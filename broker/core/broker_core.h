@@ -87,8 +87,11 @@ public:
     /// unknown.
     std::optional<SessionImage> release(std::string_view client_id, Actions& out);
 
-    /// What was sent from `via` lately reached nobody: what is in flight goes out once more.
-    void send_again(Instant now, const Endpoint& via, Actions& out);
+    /// What was sent from `via` lately reached nobody: what is in flight goes out once more. Looks
+    /// at `most` sessions, from that number on, and returns the next number; none when it was the
+    /// last.
+    std::optional<std::uint32_t> send_again(Instant now, const Endpoint& via, std::uint32_t from,
+                                            std::size_t most, Actions& out);
 
     /// True when a datagram that came from there to `via` would reach a session that is homed here,
     /// or one that is being begun; or is known to reach none: it comes from where one was left
@@ -100,9 +103,11 @@ public:
     [[nodiscard]] std::optional<SessionImage> image(std::string_view client_id) const;
     /// Of the session that is homed here; null when there is none. Valid until the next input.
     [[nodiscard]] const SessionHeader* header(std::string_view client_id) const;
-    [[nodiscard]] std::vector<SessionImage> images() const;                         // by client id
-    [[nodiscard]] std::vector<ClientId> client_ids() const;                         // in no order
-    [[nodiscard]] std::vector<ClientId> client_ids_via(const Endpoint& via) const;  // sorted
+    [[nodiscard]] std::vector<SessionImage> images() const;  // by client id
+    /// The same order in every replay.
+    [[nodiscard]] std::vector<ClientId> client_ids() const;
+    [[nodiscard]] std::vector<ClientId> client_ids_via(const Endpoint& via) const;
+    [[nodiscard]] bool is_home_of_any_via(const Endpoint& via) const;
 
     /// Sets a retained message of the broker itself under $SYS; neither logged nor forwarded.
     void set_system_topic(Instant now, std::string_view topic, Bytes payload, Actions& out);

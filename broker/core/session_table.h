@@ -63,11 +63,14 @@ public:
     [[nodiscard]] const AbsentSessions& absent() const { return absent_; }
 
     [[nodiscard]] std::size_t size() const { return by_id_.size(); }
+    /// All numbers are below it.
+    [[nodiscard]] std::size_t numbers() const { return slots_.size(); }
     /// Not left behind.
     [[nodiscard]] std::size_t connected() const { return size() - departed_count_; }
-    /// In the order of their client ids: for all that reaches the wire.
+    /// In the order of their client ids, whatever was there before.
     [[nodiscard]] std::vector<Session*> by_client_id() const;
 
+    /// By number: the same order in every replay.
     template <typename Visitor>
     void visit(Visitor&& visit_one) const {
         for (const auto& slot : slots_) {

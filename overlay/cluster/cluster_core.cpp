@@ -108,7 +108,7 @@ void ClusterCore::warn_when_leaderless(Effects& effects) {
 Instant ClusterCore::next_wakeup() const {
     const bool is_behind =
         publish_order_.is_behind() || handoffs_.is_half_done() || hand_back_.is_half_done() ||
-        settlement_.is_half_done() || !take_over_.half_adopted().empty() ||
+        settlement_.is_half_done() || !take_over_.half_adopted().empty() || !said_again_.empty() ||
         std::ranges::any_of(logs_, [](const auto& log) { return log.second.next() != nullptr; });
     if (is_behind) return Instant::min();
     return std::min({next_tick_, membership_.next_wakeup(), log_sender_.next_wakeup(),
@@ -177,21 +177,32 @@ void ClusterCore::after_input(Effects& effects) {
     }
     handoffs_.carry_on(effects, safe(effects.now));
     roaming_.carry_on(effects, logs(), peer_sessions_.homes(), handoffs_, membership_, view());
-    break_silence(effects);
+    break_silence();
     // Others wait for these news.
     const bool news = leadership() != last_leadership_ || view().number != last_view_;
     if (news) send_beacon(effects);
 }
 
-void ClusterCore::break_silence(Effects& effects) {
+void ClusterCore::break_silence() {
     std::erase_if(silent_, [this](const Endpoint& it) { return !addresses_.is_serving(it); });
     for (const Endpoint& address : addresses_.serving()) {
         if (hand_back_.is_silent(address)) {
             silent_.insert(address);
         } else if (silent_.erase(address) != 0) {
-            effects.broker.send_again(effects.now, address, effects.clients);
+            said_again_.insert_or_assign(address, 0);
         }
     }
+}
+
+void ClusterCore::say_again(Effects& effects) {
+    std::map<Endpoint, std::uint32_t> left;
+    for (const auto& [address, from] : said_again_) {
+        if (hand_back_.is_silent(address) || !addresses_.is_serving(address)) continue;
+        const auto next = effects.broker.send_again(effects.now, address, from,
+                                                    options_.sessions_per_turn, effects.clients);
+        if (next) left.emplace(address, *next);
+    }
+    said_again_ = std::move(left);
 }
 
 // --- membership and views
@@ -324,7 +335,7 @@ void ClusterCore::on_view(Effects& effects, const ViewAnnouncement& announcement
         const Peer* heir = membership_.find(assignment.heir);
         if (heir != nullptr && heir->is_home_of(address)) continue;
         if (assignment.heir != own_.id().broker && addresses_.is_home(address) &&
-            addresses_.is_serving(address) && effects.broker.client_ids_via(address).empty()) {
+            addresses_.is_serving(address) && !effects.broker.is_home_of_any_via(address)) {
             givers[address].insert(assignment.heir);
         }
     }
@@ -490,6 +501,7 @@ void ClusterCore::restart(Effects& effects, LogId log) {
     membership_.restart();
     watermark_.restart();
     acknowledgements_.restart();
+    said_again_.clear();
     lease_.restart(log);
     view_change_.restart(log);
     acquaintance_.restart();

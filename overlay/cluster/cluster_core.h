@@ -242,7 +242,8 @@ private:
     void on_view(Effects& effects, const ViewAnnouncement& announcement);
     void heed_standstill(Instant now);
     /// What was said from an address while it was silent went nowhere: says it again.
-    void break_silence(Effects& effects);
+    void break_silence();
+    void say_again(Effects& effects);
     /// Tries again for addresses that should be served here and are served by nobody.
     void seek_addresses(Effects& effects);
     void warn_when_leaderless(Effects& effects);
@@ -287,9 +288,10 @@ private:
     EndedLogs ended_;
     LogSender log_sender_;
     mutable LivePeers live_peers_;
-    bool has_frozen_logs_ = false;  // as of the last tick
-    std::set<Endpoint> silent_;     // of those that are served
-    std::uint32_t predefined_;      // digest
+    bool has_frozen_logs_ = false;                  // as of the last tick
+    std::set<Endpoint> silent_;                     // of those that are served
+    std::map<Endpoint, std::uint32_t> said_again_;  // up to which session
+    std::uint32_t predefined_;                      // digest
     SettingsComparison settings_;
 
     /// Back from a standstill: others may have gone on for us, and what we are asked or told may be

@@ -119,6 +119,7 @@ void ClusterCore::catch_up(Effects& effects) {
     take_over_.on_turn();
     settlement_.compare_some(logs_);
     if (!is_back()) handoffs_.on_turn(effects, logs());
+    say_again(effects);
     for (auto& [id, log] : logs_) apply(effects, id, log, options_.events_per_turn);
 }
 

@@ -44,18 +44,18 @@ void HandoffReceiver::on_handoff(const Effects& effects, BrokerId from, SessionH
         incoming_.erase(found);  // some are lost: without an answer it begins anew
         return;
     }
+    for (const broker::SessionImage& image : part.sessions) {
+        incoming.after = broker::later_of(incoming.after, image.worked_through);
+    }
     std::ranges::move(part.sessions, std::back_inserter(incoming.sessions));
     if (!part.last) return;
     Arrived arrived{.from = from,
                     .ack = {.address = part.address},
                     .sessions = std::move(incoming.sessions),
-                    .after = {},
+                    .after = std::move(incoming.after),
                     .until = effects.now + effects.times.former_home_waited_for(),
                     .is_refused = is_refused};
     incoming_.erase(found);
-    for (const broker::SessionImage& image : arrived.sessions) {
-        arrived.after = broker::later_of(arrived.after, image.worked_through);
-    }
     arrived_.push_back(std::move(arrived));
 }
 

@@ -59,6 +59,7 @@ private:
     struct Incoming {
         std::uint32_t next_part = 0;
         std::vector<broker::SessionImage> sessions{};
+        std::vector<LogPosition> after{};  // by log
     };
     struct Arrived {
         BrokerId from;
