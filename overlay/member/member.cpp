@@ -6,142 +6,31 @@
 #include <span>
 #include <utility>
 
-#include "broker/server/carried_server.h"
-#include "overlay/cluster/cluster_core.h"
-#include "overlay/cluster/speaking/held_output.h"
-#include "overlay/cluster/speaking/waiting_input.h"
-#include "overlay/member/carried_uplink.h"
-#include "overlay/member/status_teller.h"
-
 namespace romano::overlay {
 
 using broker::BrokerCore;
 using broker::LogId;
-using cluster::ClusterCore;
 using cluster::Effects;
 using cluster::HeldOutput;
-using cluster::WaitingInput;
 
-class Member::State {
-public:
-    State(const MemberOptions& options, std::uint64_t seed)
-        : options_(options),
-          seed_(seed),
-          log_{broker::broker_id_of(options.name), options.incarnation},
-          broker_(broker_options(), seed),
-          server_(options.name, options.broker.unix_time_at_zero),
-          cluster_(options.cluster,
-                   {.name = options.name,
-                    .log = log_,
-                    .home_addresses = options.home_addresses,
-                    .link = {options.link, options.incarnation},
-                    .predefined = options.broker.predefined_topics},
-                   seed + 1) {
-        broker_.set_audience(cluster_.audience());
-        if (options.uplink) uplink_.emplace(*options.uplink, seed ^ options.incarnation);
-    }
+Member::Member(const MemberOptions& options, std::uint64_t seed)
+    : options_(options),
+      seed_(seed),
+      log_{broker::broker_id_of(options.name), options.incarnation},
+      broker_(broker_options(), seed),
+      server_(options.name, options.broker.unix_time_at_zero),
+      cluster_(options.cluster,
+               {.name = options.name,
+                .log = log_,
+                .home_addresses = options.home_addresses,
+                .link = {options.link, options.incarnation},
+                .predefined = options.broker.predefined_topics},
+               seed + 1) {
+    broker_.set_audience(cluster_.audience());
+    if (options.uplink) uplink_.emplace(*options.uplink, seed ^ options.incarnation);
+}
 
-    void on_datagram(Instant now, const Endpoint& via, const Endpoint& from, Bytes datagram,
-                     MemberActions& out);
-    void on_peer_message(Instant now, const Envelope& envelope, MemberActions& out);
-    void on_address(Instant now, const Endpoint& address, bool served, MemberActions& out);
-    void on_link(Instant now, const LogId& process, election::Link link, MemberActions& out);
-    void on_uplink_up(Instant now, bool resumed, MemberActions& out);
-    void on_uplink_down();
-    void on_uplink_answer(Instant now, const broker::LogPosition& position, uplink::Answer answer,
-                          MemberActions& out);
-    void on_uplink_message(Instant now, const uplink::FromRemote& message, std::uint64_t token,
-                           MemberActions& out);
-    void on_condition(Instant now, std::uint32_t reading, MemberActions& out);
-    void on_ability(const Endpoint& address, bool can_take) {
-        cluster_.on_ability(address, can_take);
-    }
-    void on_tick(Instant now, MemberActions& out);
-    [[nodiscard]] Instant next_wakeup() const;
-    void before_sending(Instant now, MemberActions& out);
-    void leave(Instant now, MemberActions& out);
-
-    [[nodiscard]] const broker::LogId& log() const { return log_; }
-    [[nodiscard]] const BrokerCore& broker() const { return broker_; }
-    [[nodiscard]] const ClusterCore& cluster() const { return cluster_; }
-    void on_transport_octets(std::uint64_t sent, std::uint64_t received) {
-        cluster_.on_transport_octets(sent, received);
-    }
-    void on_longest_turn(std::chrono::microseconds longest) { cluster_.on_longest_turn(longest); }
-    void on_cpu_percent(std::uint32_t percent) { cluster_.on_cpu_percent(percent); }
-    void set_full(bool full) { broker_.set_full(full); }
-    void set_rights(const broker::Permissions* permissions, const std::string& digest) {
-        permissions_ = permissions;
-        broker_.set_permissions(permissions);
-        cluster_.on_rights(digest);
-    }
-    [[nodiscard]] bool may_announce(const Endpoint& address) const {
-        return !cluster_.is_silent(address);
-    }
-    [[nodiscard]] bool may_speak(Instant now) const {
-        return !has_left_ && cluster_.is_in_view() && cluster_.may_speak(now);
-    }
-    [[nodiscard]] bool may_speak_from(const Endpoint& address) const {
-        return cluster_.addresses().is_serving(address) && !cluster_.is_unheard(address) &&
-               !cluster_.is_taking(address);
-    }
-    [[nodiscard]] MemberFacts facts() const;
-    void check_invariants() const;
-
-private:
-    [[nodiscard]] broker::BrokerOptions broker_options() const;
-    [[nodiscard]] Effects effects(Instant now, MemberActions& out) {
-        return {now, broker_, work_, out.peers, out.local, cluster_.times()};
-    }
-
-    // --- while others may have gone on for us
-    void notice_standstill(Instant now, MemberActions& out);
-    [[nodiscard]] bool may_be_elsewhere(const broker::SessionHeader& client) const;
-    void hold_output(MemberActions& out);
-    void restart(Instant now, MemberActions& out);
-
-    // --- the broker core's actions
-    void carry_out(Instant now, MemberActions& out);
-    void absorb(Instant now, MemberActions& out);
-    void send(Instant now, const broker::Send& send, broker::Seq safe, MemberActions& out);
-    [[nodiscard]] bool must_wait(Instant now, const Endpoint& via, const Endpoint& from,
-                                 Bytes datagram) {
-        return cluster_.has_lost_lease(now) || cluster_.must_wait(via, from) ||
-               (cluster_.strangers_may_roam() && !broker_.serves(via, from, datagram));
-    }
-    void serve_waiting(Instant now, MemberActions& out);
-
-    // --- the uplink
-    void tend_uplink(Instant now, MemberActions& out);
-    void go_on_uplink(Instant now, MemberActions& out);
-
-    /// Of the view that this broker leads; none when it leads none.
-    [[nodiscard]] std::span<const LogId> led_members() const;
-
-    MemberOptions options_;
-    std::uint64_t seed_;
-    LogId log_;
-    BrokerCore broker_;
-    const broker::Permissions* permissions_ = nullptr;
-    broker::CarriedServer server_;
-    std::optional<CarriedUplink> uplink_;
-    /// Came without a lease; the next one comes when this one is acknowledged.
-    std::optional<std::pair<uplink::FromRemote, std::uint64_t>> late_message_;
-    ClusterCore cluster_;
-    broker::Actions work_;
-    HeldOutput held_;
-    WaitingInput waiting_;
-
-    bool has_left_ = false;
-    std::uint64_t replacements_ = 0;
-
-    bool broker_waits_ = false;            // its timers, as of the last tick: the lease was lost
-    Instant fresh_from_ = Instant::min();  // what is read before came in a standstill
-
-    StatusTeller status_;
-};
-
-broker::BrokerOptions Member::State::broker_options() const {
+broker::BrokerOptions Member::broker_options() const {
     broker::BrokerOptions options = options_.broker;
     options.log = log_;
     options.writes_log = true;
@@ -153,10 +42,16 @@ broker::BrokerOptions Member::State::broker_options() const {
     return options;
 }
 
+void Member::set_rights(const broker::Permissions* permissions, const std::string& digest) {
+    permissions_ = permissions;
+    broker_.set_permissions(permissions);
+    cluster_.on_rights(digest);
+}
+
 // --- inputs
 
-void Member::State::on_datagram(Instant now, const Endpoint& via, const Endpoint& from,
-                                Bytes datagram, MemberActions& out) {
+void Member::on_datagram(Instant now, const Endpoint& via, const Endpoint& from, Bytes datagram,
+                         MemberActions& out) {
     if (has_left_) return;
     notice_standstill(now, out);
     if (cluster_.is_deaf(via)) return;  // its sessions are with another broker by now
@@ -176,7 +71,7 @@ void Member::State::on_datagram(Instant now, const Endpoint& via, const Endpoint
     carry_out(now, out);
 }
 
-void Member::State::on_peer_message(Instant now, const Envelope& envelope, MemberActions& out) {
+void Member::on_peer_message(Instant now, const Envelope& envelope, MemberActions& out) {
     if (has_left_) return;
     notice_standstill(now, out);
     Effects acting = effects(now, out);
@@ -185,16 +80,14 @@ void Member::State::on_peer_message(Instant now, const Envelope& envelope, Membe
     carry_out(now, out);
 }
 
-void Member::State::on_address(Instant now, const Endpoint& address, bool served,
-                               MemberActions& out) {
+void Member::on_address(Instant now, const Endpoint& address, bool served, MemberActions& out) {
     if (has_left_) return;
     Effects acting = effects(now, out);
     cluster_.on_address(acting, address, served);
     carry_out(now, out);
 }
 
-void Member::State::on_link(Instant now, const LogId& process, election::Link link,
-                            MemberActions& out) {
+void Member::on_link(Instant now, const LogId& process, election::Link link, MemberActions& out) {
     if (has_left_) return;
     notice_standstill(now, out);
     Effects acting = effects(now, out);
@@ -202,7 +95,7 @@ void Member::State::on_link(Instant now, const LogId& process, election::Link li
     carry_out(now, out);
 }
 
-void Member::State::on_condition(Instant now, std::uint32_t reading, MemberActions& out) {
+void Member::on_condition(Instant now, std::uint32_t reading, MemberActions& out) {
     if (has_left_) return;
     notice_standstill(now, out);
     Effects acting = effects(now, out);
@@ -210,7 +103,7 @@ void Member::State::on_condition(Instant now, std::uint32_t reading, MemberActio
     carry_out(now, out);
 }
 
-void Member::State::on_tick(Instant now, MemberActions& out) {
+void Member::on_tick(Instant now, MemberActions& out) {
     if (has_left_) return;
     notice_standstill(now, out);
     broker_.set_congested(cluster_.is_short_of_peers());
@@ -233,14 +126,14 @@ void Member::State::on_tick(Instant now, MemberActions& out) {
     tend_uplink(now, out);
 }
 
-Instant Member::State::next_wakeup() const {
+Instant Member::next_wakeup() const {
     if (has_left_) return never;
     // The server's turns come with the beacons'. So does the moment in which a lost lease is back.
     const Instant cluster = cluster_.next_wakeup();
     return broker_waits_ ? cluster : std::min(broker_.next_wakeup(), cluster);
 }
 
-void Member::State::leave(Instant now, MemberActions& out) {
+void Member::leave(Instant now, MemberActions& out) {
     Effects acting = effects(now, out);
     cluster_.leave(acting);
     carry_out(now, out);
@@ -250,11 +143,11 @@ void Member::State::leave(Instant now, MemberActions& out) {
 // --- while others may have gone on for us
 
 /// Waits until members echo again. Whoever was replaced meanwhile begins anew, and forgets it.
-void Member::State::before_sending(Instant now, MemberActions& out) {
+void Member::before_sending(Instant now, MemberActions& out) {
     if (!has_left_ && cluster_.has_lost_lease(now)) hold_output(out);
 }
 
-void Member::State::hold_output(MemberActions& out) {
+void Member::hold_output(MemberActions& out) {
     for (const broker::Action& action : out.clients.list()) {
         const auto* decided = std::get_if<broker::Send>(&action);
         if (decided == nullptr) continue;
@@ -267,7 +160,7 @@ void Member::State::hold_output(MemberActions& out) {
 
 /// One that is in no view does not know how long its clients have been served elsewhere, and what
 /// they said meanwhile was answered there: they say it again.
-void Member::State::notice_standstill(Instant now, MemberActions& out) {
+void Member::notice_standstill(Instant now, MemberActions& out) {
     if (!cluster_.notice_standstill(now)) return;
     before_sending(now, out);
     fresh_from_ = now + options_.cluster.beacon_every;
@@ -275,7 +168,7 @@ void Member::State::notice_standstill(Instant now, MemberActions& out) {
 }
 
 /// The others may hear it, on whose side of a cut more are.
-bool Member::State::may_be_elsewhere(const broker::SessionHeader& client) const {
+bool Member::may_be_elsewhere(const broker::SessionHeader& client) const {
     const auto& since = cluster_.on_smaller_side_since();
     if (!since) return false;
     const Duration unix_time = since->time_since_epoch() + options_.broker.unix_time_at_zero;
@@ -284,7 +177,7 @@ bool Member::State::may_be_elsewhere(const broker::SessionHeader& client) const 
 }
 
 /// Others have our sessions and addresses: begin anew, empty, under a new log, and get them back.
-void Member::State::restart(Instant now, MemberActions& out) {
+void Member::restart(Instant now, MemberActions& out) {
     out.local.push_back(Notice{"was replaced while it stood still: joins again"});
     held_.clear();
     waiting_.clear();  // of sessions that have lived on elsewhere since
@@ -305,7 +198,7 @@ void Member::State::restart(Instant now, MemberActions& out) {
 
 // --- the broker core's actions
 
-void Member::State::carry_out(Instant now, MemberActions& out) {
+void Member::carry_out(Instant now, MemberActions& out) {
     absorb(now, out);
     serve_waiting(now, out);
     if (cluster_.has_lost_lease(now)) return;
@@ -318,7 +211,7 @@ void Member::State::carry_out(Instant now, MemberActions& out) {
     held_.release(cluster_.safe(now), fate_of, out.clients);
 }
 
-void Member::State::absorb(Instant now, MemberActions& out) {
+void Member::absorb(Instant now, MemberActions& out) {
     server_.answer(now, broker_, work_);
     broker::Seq awaited = uplink_ ? uplink_->awaits() : 0;
     for (broker::Action& action : work_.list()) {
@@ -351,8 +244,7 @@ void Member::State::absorb(Instant now, MemberActions& out) {
     work_.clear();
 }
 
-void Member::State::send(Instant now, const broker::Send& send, broker::Seq safe,
-                         MemberActions& out) {
+void Member::send(Instant now, const broker::Send& send, broker::Seq safe, MemberActions& out) {
     if (send.to.endpoint == broker::owner_endpoint || cluster_.is_silent(send.via)) return;
     const Bytes octets = work_.octets(send);
     if (cluster_.is_taking(send.via) || cluster_.has_lost_lease(now)) held_.detain(send.to);
@@ -367,7 +259,7 @@ void Member::State::send(Instant now, const broker::Send& send, broker::Seq safe
                                   .size = send.size});
 }
 
-void Member::State::serve_waiting(Instant now, MemberActions& out) {
+void Member::serve_waiting(Instant now, MemberActions& out) {
     if (waiting_.empty()) return;
     for (const auto& action : out.local) {
         if (const auto* left = std::get_if<GiveUpAddress>(&action)) waiting_.drop(left->address);
@@ -392,7 +284,7 @@ void Member::State::serve_waiting(Instant now, MemberActions& out) {
 
 // --- the uplink
 
-void Member::State::tend_uplink(Instant now, MemberActions& out) {
+void Member::tend_uplink(Instant now, MemberActions& out) {
     if (!uplink_ || cluster_.has_lost_lease(now)) return;
     if (const auto late = std::exchange(late_message_, std::nullopt)) {
         on_uplink_message(now, late->first, late->second, out);
@@ -403,7 +295,7 @@ void Member::State::tend_uplink(Instant now, MemberActions& out) {
     }
 }
 
-void Member::State::go_on_uplink(Instant now, MemberActions& out) {
+void Member::go_on_uplink(Instant now, MemberActions& out) {
     if (!uplink_) return;
     uplink_->go_on(now, {log_, cluster_.safe(now)}, broker_, work_, out.uplink);
     absorb(now, out);
@@ -413,26 +305,22 @@ void Member::State::go_on_uplink(Instant now, MemberActions& out) {
     absorb(now, out);
 }
 
-void Member::State::on_uplink_up(Instant now, bool resumed, MemberActions& out) {
+void Member::on_uplink_up(Instant now, bool resumed, MemberActions& out) {
     if (!uplink_) return;
     uplink_->on_up(resumed, broker_, out.uplink);
     carry_out(now, out);
 }
 
-void Member::State::on_uplink_down() {
-    if (uplink_) uplink_->on_down();
-}
-
-void Member::State::on_uplink_answer(Instant now, const broker::LogPosition& position,
-                                     uplink::Answer answer, MemberActions& out) {
+void Member::on_uplink_answer(Instant now, const broker::LogPosition& position,
+                              uplink::Answer answer, MemberActions& out) {
     if (!uplink_ || has_left_) return;
     notice_standstill(now, out);
     uplink_->on_answer(now, position, answer, broker_, work_);
     carry_out(now, out);
 }
 
-void Member::State::on_uplink_message(Instant now, const uplink::FromRemote& message,
-                                      std::uint64_t token, MemberActions& out) {
+void Member::on_uplink_message(Instant now, const uplink::FromRemote& message, std::uint64_t token,
+                               MemberActions& out) {
     if (!uplink_ || has_left_) return;
     notice_standstill(now, out);
     if (!uplink_->core().holds_link()) return;
@@ -446,13 +334,13 @@ void Member::State::on_uplink_message(Instant now, const uplink::FromRemote& mes
 
 // --- for robots and for people
 
-std::span<const LogId> Member::State::led_members() const {
+std::span<const LogId> Member::led_members() const {
     const cluster::View& view = cluster_.view();
     if (view.number.leader != log_.broker) return {};
     return view.members;
 }
 
-MemberFacts Member::State::facts() const {
+MemberFacts Member::facts() const {
     MemberFacts out = facts_of(cluster_);
     if (out.leads) out.leader = options_.name;
     out.replacements = replacements_;
@@ -464,7 +352,7 @@ MemberFacts Member::State::facts() const {
     return out;
 }
 
-void Member::State::check_invariants() const {
+void Member::check_invariants() const {
 #ifndef NDEBUG  // all sessions and logs are looked at
     broker_.check_invariants();
     cluster_.check_invariants(broker_);
@@ -472,112 +360,15 @@ void Member::State::check_invariants() const {
 #endif
 }
 
-// --- the facade
-
-Member::Member(const MemberOptions& options, std::uint64_t seed)
-    : state_(std::make_unique<State>(options, seed)) {}
-Member::~Member() = default;
-
-void Member::on_datagram(Instant now, const Endpoint& via, const Endpoint& from, Bytes datagram,
-                         MemberActions& out) {
-    state_->on_datagram(now, via, from, datagram, out);
-}
-void Member::on_peer_message(Instant now, const Envelope& envelope, MemberActions& out) {
-    state_->on_peer_message(now, envelope, out);
-}
-void Member::on_address(Instant now, const Endpoint& address, bool served, MemberActions& out) {
-    state_->on_address(now, address, served, out);
-}
-void Member::on_link(Instant now, const LogId& process, election::Link link, MemberActions& out) {
-    state_->on_link(now, process, link, out);
-}
-void Member::on_uplink_up(Instant now, bool resumed, MemberActions& out) {
-    state_->on_uplink_up(now, resumed, out);
-}
-void Member::on_uplink_down() {
-    state_->on_uplink_down();
-}
-void Member::on_uplink_answer(Instant now, const broker::LogPosition& position,
-                              uplink::Answer answer, MemberActions& out) {
-    state_->on_uplink_answer(now, position, answer, out);
-}
-void Member::on_uplink_message(Instant now, const uplink::FromRemote& message, std::uint64_t token,
-                               MemberActions& out) {
-    state_->on_uplink_message(now, message, token, out);
-}
-void Member::on_condition(Instant now, std::uint32_t reading, MemberActions& out) {
-    state_->on_condition(now, reading, out);
-}
-
-void Member::on_ability(const Endpoint& address, bool can_take) {
-    state_->on_ability(address, can_take);
-}
-
-void Member::on_tick(Instant now, MemberActions& out) {
-    state_->on_tick(now, out);
-}
-void Member::before_sending(Instant now, MemberActions& out) {
-    state_->before_sending(now, out);
-}
-Instant Member::next_wakeup() const {
-    return state_->next_wakeup();
-}
-void Member::on_transport_octets(std::uint64_t sent, std::uint64_t received) {
-    state_->on_transport_octets(sent, received);
-}
-void Member::set_rights(const broker::Permissions* permissions, const std::string& digest) {
-    state_->set_rights(permissions, digest);
-}
-void Member::on_longest_turn(std::chrono::microseconds longest) {
-    state_->on_longest_turn(longest);
-}
-void Member::on_cpu_percent(std::uint32_t percent) {
-    state_->on_cpu_percent(percent);
-}
-void Member::set_full(bool full) {
-    state_->set_full(full);
-}
-void Member::leave(Instant now, MemberActions& out) {
-    state_->leave(now, out);
-}
-MemberFacts Member::facts() const {
-    return state_->facts();
-}
-const broker::LogId& Member::log() const {
-    return state_->log();
-}
-const broker::BrokerCore& Member::broker() const {
-    return state_->broker();
-}
-const cluster::View& Member::view() const {
-    return state_->cluster().view();
-}
-const cluster::ClusterCore& Member::cluster() const {
-    return state_->cluster();
-}
-election::Leadership Member::leadership() const {
-    return state_->cluster().leadership();
-}
 const broker::Mirror* Member::mirror(const broker::LogId& log) const {
-    const auto& logs = state_->cluster().peer_logs();
+    const auto& logs = cluster_.peer_logs();
     const auto found = logs.find(log);
     return found == logs.end() ? nullptr : &found->second.mirror();
 }
-bool Member::may_announce(const Endpoint& address) const {
-    return state_->may_announce(address);
-}
-bool Member::may_speak(Instant now) const {
-    return state_->may_speak(now);
-}
-bool Member::may_speak_from(const Endpoint& address) const {
-    return state_->may_speak_from(address);
-}
+
 std::vector<Endpoint> Member::serving() const {
-    const auto& serving = state_->cluster().addresses().serving();
+    const auto& serving = cluster_.addresses().serving();
     return {serving.begin(), serving.end()};
-}
-void Member::check_invariants() const {
-    state_->check_invariants();
 }
 
 }  // namespace romano::overlay

@@ -6,28 +6,31 @@
 // sessions and addresses. The shell owns sockets, the transport and one timer.
 #pragma once
 
+#include <chrono>
 #include <cstdint>
-#include <memory>
 #include <optional>
+#include <span>
 #include <string>
-#include <string_view>
+#include <utility>
 #include <vector>
 
 #include "broker/core/broker_core.h"
 #include "broker/core/mirror.h"
+#include "broker/server/carried_server.h"
 #include "broker/uplink/uplink_core.h"
 #include "election/failure_detector.h"
+#include "overlay/cluster/cluster_core.h"
 #include "overlay/cluster/options.h"
 #include "overlay/cluster/ownership/service_address.h"
+#include "overlay/cluster/speaking/held_output.h"
+#include "overlay/cluster/speaking/waiting_input.h"
+#include "overlay/member/carried_uplink.h"
 #include "overlay/member/member_facts.h"
+#include "overlay/member/status_teller.h"
 #include "overlay/transport.h"
 #include "romano/base/bytes.h"
 #include "romano/base/endpoint.h"
 #include "romano/base/time.h"
-
-namespace romano::cluster {
-class ClusterCore;
-}
 
 namespace romano::overlay {
 
@@ -65,7 +68,8 @@ struct MemberOptions {
 class Member {
 public:
     Member(const MemberOptions& options, std::uint64_t seed);
-    ~Member();
+    Member(const Member&) = delete;
+    Member& operator=(const Member&) = delete;
 
     void on_datagram(Instant now, const Endpoint& via, const Endpoint& from, Bytes datagram,
                      MemberActions& out);
@@ -79,7 +83,9 @@ public:
                  MemberActions& out);
     /// The link to the MQTT broker, asked for by OpenLink, came up or was lost.
     void on_uplink_up(Instant now, bool resumed, MemberActions& out);
-    void on_uplink_down();
+    void on_uplink_down() {
+        if (uplink_) uplink_->on_down();
+    }
     /// To what PublishUp brought it.
     void on_uplink_answer(Instant now, const broker::LogPosition& position, uplink::Answer answer,
                           MemberActions& out);
@@ -89,7 +95,9 @@ public:
     /// Battery or load of this machine, from 0 to 100: of two brokers of one rank the higher leads.
     void on_condition(Instant now, std::uint32_t reading, MemberActions& out);
     /// Whether the shell could serve a peer's home address, should that peer die.
-    void on_ability(const Endpoint& address, bool can_take);
+    void on_ability(const Endpoint& address, bool can_take) {
+        cluster_.on_ability(address, can_take);
+    }
     void on_tick(Instant now, MemberActions& out);
     [[nodiscard]] Instant next_wakeup() const;
 
@@ -98,44 +106,101 @@ public:
     void before_sending(Instant now, MemberActions& out);
 
     /// What the transport has carried so far: told to people in $SYS/brokers/<name>.
-    void on_transport_octets(std::uint64_t sent, std::uint64_t received);
+    void on_transport_octets(std::uint64_t sent, std::uint64_t received) {
+        cluster_.on_transport_octets(sent, received);
+    }
     /// How long the shell was busy at a stretch, of late: told there, too.
-    void on_longest_turn(std::chrono::microseconds longest);
+    void on_longest_turn(std::chrono::microseconds longest) { cluster_.on_longest_turn(longest); }
     /// How much of a core the process had, of late: told there, too.
-    void on_cpu_percent(std::uint32_t percent);
+    void on_cpu_percent(std::uint32_t percent) { cluster_.on_cpu_percent(percent); }
 
     /// See broker::BrokerCore::set_permissions. Peers compare the digest with theirs.
     void set_rights(const broker::Permissions* permissions, const std::string& digest);
 
     /// See broker::BrokerCore::set_full; asked for again with each batch of datagrams.
-    void set_full(bool full);
+    void set_full(bool full) { broker_.set_full(full); }
 
     /// An orderly stop: the last beacon; the peers take over at once. Nothing is done after it.
     void leave(Instant now, MemberActions& out);
 
     /// The own log as it is now: a member that was replaced while it stood still begins a new one.
-    [[nodiscard]] const broker::LogId& log() const;
-    [[nodiscard]] const broker::BrokerCore& broker() const;
-    [[nodiscard]] const cluster::View& view() const;
-    [[nodiscard]] const cluster::ClusterCore& cluster() const;
-    [[nodiscard]] election::Leadership leadership() const;
+    [[nodiscard]] const broker::LogId& log() const { return log_; }
+    [[nodiscard]] const broker::BrokerCore& broker() const { return broker_; }
+    [[nodiscard]] const cluster::View& view() const { return cluster_.view(); }
+    [[nodiscard]] const cluster::ClusterCore& cluster() const { return cluster_; }
+    [[nodiscard]] election::Leadership leadership() const { return cluster_.leadership(); }
     [[nodiscard]] MemberFacts facts() const;
     /// The copy of a peer's sessions, up to mirror()->applied(); null when there is none.
     [[nodiscard]] const broker::Mirror* mirror(const broker::LogId& log) const;
     /// The service addresses that are answered on now.
     [[nodiscard]] std::vector<Endpoint> serving() const;
     /// What is said to clients would leave now, if it may_speak_from() there.
-    [[nodiscard]] bool may_speak(Instant now) const;
+    [[nodiscard]] bool may_speak(Instant now) const {
+        return !has_left_ && cluster_.is_in_view() && cluster_.may_speak(now);
+    }
     /// Clients are served there: neither does anything wait that they say, nor what is said to
     /// them.
-    [[nodiscard]] bool may_speak_from(const Endpoint& address) const;
+    [[nodiscard]] bool may_speak_from(const Endpoint& address) const {
+        return cluster_.addresses().is_serving(address) && !cluster_.is_unheard(address) &&
+               !cluster_.is_taking(address);
+    }
     /// Its clients may be told again that the address is here: nobody else is likely to serve it.
-    [[nodiscard]] bool may_announce(const Endpoint& address) const;
+    [[nodiscard]] bool may_announce(const Endpoint& address) const {
+        return !cluster_.is_silent(address);
+    }
     void check_invariants() const;
 
 private:
-    class State;
-    std::unique_ptr<State> state_;
+    [[nodiscard]] broker::BrokerOptions broker_options() const;
+    [[nodiscard]] cluster::Effects effects(Instant now, MemberActions& out) {
+        return {now, broker_, work_, out.peers, out.local, cluster_.times()};
+    }
+
+    // --- while others may have gone on for us
+    void notice_standstill(Instant now, MemberActions& out);
+    [[nodiscard]] bool may_be_elsewhere(const broker::SessionHeader& client) const;
+    void hold_output(MemberActions& out);
+    void restart(Instant now, MemberActions& out);
+
+    // --- the broker core's actions
+    void carry_out(Instant now, MemberActions& out);
+    void absorb(Instant now, MemberActions& out);
+    void send(Instant now, const broker::Send& send, broker::Seq safe, MemberActions& out);
+    [[nodiscard]] bool must_wait(Instant now, const Endpoint& via, const Endpoint& from,
+                                 Bytes datagram) {
+        return cluster_.has_lost_lease(now) || cluster_.must_wait(via, from) ||
+               (cluster_.strangers_may_roam() && !broker_.serves(via, from, datagram));
+    }
+    void serve_waiting(Instant now, MemberActions& out);
+
+    // --- the uplink
+    void tend_uplink(Instant now, MemberActions& out);
+    void go_on_uplink(Instant now, MemberActions& out);
+
+    /// Of the view that this broker leads; none when it leads none.
+    [[nodiscard]] std::span<const broker::LogId> led_members() const;
+
+    MemberOptions options_;
+    std::uint64_t seed_;
+    broker::LogId log_;
+    broker::BrokerCore broker_;
+    const broker::Permissions* permissions_ = nullptr;
+    broker::CarriedServer server_;
+    std::optional<CarriedUplink> uplink_;
+    /// Came without a lease; the next one comes when this one is acknowledged.
+    std::optional<std::pair<uplink::FromRemote, std::uint64_t>> late_message_;
+    cluster::ClusterCore cluster_;
+    broker::Actions work_;
+    cluster::HeldOutput held_;
+    cluster::WaitingInput waiting_;
+
+    bool has_left_ = false;
+    std::uint64_t replacements_ = 0;
+
+    bool broker_waits_ = false;            // its timers, as of the last tick: the lease was lost
+    Instant fresh_from_ = Instant::min();  // what is read before came in a standstill
+
+    StatusTeller status_;
 };
 
 }  // namespace romano::overlay
