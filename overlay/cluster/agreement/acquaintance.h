@@ -58,11 +58,6 @@ public:
     [[nodiscard]] bool has_met_all() const { return unmet_.empty(); }
     /// It may be home at a member whose log is not read yet: whoever has no session here.
     [[nodiscard]] bool may_roam() const { return !unread_.empty(); }
-    void restart() {
-        members_.clear();
-        unmet_.clear();
-        unread_.clear();
-    }
 
 private:
     std::vector<LogId> members_;  // of the last view

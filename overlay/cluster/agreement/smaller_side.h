@@ -31,7 +31,6 @@ public:
         }
     }
     [[nodiscard]] const std::optional<Instant>& since() const { return since_; }
-    void restart() { *this = {}; }
 
 private:
     std::set<LogId> members_;  // of the view

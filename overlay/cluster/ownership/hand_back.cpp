@@ -301,12 +301,4 @@ void HandBack::on_handed_over(BrokerId from, const Endpoint& address) {
     }
 }
 
-void HandBack::restart() {
-    contested_.clear();
-    giving_.clear();
-    rivals_.clear();
-    taking_.clear();
-    expected_.clear();
-}
-
 }  // namespace romano::cluster

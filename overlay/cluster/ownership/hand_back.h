@@ -91,8 +91,6 @@ public:
         return expected_.contains(address) || is_unsettled(address);
     }
 
-    void restart();
-
 private:
     enum class Stage : std::uint8_t { offered, draining, handed, acknowledged };
     struct Giving {

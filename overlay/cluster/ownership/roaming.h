@@ -39,10 +39,6 @@ public:
                   const HandoffReceiver& arriving, const Membership& membership, const View& view);
     void on_standstill(Instant now);
     [[nodiscard]] bool is_fetching(const Way& way) const { return fetching_.contains(way); }
-    void restart() {
-        fetching_.clear();
-        let_go_.clear();
-    }
 
 private:
     struct Fetching {

@@ -112,11 +112,4 @@ void HandoffReceiver::carry_on(Effects& effects, Seq safe) {
     });
 }
 
-void HandoffReceiver::restart() {
-    incoming_.clear();
-    arrived_.clear();
-    adopted_.clear();
-    acks_.clear();
-}
-
 }  // namespace romano::cluster

@@ -53,7 +53,6 @@ public:
     [[nodiscard]] bool is_half_done() const;
     /// Sends the acknowledgements that the safe watermark allows.
     void carry_on(Effects& effects, Seq safe);
-    void restart();
 
 private:
     struct Incoming {

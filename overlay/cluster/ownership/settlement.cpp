@@ -97,10 +97,4 @@ void Settlement::on_ack(BrokerId from, const HandoffAck& ack) {
     if (leaving != leaving_.end() && leaving->second.to.broker == from) leaving_.erase(leaving);
 }
 
-void Settlement::restart() {
-    to_compare_.clear();
-    conflicts_.clear();
-    leaving_.clear();
-}
-
 }  // namespace romano::cluster

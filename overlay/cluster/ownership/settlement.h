@@ -44,7 +44,6 @@ public:
     void on_request(Effects& effects, const LogId& from, const SessionRequest& request,
                     const HandBack& moving);
     void on_ack(BrokerId from, const HandoffAck& ack);
-    void restart();
 
     static constexpr std::size_t compared_per_turn = 2'000;  // about a millisecond
 

@@ -34,7 +34,6 @@ public:
     /// Forgets what needs not be waited for any more: the logs of which more counts now.
     [[nodiscard]] std::vector<broker::LogId> advance(const IsHeld& is_held);
     void forget(const broker::LogId& log) { waiting_.erase(log); }
-    void restart() { waiting_.clear(); }
 
 private:
     struct Waiting {

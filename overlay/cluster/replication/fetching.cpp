@@ -130,10 +130,4 @@ bool Fetching::awaits(const LogPosition& event) const {
            event.seq <= removed->second.end;
 }
 
-void Fetching::restart() {
-    waits_.clear();
-    removed_.clear();
-    missing_.clear();
-}
-
 }  // namespace romano::cluster

@@ -41,7 +41,6 @@ public:
     bool on_last_publishes(Instant now, const SnapshotPart& part);
     /// That event lies before the end of a removed log, and its publish is not here.
     [[nodiscard]] bool awaits(const LogPosition& event) const;
-    void restart();
 
 private:
     struct Wait {

@@ -30,7 +30,6 @@ public:
     [[nodiscard]] Instant next_wakeup() const {
         return underway_.empty() ? Instant::max() : next_turn_;
     }
-    void restart() { underway_.clear(); }
 
     // With 10 ms between beacons 100,000 messages a second: less than half of what a peer takes in.
     static constexpr int parts_at_once = 3;

@@ -29,11 +29,6 @@ public:
         held_.erase(peer);
         is_news_ = true;
     }
-    void restart() {
-        held_.clear();
-        most_held_ = safe_ = 0;
-        is_news_ = true;
-    }
 
     /// Never falls: what was once shown to clients stays shown.
     /// `among`: another number when these are other peers than the last time.

@@ -60,7 +60,7 @@ TEST_F(AcquaintanceTest, WhoComesIntoAViewThatWeHadWithoutItWasParted) {
 
 TEST_F(AcquaintanceTest, WhoBeginsAnewIsANewcomer) {
     see({self});
-    acquaintance.restart();
+    acquaintance = {};
     see({self, one});
     EXPECT_FALSE(logs.at(one).was_apart());
 }
