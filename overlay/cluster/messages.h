@@ -247,10 +247,9 @@ struct SnapshotPart {
 struct AddressOffer {
     Endpoint address{};
 };
-/// Owner to holder: "bound; hand over".
+/// Owner to holder: "bound; hand over". When it cannot be bound, it is offered again.
 struct AddressBound {
     Endpoint address{};
-    bool bound = false;
 };
 /// Holder to owner: the sessions, in parts; with `last`, the owner adopts them and speaks for them.
 /// The holder keeps its copies, silent, until HandoffAck, so that a crash in between loses nothing.

@@ -209,8 +209,7 @@ struct MessageWriter {
         to_proto(m.address, *out.mutable_address_offer());
     }
     void operator()(const cluster::AddressBound& m) const {
-        to_proto(m.address, *out.mutable_address_bound()->mutable_address());
-        out.mutable_address_bound()->set_bound(m.bound);
+        to_proto(m.address, *out.mutable_address_bound());
     }
     void operator()(const cluster::SessionHandoff& m) const {
         auto& to = *out.mutable_session_handoff();
@@ -477,8 +476,8 @@ MaybeMessage from_proto(const ClusterMessage& in) {
             }
             break;
         case ClusterMessage::kAddressBound:
-            if (const auto address = from_proto(in.address_bound().address())) {
-                return cluster::AddressBound{*address, in.address_bound().bound()};
+            if (const auto address = from_proto(in.address_bound())) {
+                return cluster::AddressBound{*address};
             }
             break;
         case ClusterMessage::kSessionHandoff:

@@ -206,7 +206,7 @@ std::string line(const AddressOffer& m) {
     return "AddressOffer " + to_text(m.address);
 }
 std::string line(const AddressBound& m) {
-    return "AddressBound " + to_text(m.address) + (m.bound ? "" : " not");
+    return "AddressBound " + to_text(m.address);
 }
 std::string line(const SessionHandoff& m) {
     return "SessionHandoff " + to_text(m.address) + " part " + std::to_string(m.part) +

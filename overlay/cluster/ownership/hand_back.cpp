@@ -195,7 +195,7 @@ void HandBack::begin(Effects& effects, const Endpoint& address, const Membership
 void HandBack::on_bound(Instant now, BrokerId from, const AddressBound& bound) {
     const auto found = giving_.find(bound.address);
     if (found == giving_.end() || found->second.owner.broker != from) return;
-    if (found->second.stage != Stage::offered || !bound.bound) return;  // offered again later
+    if (found->second.stage != Stage::offered) return;
     found->second.stage = Stage::draining;
     found->second.since = now;
 }
@@ -269,16 +269,16 @@ bool HandBack::is_silent(const Endpoint& address) const {
 void HandBack::on_offer(Effects& effects, BrokerId from, const AddressOffer& offer,
                         ServiceAddresses& addresses) {
     if (!addresses.is_home(offer.address) || addresses.is_serving(offer.address)) return;
-    taking_.insert_or_assign(offer.address, Getting{from, effects.now});
+    taking_.insert_or_assign(offer.address, from);
     addresses.take(effects, offer.address);
 }
 
 void HandBack::on_address(Effects& effects, const Endpoint& address, bool served) {
     const auto taking = taking_.extract(address);
-    if (taking.empty()) return;
-    const BrokerId from = taking.mapped().from;
-    effects.peers.push_back({from, AddressBound{.address = address, .bound = served}});
-    if (served) expect(effects.now, address, {from});
+    if (taking.empty() || !served) return;
+    const BrokerId from = taking.mapped();
+    effects.peers.push_back({from, AddressBound{address}});
+    expect(effects.now, address, {from});
 }
 
 void HandBack::expect(Instant now, const Endpoint& address, std::set<BrokerId> from) {

@@ -106,10 +106,6 @@ private:
         std::size_t forgotten = 0;
         std::optional<BrokerId> heir = {};  // of the owner; it says what the owner had
     };
-    struct Getting {
-        BrokerId from;
-        Instant since;
-    };
     struct Expected {
         std::set<BrokerId> from;
         Instant since;
@@ -142,7 +138,7 @@ private:
         bool is_claimed = false;  // datagrams come here, and wait
     };
     std::map<Endpoint, Rivalry> rivals_;     // for own addresses, that others serve as well
-    std::map<Endpoint, Getting> taking_;     // offered to us, being bound
+    std::map<Endpoint, BrokerId> taking_;    // offered to us, being bound
     std::map<Endpoint, Expected> expected_;  // bound, the sessions not here yet
 };
 

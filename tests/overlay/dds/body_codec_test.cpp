@@ -56,7 +56,6 @@ static_assert(field_count<cluster::Assignment>() == 3);
 static_assert(field_count<cluster::ViewAnnouncement>() == 3);
 static_assert(field_count<cluster::Fetch>() == 2);
 static_assert(field_count<cluster::SnapshotPart>() == 9);
-static_assert(field_count<cluster::AddressBound>() == 2);
 static_assert(field_count<cluster::SessionHandoff>() == 5);
 static_assert(field_count<cluster::HandoffAck>() == 2);
 static_assert(field_count<cluster::Setting>() == 3);

@@ -291,7 +291,7 @@ cluster::ClusterMessage random_message(std::size_t kind, Random& r) {
         case 10:
             return cluster::AddressOffer{endpoint(r)};
         case 11:
-            return cluster::AddressBound{endpoint(r), flag(r)};
+            return cluster::AddressBound{endpoint(r)};
         case 12:
             return cluster::SessionHandoff{log_id(r), endpoint(r), r.next(), flag(r),
                                            some(r, image)};
