@@ -25,7 +25,8 @@ struct MqttsnOptions {
     client::Timing timing;
     std::chrono::seconds keep_alive{60};
     std::string id_prefix = "load";
-    Endpoint cell_group;  // subscribers listen there, too (romano/mqttsn/cell.md); or family none
+    /// Subscribers listen there, too (romano/mqttsn/cell.md); or family none.
+    Endpoint cell_group = {};
 };
 
 class MqttsnClients : public LoadClients, private ClientSockets::Listener {
