@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <boost/asio/buffer.hpp>
-#include <cmath>
 #include <cstring>
-#include <numbers>
 
 #include "broker/net/clock.h"
 #include "broker/net/socket_address.h"
+#include "experiments/robots/simulated_surroundings.h"
+#include "overlay/radio/layout.h"
 
 namespace romano::experiments {
 namespace {
@@ -15,7 +15,6 @@ namespace {
 using namespace std::chrono_literals;
 using boost::asio::ip::udp;
 
-constexpr double metres_to_robot = 2;       // from its router
 constexpr std::size_t most_octets = 1'000;  // 6LoWPAN's packets have 1280 at most
 constexpr Duration place_is_kept = 60s;     // for a robot that says nothing, if others want it
 constexpr sim::Node everybody{1};
@@ -28,12 +27,9 @@ udp::endpoint to_asio(const Endpoint& endpoint) {
     return out;
 }
 
-/// 10.100.0.0/16, of the world.
+/// In the world.
 Endpoint place_address(std::size_t number) {
-    Endpoint address{.port = 5'000, .family = Endpoint::Family::ipv4};
-    address.address = {10, 100, static_cast<std::uint8_t>(number / 250),
-                       static_cast<std::uint8_t>(number % 250 + 1)};
-    return address;
+    return SimulatedSurroundings::address_of_port(static_cast<std::uint32_t>(number));
 }
 
 radio::RadioOptions radio_options(const RadioBridgeOptions& options) {
@@ -41,19 +37,13 @@ radio::RadioOptions radio_options(const RadioBridgeOptions& options) {
     radio.router_baud = options.router_baud;
     radio.robot_baud = options.robot_baud;
     radio.cells.resize(options.cells.size());
-    const auto side =
-        static_cast<std::size_t>(std::ceil(std::sqrt(static_cast<double>(radio.cells.size()))));
     for (std::size_t i = 0; i < radio.cells.size(); ++i) {
         radio::RadioCell& cell = radio.cells[i];
         cell.channel = lowpan::first_channel + static_cast<unsigned>(i % options.channels);
-        cell.router = {options.router_distance_m * static_cast<double>(i % side),
-                       options.router_distance_m * static_cast<double>(i / side)};
+        cell.router = radio::place_on_grid(i, options.cells.size(), options.router_distance_m);
         for (std::size_t j = 0; j < options.robots; ++j) {
-            const double angle =
-                2 * std::numbers::pi * static_cast<double>(j) / static_cast<double>(options.robots);
             cell.robots.push_back({place_address(i * options.robots + j),
-                                   {cell.router.x_m + metres_to_robot * std::cos(angle),
-                                    cell.router.y_m + metres_to_robot * std::sin(angle)}});
+                                   radio::place_around(cell.router, j, options.robots)});
         }
     }
     return radio;

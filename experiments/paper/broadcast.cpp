@@ -2,13 +2,12 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cmath>
-#include <numbers>
 #include <ratio>
 #include <set>
 #include <stdexcept>
 #include <string>
 
+#include "overlay/radio/layout.h"
 #include "overlay/radio/radio_network.h"
 #include "overlay/sim/lone_world.h"
 
@@ -18,7 +17,6 @@ namespace {
 using namespace std::chrono_literals;
 using mqttsn::Qos;
 
-constexpr double metres = 2;  // from router to robot
 constexpr Duration until_next = 5s;
 constexpr std::chrono::seconds keep_alive{3'600};  // no ping is on the air
 
@@ -61,10 +59,8 @@ BroadcastRun broadcast_run(std::size_t robots, Qos qos, Way way, std::size_t mes
         robot.keep_alive = keep_alive;
         if (way == Way::cell) robot.cell_group = sim::World::cell_group();
         const sim::Robot& added = world.add_robot(robot);
-        const double angle =
-            2 * std::numbers::pi * static_cast<double>(i) / static_cast<double>(robots);
         options.cells[0].robots.push_back(
-            {added.options().address, {metres * std::cos(angle), metres * std::sin(angle)}});
+            {added.options().address, radio::place_around({}, i, robots)});
     }
     const radio::RadioNetwork network(world, options);
     for (std::size_t i = 0; i < world.robot_count(); ++i) world.robot(i).start();

@@ -1,12 +1,11 @@
 #include "experiments/paper/many_cells.h"
 
 #include <chrono>
-#include <cmath>
-#include <numbers>
 #include <optional>
 #include <stdexcept>
 #include <string>
 
+#include "overlay/radio/layout.h"
 #include "overlay/radio/radio_network.h"
 #include "overlay/sim/cluster_world.h"
 #include "overlay/sim/settlement.h"
@@ -17,8 +16,7 @@ namespace {
 using namespace std::chrono_literals;
 using mqttsn::Qos;
 
-constexpr double metres_to_robot = 2;  // from the router
-constexpr Duration quiet = 5s;         // nothing came for so long: nothing is on its way
+constexpr Duration quiet = 5s;  // nothing came for so long: nothing is on its way
 constexpr Duration queues_fill = 1s;
 
 std::string name_of(std::size_t robot) {
@@ -46,12 +44,10 @@ public:
         }
         radio::RadioOptions options;
         options.router_baud = cells.router_baud;
-        const auto side = static_cast<std::size_t>(std::ceil(std::sqrt(cells.brokers)));
         for (std::size_t i = 0; i < cells.brokers; ++i) {
             radio::RadioCell& cell = options.cells.emplace_back();
             cell.channel = lowpan::first_channel + static_cast<unsigned>(i % cells.channels);
-            cell.router = {metres_between_routers * static_cast<double>(i % side),
-                           metres_between_routers * static_cast<double>(i / side)};
+            cell.router = radio::place_on_grid(i, cells.brokers, metres_between_routers);
             for (std::size_t j = 0; j < robots_of_a_cell; ++j) add_robot(cell, i, j);
         }
         network_.emplace(world_, options);
@@ -102,10 +98,8 @@ private:
         robot.broker = sim::World::service_address(broker);
         robot.subscriptions = {{robot.name, Qos::at_most_once}};
         const sim::Robot& added = world_.add_robot(robot);
-        const double angle = 2 * std::numbers::pi * static_cast<double>(number) / robots_of_a_cell;
-        cell.robots.push_back({added.options().address,
-                               {cell.router.x_m + metres_to_robot * std::cos(angle),
-                                cell.router.y_m + metres_to_robot * std::sin(angle)}});
+        cell.robots.push_back(
+            {added.options().address, radio::place_around(cell.router, number, robots_of_a_cell)});
     }
 
     void settle() {

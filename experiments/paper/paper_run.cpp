@@ -2,14 +2,13 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cmath>
 #include <map>
-#include <numbers>
 #include <numeric>
 #include <ratio>
 #include <stdexcept>
 #include <string>
 
+#include "overlay/radio/layout.h"
 #include "overlay/radio/radio_network.h"
 #include "overlay/sim/lone_world.h"
 #include "overlay/sim/seed.h"
@@ -21,7 +20,6 @@ using namespace std::chrono_literals;
 using mqttsn::Qos;
 
 constexpr std::size_t server = 0;  // its index in the world
-constexpr double metres = 2;       // from router to robot
 constexpr double delay_rate = 20;  // messages a second
 constexpr Duration quiet = 5s;     // nothing came for so long: nothing is on its way
 
@@ -55,10 +53,8 @@ public:
             robot.name = name_of(i);
             robot.subscriptions = {{robot.name, Qos::at_most_once}, {"common", Qos::at_most_once}};
             const sim::Robot& added = world_.add_robot(robot);
-            const double angle =
-                2 * std::numbers::pi * static_cast<double>(i) / static_cast<double>(cell.robots);
             options.cells[0].robots.push_back(
-                {added.options().address, {metres * std::cos(angle), metres * std::sin(angle)}});
+                {added.options().address, radio::place_around({}, i, cell.robots)});
         }
         network_.emplace(world_, options);
         for (std::size_t i = 0; i < world_.robot_count(); ++i) world_.robot(i).start();
