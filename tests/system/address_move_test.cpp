@@ -10,6 +10,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <csignal>
 #include <cstring>
@@ -137,6 +138,12 @@ protected:
         return eventually(
             [&] { return broker.errors().find(" of 3, led by ") != std::string::npos; });
     }
+    static bool are_one_cluster(std::initializer_list<BrokerProcess*> brokers) {
+        return std::ranges::all_of(brokers, [](BrokerProcess* broker) {
+            broker->wait_until_serving();
+            return is_in_view_of_all(*broker);
+        });
+    }
     [[nodiscard]] static bool uses_arp() { return address(1).find(':') == std::string::npos; }
     [[nodiscard]] int arp_announce(int host) const {
         const Lan::On on(lan, host);
@@ -168,10 +175,7 @@ TEST_P(AddressMove, AClientHearsTheHeirAndThenItsOwnBrokerAgainAtOneAddress) {
     const auto r1 = start(1);
     const auto r2 = start(2);
     const auto r3 = start(3);
-    for (const auto& broker : {r1.get(), r2.get(), r3.get()}) {
-        broker->wait_until_serving();
-        ASSERT_TRUE(is_in_view_of_all(*broker));
-    }
+    ASSERT_TRUE(are_one_cluster({r1.get(), r2.get(), r3.get()}));
     const auto subscriber = client_of(1, "subscriber");
     const auto publisher = client_of(2, "publisher");
     ASSERT_TRUE(subscriber->connect());
@@ -209,10 +213,7 @@ TEST_P(AddressMove, AnAddressThatMovedIsAnnouncedOftenInItsFirstSecond) {
     const auto r1 = start(1);
     const auto r2 = start(2);
     const auto r3 = start(3);
-    for (const auto& broker : {r1.get(), r2.get(), r3.get()}) {
-        broker->wait_until_serving();
-        ASSERT_TRUE(is_in_view_of_all(*broker));
-    }
+    ASSERT_TRUE(are_one_cluster({r1.get(), r2.get(), r3.get()}));
     const Lan::On on(lan, client_host);
     r1->kill_9();
     const Announcements announcements(address(1));
@@ -227,10 +228,7 @@ TEST_P(AddressMove, WhatAKilledHeirTookOverDoesNotStayOnItsMachine) {
     auto r1 = start(1);
     const auto r2 = start(2);
     const auto r3 = start(3);
-    for (const auto& broker : {r1.get(), r2.get(), r3.get()}) {
-        broker->wait_until_serving();
-        ASSERT_TRUE(is_in_view_of_all(*broker));
-    }
+    ASSERT_TRUE(are_one_cluster({r1.get(), r2.get(), r3.get()}));
     const auto observer = client_of(1, "observer");
     ASSERT_TRUE(observer->connect());
     r1->kill_9();
@@ -306,10 +304,7 @@ TEST_P(AddressMove, ABrokerOfTheSameMachineKeepsTheAddressThere) {
     auto r1 = start(1, service(1));
     const auto r2 = start(1, service(2));
     const auto r3 = start(3);
-    for (const auto& broker : {r1.get(), r2.get(), r3.get()}) {
-        broker->wait_until_serving();
-        ASSERT_TRUE(is_in_view_of_all(*broker));
-    }
+    ASSERT_TRUE(are_one_cluster({r1.get(), r2.get(), r3.get()}));
     const auto client = client_of(1, "client");
     ASSERT_TRUE(client->connect());
     r3->kill_9();  // so that r2 inherits

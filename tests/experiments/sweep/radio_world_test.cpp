@@ -5,12 +5,9 @@
 
 #include <gtest/gtest.h>
 
-#include <fstream>
-#include <iterator>
 #include <string>
 
-#include "experiments/sweep/cell_run.h"
-#include "tests/temporary_folder.h"
+#include "tests/experiments/sweep/ran_cell.h"
 
 namespace romano::experiments::radio_world_test {
 namespace {
@@ -20,29 +17,8 @@ constexpr const char* small =
     "1\n"
     "broker_options = [\"--profile\", \"wifi\"]\n";
 
-/// The first cell of a sweep, run into a folder of its own.
-struct Ran {
-    explicit Ran(const std::string& text) {
-        Sweep sweep = parse_sweep(text, "small.toml");
-        check_radio(sweep.settings, sweep.cells);
-        sweep.settings.output = folder / "out";
-        const ResultsFolder results{sweep.settings.output, sweep, true};
-        row = CellRun{sweep.settings,
-                      sweep.cells.front(),
-                      {.make_world =
-                           [&](const Cell& cell) { return make_radio_world(sweep.settings, cell); },
-                       .results = results,
-                       .on_progress = [](double, std::string_view) {},
-                       .is_interrupted = [] { return false; }}}
-                  .run();
-    }
-    [[nodiscard]] std::string samples() const {
-        std::ifstream stream(folder / "out/samples/cell-0001.csv");
-        return {std::istreambuf_iterator<char>(stream), {}};
-    }
-
-    tests::TemporaryFolder folder;
-    RunRow row;
+struct Ran : RanCell {
+    explicit Ran(const std::string& text) : RanCell(text, make_radio_world) {}
 };
 
 RunRow at_300_per_s(int brokers) {

@@ -6,11 +6,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <fstream>
-#include <iterator>
-
-#include "experiments/sweep/cell_run.h"
-#include "tests/temporary_folder.h"
+#include "tests/experiments/sweep/ran_cell.h"
 
 namespace romano::experiments::simulated_world_test {
 namespace {
@@ -19,30 +15,11 @@ using ::testing::HasSubstr;
 
 constexpr const char* small = "world = \"simulated\"\nduration = 3\nfault_after = 1\npause = 0.5\n";
 
-/// The first cell of a sweep, run into a folder of its own.
-struct Ran {
-    explicit Ran(const std::string& text) {
-        Sweep sweep = parse_sweep(text, "small.toml");
-        sweep.settings.output = folder / "out";
-        const ResultsFolder results{sweep.settings.output, sweep, true};
-        row = CellRun{sweep.settings,
-                      sweep.cells.front(),
-                      {.make_world =
-                           [&](const Cell& cell) {
-                               return std::make_unique<SimulatedWorld>(sweep.settings, cell);
-                           },
-                       .results = results,
-                       .on_progress = [](double, std::string_view) {},
-                       .is_interrupted = [] { return false; }}}
-                  .run();
-    }
-    [[nodiscard]] std::string samples() const {
-        std::ifstream stream(folder / "out/samples/cell-0001.csv");
-        return {std::istreambuf_iterator<char>(stream), {}};
-    }
-
-    tests::TemporaryFolder folder;
-    RunRow row;
+struct Ran : RanCell {
+    explicit Ran(const std::string& text)
+        : RanCell(text, [](const SweepSettings& settings, const Cell& cell) {
+              return std::make_unique<SimulatedWorld>(settings, cell);
+          }) {}
 };
 
 std::string refusal_of(const std::string& broker_options) {

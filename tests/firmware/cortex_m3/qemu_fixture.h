@@ -8,34 +8,18 @@
 #include <string>
 #include <vector>
 
-#include "tests/system/broker_process.h"
+#include "tests/system/broker_fixture.h"
 #include "tests/system/process.h"
-#include "tests/system/test_addresses.h"
 #include "tests/temporary_folder.h"
 
 namespace romano::system {
 
-struct QemuFixture : testing::Test {
+struct QemuFixture : BrokerFixture {
     void start_broker(int n, const std::vector<std::string>& more = {}) {
-        std::vector<std::string> arguments{"--listen",
-                                           addresses.service(n),
-                                           "--name",
-                                           "r" + std::to_string(n),
-                                           "--domain",
-                                           std::to_string(addresses.domain()),
-                                           "--interface",
-                                           "lo",
-                                           "--rank",
-                                           std::to_string(n),
-                                           "--detection-timeout-ms",
-                                           "300",
-                                           "--gateway-id",
-                                           std::to_string(n),
-                                           "--discovery-group",
+        std::vector<std::string> arguments{"--gateway-id", std::to_string(n), "--discovery-group",
                                            group()};
         arguments.insert(arguments.end(), more.begin(), more.end());
-        brokers.push_back(std::make_unique<BrokerProcess>(arguments));
-        brokers.back()->wait_until_serving();
+        start_member(n, arguments);
     }
     void start_controller(const std::vector<std::string>& radio_settings = {},
                           const std::string& image = CONTROLLER) {
@@ -68,10 +52,8 @@ struct QemuFixture : testing::Test {
         return "225.1.1.1:" + std::to_string(18'000 + addresses.domain());
     }
 
-    TestAddresses addresses;
     tests::TemporaryFolder folder;
     std::string uart = folder / "uart";
-    std::vector<std::unique_ptr<BrokerProcess>> brokers;
     std::unique_ptr<Process> controller;
     std::unique_ptr<Process> radio;
 };
