@@ -1,20 +1,25 @@
-// How near is the lone broker to what this machine can do? Reflector, broker, mosquitto and other
-// brokers carry the same messages in turn, in one run; see README.md.
+// How near is the lone broker to what this machine can do, and what do keys cost? Reflector, broker
+// at its three kinds of listeners, mosquitto and other brokers carry the same messages in turn, in
+// one run; see README.md.
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <fstream>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
 #include "bench/contestant.h"
+#include "bench/flood.h"
 #include "bench/scenarios.h"
 #include "bench/summary.h"
+#include "broker/net/clock.h"
 #include "broker/net/endpoint_text.h"
 #include "experiments/load/load_run.h"
+#include "experiments/load/mqttsn_clients.h"
 #include "romano/cli/real_number.h"
 
 namespace {
@@ -23,9 +28,10 @@ using namespace romano;
 using namespace romano::bench;
 
 constexpr const char* examples = R"(Examples:
-  romano_broker_bench                                          (all, about four minutes)
+  romano_broker_bench                                          (all, about five minutes)
   romano_broker_bench --only qos0_1_to_1 --only rate_10000_per_s --repetitions 7
   romano_broker_bench --csv runs.csv --json summary.json
+  romano_broker_bench --only rate_1000_per_s --flood 50000     (each listener, also under forged datagrams)
   romano_broker_bench --other rsmb=127.0.0.1:1885 --other paho=127.0.0.1:10000   (run already)
   romano_broker_bench --small --seconds 0.05 --repetitions 1   (does everything work?)
 It is worth something on a quiet machine only, with two cores or more.
@@ -37,6 +43,8 @@ struct Options {
     unsigned repetitions = 5;
     bool small = false;
     bool without_mosquitto = false;
+    bool without_keys = false;
+    double flood_per_s = 0;
     std::vector<std::string> others;  // NAME=ADDRESS:PORT
     std::vector<std::string> only;
     std::string csv;
@@ -44,13 +52,18 @@ struct Options {
 };
 
 Row run(const Scenario& scenario, const Entrant& entrant, unsigned repetition) {
-    Contestant contestant{entrant};
+    Contestant contestant{entrant, scenario.plan.clients()};
     Row row{.scenario = scenario.name, .contestant = entrant.name, .repetition = repetition};
     row.resident_start_kib = contestant.resident_kib();
     row.sessions = scenario.plan.clients();
     double cpu_before = 0;
     double cpu_after = 0;
     const auto clients = contestant.clients(scenario.plan);
+    std::optional<Flood> flood;
+    if (entrant.forged_per_s > 0) {
+        flood.emplace(dynamic_cast<experiments::MqttsnClients&>(*clients), scenario.plan.clients(),
+                      entrant.packets, entrant.forged_per_s);
+    }
     experiments::LoadRun load{scenario.plan,
                               *clients,
                               {.on_progress =
@@ -62,6 +75,10 @@ Row run(const Scenario& scenario, const Entrant& entrant, unsigned repetition) {
                                .on_measuring = [&] { cpu_before = contestant.cpu_s(); },
                                .on_measured = [&] { cpu_after = contestant.cpu_s(); },
                                .is_stopped = {},
+                               .on_turn =
+                                   [&] {
+                                       if (flood) flood->go_on(net::now());
+                                   },
                                .never_sleeps = scenario.is_about_latency()}};
     const experiments::LoadFigures figures = load.run();
     row.deliveries_per_s = figures.delivered_per_s();
@@ -94,8 +111,21 @@ std::vector<Scenario> chosen(const Options& options) {
 }
 
 std::vector<Entrant> entrants(const Options& options) {
-    std::vector<Entrant> all{{Kind::reflector, "reflector", {}}, {Kind::broker, "broker", {}}};
-    if (!options.without_mosquitto) all.push_back({Kind::mosquitto, "mosquitto", {}});
+    using Packets = Endpoint::Packets;
+    std::vector<Entrant> all{{Kind::reflector, "reflector"}, {Kind::broker, "broker"}};
+    if (!options.without_keys) {
+        all.push_back({.kind = Kind::broker, .name = "protected", .packets = Packets::sealed});
+        all.push_back({.kind = Kind::broker, .name = "dtls", .packets = Packets::dtls});
+    }
+    if (options.flood_per_s > 0) {
+        for (Entrant entrant : std::vector<Entrant>{all}) {
+            if (entrant.kind != Kind::broker) continue;
+            entrant.name += "_flooded";
+            entrant.forged_per_s = options.flood_per_s;
+            all.push_back(entrant);
+        }
+    }
+    if (!options.without_mosquitto) all.push_back({Kind::mosquitto, "mosquitto"});
     for (const std::string& other : options.others) {
         const std::size_t equals = std::min(other.find('='), other.size());
         const std::string name = other.substr(0, equals);
@@ -110,6 +140,14 @@ std::vector<Entrant> entrants(const Options& options) {
     return all;
 }
 
+/// Reflector and plain broker do everything; a flood is about the delay of others.
+bool takes_part(const Entrant& entrant, const Scenario& scenario) {
+    if (entrant.forged_per_s > 0) return scenario.is_about_latency() && scenario.with_others;
+    const bool is_plain_broker =
+        entrant.kind == Kind::broker && entrant.packets == Endpoint::Packets::plain;
+    return entrant.kind == Kind::reflector || is_plain_broker || scenario.with_others;
+}
+
 std::vector<Row> run_all(const Options& options) {
     const std::vector<Scenario> all = chosen(options);
     const std::vector<Entrant> contestants = entrants(options);
@@ -118,11 +156,9 @@ std::vector<Row> run_all(const Options& options) {
     for (unsigned repetition = 1; repetition <= options.repetitions; ++repetition) {
         for (const Scenario& scenario : all) {
             for (const Entrant& entrant : contestants) {
-                const bool is_ours =
-                    entrant.kind == Kind::reflector || entrant.kind == Kind::broker;
-                if (!is_ours && !scenario.with_others) continue;
+                if (!takes_part(entrant, scenario)) continue;
                 rows.push_back(run(scenario, entrant, repetition));
-                std::fprintf(stderr, "%u/%u %-18s %-10s %9.0f deliveries/s  p99 %8.1f us\n",
+                std::fprintf(stderr, "%u/%u %-18s %-17s %9.0f deliveries/s  p99 %8.1f us\n",
                              repetition, options.repetitions, scenario.name.c_str(),
                              entrant.name.c_str(), rows.back().deliveries_per_s,
                              rows.back().p99_us);
@@ -139,7 +175,9 @@ int report(const Options& options, const std::vector<Row>& rows) {
     if (!options.json.empty()) std::ofstream(options.json) << json_of(rows, targets);
     for (const Row& row : rows) {
         const bool lossless = row.scenario.starts_with("rate_") || row.lost == 0;
-        if (row.contestant == "broker" && !lossless) return 1;
+        const bool is_ours =
+            row.contestant == "broker" || row.contestant == "protected" || row.contestant == "dtls";
+        if (is_ours && !lossless) return 1;
     }
     return 0;
 }
@@ -160,6 +198,13 @@ int main(int argc, char** argv) {
         ->capture_default_str();
     program.add_option("--only", options.only, "Run this scenario (repeatable); see the table");
     program.add_flag("--without-mosquitto", options.without_mosquitto, "It does not take part");
+    program.add_flag("--without-keys", options.without_keys,
+                     "The broker's protected:// and dtls:// addresses do not take part");
+    program
+        .add_option("--flood", options.flood_per_s,
+                    "At fixed rates each listener once more, while so many forged datagrams a "
+                    "second come, too")
+        ->check(CLI::Range(1.0, 1e6));
     program
         .add_option("--other", options.others,
                     "Another MQTT-SN broker that runs already (repeatable); CPU and memory are "

@@ -76,7 +76,7 @@ void take_first_core() {
     (void)::setpriority(PRIO_PROCESS, 0, -20);
 }
 
-Contestant::Contestant(Entrant entrant) : entrant_(std::move(entrant)) {
+Contestant::Contestant(Entrant entrant, std::uint32_t clients) : entrant_(std::move(entrant)) {
     if (entrant_.kind == Kind::other) return;
     // A port of its own each time: nothing of an earlier run finds its way here.
     static int started = 0;
@@ -88,7 +88,12 @@ Contestant::Contestant(Entrant entrant) : entrant_(std::move(entrant)) {
     std::vector<std::string> arguments{address};
     if (entrant_.kind == Kind::broker) {
         program = own_folder() / "romano-broker";
-        arguments = {"--listen", address, "--name", "bench"};
+        arguments = {"--listen", scheme_of(entrant_.packets) + address, "--name", "bench"};
+        if (entrant_.packets != Endpoint::Packets::plain) {
+            fleet_.emplace(scratch("fleet"), std::vector<std::string>{"bench"}, clients);
+            const auto with_keys = fleet_->broker_arguments("bench");
+            arguments.insert(arguments.end(), with_keys.begin(), with_keys.end());
+        }
     } else if (entrant_.kind == Kind::mosquitto) {
         std::ofstream(scratch("mosquitto.conf")) << mosquitto_configuration(host_, port_);
         program = "/usr/sbin/mosquitto";
@@ -113,6 +118,7 @@ Contestant::~Contestant() {
     std::error_code ignored;
     fs::remove(scratch("trace"), ignored);
     fs::remove(scratch("mosquitto.conf"), ignored);
+    fs::remove_all(scratch("fleet"), ignored);
 }
 
 std::unique_ptr<experiments::LoadClients> Contestant::clients(
@@ -120,17 +126,17 @@ std::unique_ptr<experiments::LoadClients> Contestant::clients(
     if (entrant_.kind == Kind::mosquitto) {
         return std::make_unique<MosquittoClients>(plan, host_, port_);
     }
-    client::Timing timing;
-    timing.t_retry = 500ms;
-    timing.n_retry = 20;
-    timing.t_wait = 500ms;
-    return std::make_unique<experiments::MqttsnClients>(
-        plan, experiments::MqttsnOptions{
-                  .brokers = {entrant_.address
-                                  ? *entrant_.address
-                                  : *net::parse_endpoint(host_ + ":" + std::to_string(port_))},
-                  .sockets = experiments::SocketUse::shared,
-                  .timing = timing});
+    experiments::MqttsnOptions options{
+        .brokers = {entrant_.address ? *entrant_.address
+                                     : *net::parse_endpoint(host_ + ":" + std::to_string(port_))},
+        .sockets = experiments::SocketUse::shared,
+        .timing = {.t_retry = 500ms, .t_wait = 500ms, .n_retry = 20}};
+    if (fleet_) {
+        options.keyed = [this](std::uint32_t client, keys::ClientSpeech::Put put) {
+            return fleet_->client(client, entrant_.packets, std::move(put));
+        };
+    }
+    return std::make_unique<experiments::MqttsnClients>(plan, options);
 }
 
 double Contestant::cpu_s() const {

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "bench/fleet.h"
 #include "experiments/load/load_clients.h"
 #include "experiments/load/load_plan.h"
 #include "experiments/process/broker_process.h"
@@ -20,14 +21,17 @@ enum class Kind { reflector, broker, mosquitto, other };
 struct Entrant {
     Kind kind;
     std::string name;
-    std::optional<Endpoint> address;  // of another MQTT-SN broker, which runs already
+    std::optional<Endpoint> address = {};  // of another MQTT-SN broker, which runs already
+    Endpoint::Packets packets = Endpoint::Packets::plain;  // of our broker's listener
+    double forged_per_s = 0;  // datagrams of a stranger, while the load goes on
 };
 
 class Contestant {
 public:
     /// Starts the program on a free address of 127.40.0.0/16, on a core of its own if there is one;
-    /// or takes the other broker as it runs, of whose process nothing is known.
-    explicit Contestant(Entrant entrant);
+    /// or takes the other broker as it runs, of whose process nothing is known. So many clients
+    /// have keys where keys are needed.
+    Contestant(Entrant entrant, std::uint32_t clients);
     ~Contestant();
 
     [[nodiscard]] std::unique_ptr<experiments::LoadClients> clients(
@@ -44,6 +48,7 @@ private:
     Entrant entrant_;
     std::string host_;
     int port_ = 0;
+    std::optional<Fleet> fleet_;  // where keys are needed
     std::unique_ptr<experiments::BrokerProcess> process_;
 };
 

@@ -12,7 +12,7 @@ namespace romano::bench {
 struct Scenario {
     std::string name;
     experiments::LoadPlan plan;
-    bool with_others = false;  // mosquitto and other brokers take part
+    bool with_others = false;  // mosquitto, other brokers and clients with keys take part
     /// The figure is the latency at the plan's rate; else the throughput.
     [[nodiscard]] bool is_about_latency() const { return plan.rate_per_s.has_value(); }
 };

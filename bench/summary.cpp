@@ -153,7 +153,7 @@ std::vector<Target> judge(const std::vector<Row>& rows) {
                      values(rows, scenario, "reflector", field));
     };
     const Field throughput = &Row::deliveries_per_s;
-    return {
+    std::vector<Target> targets{
         target("throughput of the reflector's, QoS 0, 1 to 1", Wanted::at_least, 0.85,
                to_reflector("qos0_1_to_1", throughput)),
         target("throughput of the reflector's, QoS 0, 1 to 50", Wanted::at_least, 0.95,
@@ -172,11 +172,32 @@ std::vector<Target> judge(const std::vector<Row>& rows) {
         target("octets of memory a quiet session", Wanted::at_most, 2048, octets_a_session(rows)),
         target("deliveries lost in closed loops", Wanted::at_most, 0, lost_in_closed_loops(rows)),
     };
+    const auto add = [&](const std::string& what, Wanted wanted, double bound, const char* scenario,
+                         const std::string& contestant, const std::string& beside, Field field) {
+        targets.push_back(target(what, wanted, bound,
+                                 ratio(values(rows, scenario, contestant, field),
+                                       values(rows, scenario, beside, field))));
+    };
+    for (const std::string with_keys : {"protected", "dtls"}) {
+        add(with_keys + ", throughput of plain's, QoS 0, 1 to 1", Wanted::at_least, 0.75,
+            "qos0_1_to_1", with_keys, "broker", throughput);
+        add(with_keys + ", throughput of plain's, QoS 0, 1 to 50", Wanted::at_least, 0.60,
+            "qos0_1_to_50", with_keys, "broker", throughput);
+        add(with_keys + ", broker's CPU of plain's, QoS 0, 1 to 1", Wanted::at_most, 1 / 0.75,
+            "qos0_1_to_1", with_keys, "broker", &Row::cpu_us_a_message);
+        add(with_keys + ", broker's CPU of plain's, QoS 0, 1 to 50", Wanted::at_most, 1 / 0.60,
+            "qos0_1_to_50", with_keys, "broker", &Row::cpu_us_a_message);
+    }
+    for (const std::string listener : {"broker", "protected", "dtls"}) {
+        add(listener + " in a flood, p99 of that without", Wanted::at_most, 2, "rate_1000_per_s",
+            listener + "_flooded", listener, &Row::p99_us);
+    }
+    return targets;
 }
 
 std::string table_of(const std::vector<Row>& rows) {
     std::string text =
-        line("%-18s %-10s %12s %15s %10s %10s %10s %8s\n", "scenario", "contestant", "deliveries/s",
+        line("%-18s %-17s %12s %15s %10s %10s %10s %8s\n", "scenario", "contestant", "deliveries/s",
              "(least..most)", "p50 us", "p99 us", "CPU us/msg", "gen CPU");
     for (const std::string& scenario : different(rows, &Row::scenario)) {
         for (const std::string& contestant : different(rows, &Row::contestant)) {
@@ -186,7 +207,7 @@ std::string table_of(const std::vector<Row>& rows) {
             const std::vector<double> throughput = of(&Row::deliveries_per_s);
             if (throughput.empty()) continue;
             text +=
-                line("%-18s %-10s %12.0f %7.0f..%-7.0f %9.1f %10.1f %10.2f %6.0f %%\n",
+                line("%-18s %-17s %12.0f %7.0f..%-7.0f %9.1f %10.1f %10.2f %6.0f %%\n",
                      scenario.c_str(), contestant.c_str(), median(throughput),
                      *std::ranges::min_element(throughput), *std::ranges::max_element(throughput),
                      median(of(&Row::p50_us)), median(of(&Row::p99_us)),

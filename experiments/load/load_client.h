@@ -8,6 +8,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "experiments/load/load_plan.h"
@@ -44,10 +45,10 @@ struct ClientLayout {
 class LoadClient : public client::ClientCore {
 public:
     /// `room` has layout.octets() and belongs to this client alone.
-    LoadClient(const LoadPlan& plan, const std::string& id_prefix, const client::Timing& timing,
+    LoadClient(const LoadPlan& plan, std::string client_id, const client::Timing& timing,
                std::uint32_t number, const ClientLayout& layout, std::uint8_t* room)
         : ClientCore(cut(layout, room), timing, number),
-          id(id_prefix + "-" + std::to_string(number)),
+          id(std::move(client_id)),
           to_subscribe(plan.heard_by(number)),
           to_register(plan.published_by(number)) {}
 

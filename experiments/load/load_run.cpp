@@ -76,6 +76,7 @@ void LoadRun::tell(const char* phase, double share) {
 
 /// One turn of the clients; now and then somebody hears how far we are.
 void LoadRun::turn(Instant until) {
+    if (watch_.on_turn) watch_.on_turn();
     clients_.turn(watch_.never_sleeps ? Instant{} : until);
 }
 

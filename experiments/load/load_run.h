@@ -29,6 +29,7 @@ struct LoadWatch {
     std::function<void()> on_measuring;  // the measured time begins
     std::function<void()> on_measured;   // and is over
     std::function<bool()> is_stopped;    // an early end
+    std::function<void()> on_turn = {};  // before each look at the sockets
     bool never_sleeps = false;           // a core for the generator, latencies without its wake-ups
 };
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <utility>
 #include <variant>
 
 #include "broker/net/clock.h"
@@ -77,7 +78,14 @@ MqttsnClients::MqttsnClients(const LoadPlan& plan, const MqttsnOptions& options)
     topic_names_.emplace_back(mqttsn::cell_topic);
     rooms_.resize(layout_.octets() * plan.clients());
     for (Number number = 0; number < plan.clients(); ++number) {
-        clients_.emplace_back(plan, options.id_prefix, options.timing, number, layout_,
+        std::string id = options.id_prefix + "-" + std::to_string(number);
+        if (options.keyed) {
+            KeyedClient keyed = options.keyed(
+                number, [this, number](Bytes datagram) { sockets_.queue(number, datagram); });
+            id = std::move(keyed.client_id);
+            speeches_.push_back(std::move(keyed.speech));
+        }
+        clients_.emplace_back(plan, std::move(id), options.timing, number, layout_,
                               room_of(number));
         if (has_cell() && number >= plan.publishers) {
             clients_.back().to_subscribe.push_back(plan.topics);  // the cell's name
@@ -140,8 +148,18 @@ void MqttsnClients::expect(Number number) {
 
 void MqttsnClients::on_datagram(Instant now, Number number, Bytes octets) {
     now_ = now;
+    if (!speeches_.empty()) {
+        octets = speeches_[number]->open(octets);
+        if (octets.empty()) return;  // a handshake's, or none for this client
+    }
     clients_[number].on_datagram(now, octets, shared_output());
     drain(number);
+}
+
+/// What a handshake loses is not repeated here: another one comes with a later CONNECT.
+void MqttsnClients::send(Number number, Bytes message) {
+    if (speeches_.empty()) return sockets_.queue(number, message);
+    speeches_[number]->send(message);
 }
 
 void MqttsnClients::tick(Instant now) {
@@ -161,7 +179,7 @@ void MqttsnClients::tick(Instant now) {
 
 void MqttsnClients::drain(Number number) {
     const auto& output = shared_output();
-    for (const Bytes datagram : output.datagrams()) sockets_.queue(number, datagram);
+    for (const Bytes message : output.datagrams()) send(number, message);
     deadlines_.no_later_than(number, clients_[number].next_wakeup());
     // An event's owner may call back into this client, which empties the shared output.
     std::array<client::Event, client::Output::most> events;
@@ -219,7 +237,7 @@ void MqttsnClients::leave() {
     for (Number number = 0; number < clients_.size(); ++number) {
         if (!clients_[number].is_connected()) continue;
         clients_[number].disconnect(net::now(), shared_output());
-        for (const Bytes datagram : shared_output().datagrams()) sockets_.queue(number, datagram);
+        for (const Bytes message : shared_output().datagrams()) send(number, message);
     }
     sockets_.flush();
 }

@@ -4,6 +4,8 @@
 
 #include <cstdint>
 #include <deque>
+#include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -15,8 +17,15 @@
 #include "experiments/load/load_plan.h"
 #include "romano/base/endpoint.h"
 #include "romano/client/client.h"
+#include "romano/keys/client_speech.h"
 
 namespace romano::experiments {
+
+/// A client with a key.
+struct KeyedClient {
+    std::string client_id;
+    std::unique_ptr<keys::ClientSpeech> speech;
+};
 
 struct MqttsnOptions {
     /// Publisher i lives at brokers[i mod N], subscriber i at brokers[i + 1 mod N].
@@ -27,6 +36,8 @@ struct MqttsnOptions {
     std::string id_prefix = "load";
     /// Subscribers listen there, too (romano/mqttsn/cell.md); or family none.
     Endpoint cell_group = {};
+    /// Makes client i; empty: all speak plain, and their names begin with the prefix.
+    std::function<KeyedClient(std::uint32_t client, keys::ClientSpeech::Put put)> keyed = {};
 };
 
 class MqttsnClients : public LoadClients, private ClientSockets::Listener {
@@ -50,7 +61,12 @@ public:
         return sockets_.heard_in_cell();
     }
 
+    /// A datagram that is nobody's, from the address of that client; numbers beyond the clients are
+    /// addresses of strangers. With a shared socket alone.
+    void forge(Number from, Bytes datagram) { sockets_.queue(from, datagram); }
+
 private:
+    void send(Number number, Bytes message);
     void expect(Number client) override;
     void on_datagram(Instant now, Number client, Bytes octets) override;
     void on_event(Number number, const client::Event& event);
@@ -76,6 +92,7 @@ private:
     ClientLayout layout_;
     std::vector<std::uint8_t> rooms_;  // of all clients, one behind the other
     std::deque<LoadClient> clients_;
+    std::vector<std::unique_ptr<keys::ClientSpeech>> speeches_;  // by client; none: plain
     broker::Deadlines deadlines_;
     LoadClients::Listener* listener_ = nullptr;
     Instant now_{};  // of this turn
