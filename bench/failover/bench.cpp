@@ -26,23 +26,49 @@ constexpr Duration rest_most = 150ms;
 constexpr std::size_t clients_a_broker = 20;
 constexpr std::uint32_t messages_a_publisher = 4;
 
+/// Their clients are the robots, one a broker, and behind them those of the full load.
+std::optional<Fleet> fleet_for(const Options& options, const std::filesystem::path& folder) {
+    if (options.packets == Endpoint::Packets::plain) return std::nullopt;
+    std::vector<std::string> brokers;
+    for (std::uint32_t n = 1; n <= options.brokers; ++n) {
+        brokers.push_back("b" + std::to_string(n));
+    }
+    const auto loaders = static_cast<std::uint32_t>(2 * clients_a_broker * options.brokers);
+    return Fleet(folder, brokers, options.brokers + (options.watch_s > 0 ? loaders : 0));
+}
+
 }  // namespace
 
 Bench::Bench(boost::asio::io_context& io, const Options& options,
              const std::filesystem::path& traces)
-    : io_(io), options_(options), cluster_(options, traces), random_(options.seed) {}
+    : io_(io),
+      options_(options),
+      fleet_(fleet_for(options, options.output / "fleet")),
+      cluster_(options, traces, fleet_ ? &*fleet_ : nullptr),
+      random_(options.seed) {}
 
 Bench::~Bench() = default;
+
+std::shared_ptr<keys::ClientPackets> Bench::key_of(std::uint32_t robot) const {
+    if (!fleet_) return nullptr;
+    const bool speaks_dtls = options_.packets == Endpoint::Packets::dtls;
+    return std::make_shared<keys::ClientPackets>(
+        fleet_->key_file(robot), std::string{},
+        speaks_dtls ? keys::Speech::dtls : keys::Speech::packets);
+}
 
 void Bench::start() {
     await_whole();
     for (std::size_t i = 0; i < cluster_.size(); ++i) {
-        robots_.push_back(std::make_unique<Robot>(
-            io_, static_cast<std::uint32_t>(i), cluster_.address(i), options_.qos,
-            [this, i](Instant at, const experiments::Stamp& stamp) {
-                if (!awaited_ || awaited_->robot != i || awaited_->arrived) return;
-                if (stamp.sent_at >= awaited_->since) awaited_->arrived = at;
-            }));
+        const auto number = static_cast<std::uint32_t>(i);
+        robots_.push_back(
+            std::make_unique<Robot>(io_, number, cluster_.address(i), options_.qos, key_of(number),
+                                    [this, i](Instant at, const experiments::Stamp& stamp) {
+                                        if (!awaited_ || awaited_->robot != i || awaited_->arrived)
+                                            return;
+                                        if (stamp.sent_at >= awaited_->since)
+                                            awaited_->arrived = at;
+                                    }));
     }
     const auto are_ready = [this] {
         return std::ranges::all_of(robots_, [](const auto& robot) { return robot->is_ready(); });
@@ -95,6 +121,7 @@ Trial Bench::run(std::uint32_t number) {
         return std::array{witness.sent(again[0]), witness.sent(again[1]), witness.sent(again[2])};
     };
     const auto sent_before = sent();
+    const std::uint64_t handshakes_before = witness.handshakes();
     const Instant fault = net::now();
     strike(victim);
     const auto arrival = await_message(victim, fault, message_within);
@@ -115,6 +142,7 @@ Trial Bench::run(std::uint32_t number) {
     trial.connects = sent_after[0] - sent_before[0];
     trial.registers = sent_after[1] - sent_before[1];
     trial.subscribes = sent_after[2] - sent_before[2];
+    trial.handshakes = witness.handshakes() - handshakes_before;
     return trial;
 }
 
@@ -141,6 +169,11 @@ Watched Bench::watch(Duration duration, const std::function<bool()>& is_over) {
     experiments::MqttsnOptions clients{.brokers = {},
                                        .sockets = experiments::SocketUse::shared,
                                        .timing = {.t_retry = 500ms, .t_wait = 1s, .n_retry = 60}};
+    if (fleet_) {
+        clients.keyed = [this](std::uint32_t client, keys::ClientSpeech::Put put) {
+            return fleet_->client(options_.brokers + client, options_.packets, std::move(put));
+        };
+    }
     for (std::size_t i = 0; i < cluster_.size(); ++i) {
         clients.brokers.push_back(*net::parse_endpoint(cluster_.address_text(i)));
     }

@@ -40,9 +40,11 @@ private:
     bool run_until(Instant deadline, const std::function<bool()>& done);
     void run_for(Duration duration);
     void publish_on();
+    [[nodiscard]] std::shared_ptr<keys::ClientPackets> key_of(std::uint32_t robot) const;
 
     boost::asio::io_context& io_;
     Options options_;
+    std::optional<Fleet> fleet_;  // for clients with keys
     Cluster cluster_;
     Random random_;
     std::vector<std::unique_ptr<Robot>> robots_;  // one a broker

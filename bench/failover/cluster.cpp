@@ -9,7 +9,8 @@
 
 namespace romano::bench {
 
-Cluster::Cluster(const Options& options, const std::filesystem::path& folder) : options_(options) {
+Cluster::Cluster(const Options& options, const std::filesystem::path& folder, const Fleet* fleet)
+    : options_(options), fleet_(fleet) {
     std::filesystem::create_directories(folder);
     for (std::uint32_t n = 1; n <= options.brokers; ++n) {
         std::string name = "b" + std::to_string(n);
@@ -35,14 +36,22 @@ std::string Cluster::address_text(std::size_t broker) const {
            std::to_string(options_.port);
 }
 
+std::string Cluster::service_text(std::size_t broker) const {
+    return scheme_of(options_.packets) + address_text(broker);
+}
+
 void Cluster::start(std::size_t number) {
     Broker& broker = brokers_[number];
     // The first one ranks highest and leads.
     std::vector<std::string> arguments = {"--name",      broker.name,
-                                          "--listen",    address_text(number),
+                                          "--listen",    service_text(number),
                                           "--domain",    std::to_string(options_.domain),
                                           "--interface", "lo",
                                           "--rank",      std::to_string(brokers_.size() - number)};
+    if (fleet_ != nullptr) {
+        const auto with_keys = fleet_->broker_arguments(broker.name);
+        arguments.insert(arguments.end(), with_keys.begin(), with_keys.end());
+    }
     arguments.insert(arguments.end(), options_.broker_arguments.begin(),
                      options_.broker_arguments.end());
     broker.process.reset();
@@ -82,7 +91,7 @@ void Cluster::look() {
 
 bool Cluster::serves_its_address(std::size_t number) const {
     const Broker& broker = brokers_[number];
-    const std::string home = address_text(number);
+    const std::string home = service_text(number);
     for (const TraceLine& line : broker.trace.lines()) {
         const bool says_so = line.text == "serving " + home ||
                              line.text.find(": serving " + home) != std::string::npos;

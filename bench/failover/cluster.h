@@ -9,6 +9,7 @@
 
 #include "bench/failover/options.h"
 #include "bench/failover/trace_tail.h"
+#include "bench/fleet.h"
 #include "experiments/process/broker_process.h"
 #include "experiments/robots/socket_client.h"
 
@@ -16,8 +17,9 @@ namespace romano::bench {
 
 class Cluster {
 public:
-    /// Starts all brokers; what they print goes to files in `folder`.
-    Cluster(const Options& options, const std::filesystem::path& folder);
+    /// Starts all brokers; what they print goes to files in `folder`. The fleet is null for plain
+    /// listeners, and outlives this.
+    Cluster(const Options& options, const std::filesystem::path& folder, const Fleet* fleet);
     ~Cluster();
 
     [[nodiscard]] std::size_t size() const { return brokers_.size(); }
@@ -26,6 +28,8 @@ public:
     }
     [[nodiscard]] experiments::BrokerAddress address(std::size_t broker) const;
     [[nodiscard]] std::string address_text(std::size_t broker) const;
+    /// With the scheme of its kind of listener in front.
+    [[nodiscard]] std::string service_text(std::size_t broker) const;
 
     [[nodiscard]] pid_t process(std::size_t broker) const {
         return brokers_[broker].process->pid();
@@ -62,6 +66,7 @@ private:
     [[nodiscard]] bool serves_its_address(std::size_t broker) const;
 
     Options options_;
+    const Fleet* fleet_;
     std::vector<Broker> brokers_;
 };
 

@@ -20,14 +20,15 @@ using namespace romano::bench;
 constexpr const char* examples = R"(Examples:
   romano_failover_bench --trials 1000 --fault crash
   romano_failover_bench --trials 1000 --fault silence --victim leader --brokers 5
+  romano_failover_bench --trials 200 --listener dtls         (clients with keys: protected, dtls)
   romano_failover_bench --trials 0 --watch-s 150             (full load, no fault: who is taken for dead?)
   romano_failover_bench --trials 0 --watch-s 40 --away-s 10  (does a victim that comes back disturb anybody?)
   romano_failover_bench --timeouts-ms 20 30 50 80 120 --trials 30 --watch-s 60      (the trade, as a plot)
   romano_failover_bench --trials 100 -- --detection-timeout-ms 100     (options of the brokers)
 The same command goes on where it was interrupted; --fresh begins anew.
 Writes trials.csv, summary.json, failover.svg and the brokers' traces into --output.
-Exit code: 0; 1 when a client had to connect, register or subscribe again, or heard nothing; 2 when
-the bench could not run.)";
+Exit code: 0; 1 when a client had to connect, register or subscribe again or to make a handshake, or
+heard nothing; 2 when the bench could not run.)";
 
 volatile std::sig_atomic_t interrupted = 0;
 
@@ -55,6 +56,17 @@ void read(CLI::App& app, Options& options) {
         ->check(CLI::IsMember({"leader", "other"}).description(""))
         ->type_name("leader|other")
         ->default_str("other");
+    app.add_option_function<std::string>(
+           "--listener",
+           [&options](const std::string& name) {
+               options.packets = name == "plain"       ? romano::Endpoint::Packets::plain
+                                 : name == "protected" ? romano::Endpoint::Packets::sealed
+                                                       : romano::Endpoint::Packets::dtls;
+           },
+           "What brokers listen for and clients speak")
+        ->check(CLI::IsMember({"plain", "protected", "dtls"}).description(""))
+        ->type_name("plain|protected|dtls")
+        ->default_str("plain");
     app.add_option("--qos", options.qos, "Of publishes and subscriptions")
         ->check(CLI::Range(0, 2))
         ->capture_default_str();
@@ -66,7 +78,8 @@ void read(CLI::App& app, Options& options) {
         ->capture_default_str();
     app.add_option("--port", options.port, "Their UDP port")->capture_default_str();
     app.add_option("--output", options.output,
-                   "Results folder (default: results/failover-<fault>-<victim>-<brokers>)");
+                   "Results folder (default: results/failover-<fault>-<victim>-<brokers>, "
+                   "and behind it the listener unless it is plain)");
     app.add_option("--at-most-s", options.at_most_s, "Stop after so many seconds, to be resumed");
     app.add_option("--watch-s", options.watch_s,
                    "Then so many seconds of full load; counts false failovers");
@@ -95,6 +108,9 @@ int run(Options options) {
     if (options.output.empty()) {
         options.output = "results/failover-" + std::string{name_of(options.fault)} + "-" +
                          name_of(options.victim) + "-" + std::to_string(options.brokers);
+        if (options.packets != romano::Endpoint::Packets::plain) {
+            options.output += std::string{"-"} + name_of(options.packets);
+        }
     }
     const auto begun = romano::net::now();
     const auto is_over = [&] {
@@ -118,7 +134,8 @@ int run(Options options) {
     }
     results.conclude();
     for (const Trial& trial : results.trials()) {
-        if (!trial.total_ms || trial.connects + trial.registers + trial.subscribes > 0) return 1;
+        const auto noticed = trial.connects + trial.registers + trial.subscribes + trial.handshakes;
+        if (!trial.total_ms || noticed > 0) return 1;
     }
     return 0;
 }

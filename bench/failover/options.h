@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "romano/base/endpoint.h"
+
 namespace romano::bench {
 
 enum class Fault : std::uint8_t { crash, silence };
@@ -16,6 +18,7 @@ struct Options {
     std::uint32_t brokers = 3;
     Fault fault = Fault::crash;
     Victim victim = Victim::other;
+    Endpoint::Packets packets = Endpoint::Packets::plain;  // of brokers and clients
     int qos = 1;
     std::uint32_t domain = 50;
     std::string network = "127.60.0";  // brokers serve .1, .2, ...
@@ -33,6 +36,17 @@ struct Options {
 
 [[nodiscard]] inline const char* name_of(Fault fault) {
     return fault == Fault::crash ? "crash" : "silence";
+}
+[[nodiscard]] inline const char* name_of(Endpoint::Packets packets) {
+    switch (packets) {
+        case Endpoint::Packets::sealed:
+            return "protected";
+        case Endpoint::Packets::dtls:
+            return "dtls";
+        case Endpoint::Packets::plain:
+            break;
+    }
+    return "plain";
 }
 [[nodiscard]] inline const char* name_of(Victim victim) {
     return victim == Victim::leader ? "leader" : "other";

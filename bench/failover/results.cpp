@@ -40,7 +40,7 @@ std::string field(const std::optional<double>& value) {
 CsvRow head() {
     CsvRow row = {"trial", "victim", "led", "heir", "total_ms"};
     for (const Column& column : columns) row.emplace_back(column.name);
-    row.insert(row.end(), {"return_ms", "connects", "registers", "subscribes"});
+    row.insert(row.end(), {"return_ms", "connects", "registers", "subscribes", "handshakes"});
     return row;
 }
 
@@ -49,7 +49,8 @@ CsvRow to_row(const Trial& trial) {
                   field(trial.total_ms)};
     for (const Column& column : columns) row.push_back(field(column.of(trial)));
     row.insert(row.end(), {field(trial.return_ms), std::to_string(trial.connects),
-                           std::to_string(trial.registers), std::to_string(trial.subscribes)});
+                           std::to_string(trial.registers), std::to_string(trial.subscribes),
+                           std::to_string(trial.handshakes)});
     return row;
 }
 
@@ -68,6 +69,7 @@ Trial from_row(const CsvRow& row) {
     trial.connects = count(11);
     trial.registers = count(12);
     trial.subscribes = count(13);
+    trial.handshakes = count(14);
     return trial;
 }
 
@@ -100,6 +102,7 @@ nlohmann::ordered_json settings_json(const Options& options) {
     return {{"brokers", options.brokers},
             {"fault", name_of(options.fault)},
             {"victim", name_of(options.victim)},
+            {"listener", name_of(options.packets)},
             {"qos", options.qos},
             {"broker_arguments", options.broker_arguments}};
 }
@@ -196,7 +199,11 @@ void Results::conclude() const {
     const auto total = percentiles_of(trials_, [](const Trial& t) { return t.total_ms; });
     const auto returned = percentiles_of(trials_, [](const Trial& t) { return t.return_ms; });
     std::uint64_t noticed = 0;
-    for (const Trial& t : trials_) noticed += t.connects + t.registers + t.subscribes;
+    std::uint64_t handshakes = 0;
+    for (const Trial& t : trials_) {
+        noticed += t.connects + t.registers + t.subscribes;
+        handshakes += t.handshakes;
+    }
 
     std::printf("%-18s %6s %8s %8s %8s %8s %8s\n", "milliseconds", "trials", "min", "p50", "p90",
                 "p99", "max");
@@ -210,9 +217,10 @@ void Results::conclude() const {
     print("return", returned);
     const std::size_t silent = trials_.size() - total.count();
     std::printf(
-        "CONNECT, REGISTER and SUBSCRIBE from the victims' clients: %llu; trials without a "
-        "message: %zu\n",
-        static_cast<unsigned long long>(noticed), silent);
+        "CONNECT, REGISTER and SUBSCRIBE from the victims' clients: %llu; handshakes: %llu; trials "
+        "without a message: %zu\n",
+        static_cast<unsigned long long>(noticed), static_cast<unsigned long long>(handshakes),
+        silent);
 
     const auto machine = experiments::this_machine();
     const auto build = experiments::build_info();
@@ -224,6 +232,7 @@ void Results::conclude() const {
         {"trials", trials_.size()},
         {"trials_without_message", silent},
         {"connects_registers_subscribes", noticed},
+        {"handshakes", handshakes},
         {"failover_ms", to_json(total)},
         {"parts_ms", parts},
         {"return_ms", to_json(returned)}};

@@ -20,13 +20,15 @@ constexpr client::Timing patient{.t_retry = 500ms, .t_wait = 1s, .n_retry = 60};
 }  // namespace
 
 Robot::Robot(boost::asio::io_context& io, std::uint32_t number,
-             const experiments::BrokerAddress& broker, int qos, OnMessage on_message)
+             const experiments::BrokerAddress& broker, int qos,
+             const std::shared_ptr<keys::ClientPackets>& key, OnMessage on_message)
     : number_(number),
-      client_id_("robot-" + std::to_string(number)),
+      client_id_(key ? key->client_id() : "robot-" + std::to_string(number)),
       qos_(static_cast<mqttsn::Qos>(qos)),
       on_message_(std::move(on_message)),
-      client_(io, broker, patient, number,
-              [this](const client::Event& event) { on_event(event); }) {
+      client_(
+          io, broker, patient, number, [this](const client::Event& event) { on_event(event); },
+          key) {
     client_.connect({.client_id = client_id_});
 }
 

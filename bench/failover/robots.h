@@ -19,8 +19,10 @@ public:
     /// `on_message` gets each message that comes, at the time at which it came.
     using OnMessage = std::function<void(Instant at, const experiments::Stamp& stamp)>;
 
+    /// Without a key it speaks plain.
     Robot(boost::asio::io_context& io, std::uint32_t number,
-          const experiments::BrokerAddress& broker, int qos, OnMessage on_message);
+          const experiments::BrokerAddress& broker, int qos,
+          const std::shared_ptr<keys::ClientPackets>& key, OnMessage on_message);
 
     /// Subscribed; it knows its topic's id from that.
     [[nodiscard]] bool is_ready() const { return ready_; }
@@ -29,6 +31,7 @@ public:
     /// Publishes one message, unless the one before is not acknowledged yet.
     void publish();
     [[nodiscard]] std::uint64_t sent(mqttsn::MsgType type) const { return client_.sent().of(type); }
+    [[nodiscard]] std::uint64_t handshakes() const { return client_.handshakes(); }
 
 private:
     void on_event(const client::Event& event);

@@ -12,7 +12,7 @@ void read_parts(const Cluster& cluster, std::size_t victim, Instant fault, Insta
                 Trial& trial) {
     std::optional<Instant> detected;
     std::optional<std::size_t> heir;
-    const std::string serving = "serving " + cluster.address_text(victim);
+    const std::string serving = "serving " + cluster.service_text(victim);
     for (std::size_t i = 0; i < cluster.size(); ++i) {
         if (i == victim) continue;
         const TraceLine* lost = cluster.trace(i).find("lost " + cluster.name(victim), fault);

@@ -31,6 +31,7 @@ struct Trial {
     std::uint64_t connects = 0;
     std::uint64_t registers = 0;
     std::uint64_t subscribes = 0;
+    std::uint64_t handshakes = 0;  // of DTLS, begun
 };
 
 [[nodiscard]] double ms_between(Instant from, Instant to);
