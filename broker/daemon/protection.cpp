@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
+#include <stdexcept>
 #include <system_error>
 #include <utility>
 #include <vector>
@@ -13,9 +14,11 @@
 #include "broker/daemon/refusal.h"
 #include "broker/net/endpoint_text.h"
 #include "broker/protection/protected_node.h"
+#include "romano/keys/authority.h"
 #include "romano/keys/client_keys.h"
 #include "romano/keys/key_error.h"
 #include "romano/keys/key_folder.h"
+#include "romano/keys/private_file.h"
 #include "romano/keys/random_octets.h"
 
 namespace romano::daemon {
@@ -107,9 +110,23 @@ bool Protection::serve_dtls() {
     if (record_.place == 0 || record_.bound >= dtls::most_count) return false;
     protection::Key secret;
     keys::fill_at_random(secret);
-    dtls_.emplace(dtls::Speaker{record_.place, clients_.reserve()}, secret);
+    try {
+        dtls_.emplace(dtls::Speaker{record_.place, clients_.reserve()}, secret, certificates());
+    } catch (const std::runtime_error& error) {
+        throw keys::KeyError(error.what());
+    }
     dtls_->set_clients(with_keys_);
     return true;
+}
+
+/// What `romano keys certificate` made, if it did.
+std::optional<dtls::Certificates> Protection::certificates() const {
+    const fs::path own = folder_ / keys::broker_certificate_name;
+    if (!fs::exists(own)) return std::nullopt;
+    dtls::Certificates read{keys::read_private_file(own),
+                            keys::read_private_file(folder_ / keys::authority_name)};
+    if (const auto flaw = keys::flaw_of(read.own)) spdlog::warn("{}: {}", own.string(), *flaw);
+    return read;
 }
 
 void Protection::read_table() {

@@ -58,6 +58,7 @@ public:
 private:
     [[nodiscard]] Bytes admit_sealed(const Endpoint& via, const Endpoint& from, Bytes datagram,
                                      broker::Actions& out);
+    [[nodiscard]] std::optional<dtls::Certificates> certificates() const;
     void read_table();
     void store_bound(std::size_t about_to_seal);
     void end_storing();

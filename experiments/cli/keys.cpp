@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "romano/keys/authority.h"
 #include "romano/keys/key_error.h"
 #include "romano/keys/key_folder.h"
 #include "romano/protection/keys.h"
@@ -25,6 +26,9 @@ constexpr const char* keys_examples = R"(Examples:
       identity and pre-shared key for a standard client of DTLS 1.2:
       read id psk < <(romano keys psk abcd1234.key)
       openssl s_client -dtls1_2 -quiet -psk_identity $id -psk $psk -connect ADDR:PORT
+  romano keys certificate fleet anna
+      a certificate for a standard client of DTLS 1.2 (ECDSA), and one for each broker; what goes where:
+      openssl s_client -dtls1_2 -quiet -CAfile authority.pem -cert anna.pem -key anna.pem -connect ADDR:PORT
   romano keys check fleet        (or a broker's folder, or one key file)
       says in a sentence what is wrong; exit code 1 if something is
 )";
@@ -120,6 +124,34 @@ void add_psk(CLI::App& keys, int& exit_code) {
     });
 }
 
+void add_certificate(CLI::App& keys, int& exit_code) {
+    auto folder = std::make_shared<std::string>();
+    auto client_id = std::make_shared<std::string>();
+    auto days = std::make_shared<int>(730);
+    CLI::App& command = *keys.add_subcommand(
+        "certificate", "Make a client's certificate for DTLS, and the brokers'");
+    command.add_option("DIR", *folder, "The fleet's folder")->required();
+    command
+        .add_option("ID", *client_id, "The client: a robot, an operator NAME, or NAME/1 to NAME/15")
+        ->required();
+    command.add_option("--days", *days, "So long they are valid")
+        ->check(CLI::Range(1, 7300))
+        ->capture_default_str();
+    command.callback([folder, client_id, days, &exit_code] {
+        keys::KeyFolder fleet(*folder);
+        const auto file = fleet.certify(*client_id, *days);
+        const auto authority = std::filesystem::path(*folder) / keys::authority_name;
+        std::printf(
+            "client %s: move %s to it, and copy %s there, by which it knows the brokers\n"
+            "each broker: copy %s and %s of its folder %s there; it reads them when it starts\n"
+            "keep %s where nobody else can read it: it makes more of them\n",
+            client_id->c_str(), file.c_str(), authority.c_str(), keys::authority_name,
+            keys::broker_certificate_name, fleet.broker_folder("NAME").c_str(),
+            (std::filesystem::path(*folder) / keys::authority_key_name).c_str());
+        exit_code = 0;
+    });
+}
+
 void add_check(CLI::App& keys, int& exit_code) {
     auto path = std::make_shared<std::string>();
     CLI::App& command = *keys.add_subcommand("check", "Say what is wrong with keys");
@@ -141,6 +173,7 @@ void add_keys(CLI::App& program, int& exit_code) {
     add_new(command, exit_code);
     add_withdraw(command, exit_code);
     add_psk(command, exit_code);
+    add_certificate(command, exit_code);
     add_check(command, exit_code);
 }
 

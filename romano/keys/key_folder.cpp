@@ -5,8 +5,10 @@
 #include <system_error>
 #include <utility>
 
+#include "romano/keys/authority.h"
 #include "romano/keys/broker_record.h"
 #include "romano/keys/key_error.h"
+#include "romano/keys/private_file.h"
 #include "romano/keys/random_octets.h"
 
 namespace romano::keys {
@@ -98,6 +100,15 @@ void check_equal_keys(const fs::path& file, const ClientKeys& keys, Findings& fi
     }
 }
 
+void check_certificate(const fs::path& file, Findings& findings) {
+    if (!fs::exists(file)) return;
+    findings.look([&] {
+        if (const auto flaw = flaw_of(read_private_file(file))) {
+            findings.add(file.string() + ": " + *flaw);
+        }
+    });
+}
+
 void check_broker_folder(const fs::path& folder, const ClientKeys* all, Findings& findings) {
     findings.look([&] {
         const ClientKeys keys = read_table(folder / table_name);
@@ -110,6 +121,8 @@ void check_broker_folder(const fs::path& folder, const ClientKeys* all, Findings
     });
     findings.look([&] { (void)read_broker_record(folder / record_name); });
     findings.look([&] { (void)read_given_place(folder / place_name); });
+    check_certificate(folder / authority_name, findings);
+    check_certificate(folder / broker_certificate_name, findings);
 }
 
 }  // namespace
@@ -178,6 +191,30 @@ void KeyFolder::withdraw(const std::vector<std::string>& names) {
     write_tables(keys);
 }
 
+fs::path KeyFolder::certify(const std::string& client_id, int days) {
+    const auto owns = [&](const auto& owner) {
+        const auto ids = client_ids_of(owner.first, owner.second.role);
+        return std::ranges::count(ids, client_id) != 0;
+    };
+    if (std::ranges::none_of(clients(), owns)) {
+        throw KeyError("'" + client_id + "': has no key here; say first: romano keys new DIR");
+    }
+    const Authority authority(folder_);
+    for (const std::string& broker : brokers()) {
+        write_private_file(broker_folder(broker) / authority_name, authority.certificate());
+        const fs::path own = broker_folder(broker) / broker_certificate_name;
+        if (fs::exists(own) && !flaw_of(read_private_file(own))) continue;
+        write_private_file(own, authority.issue(broker, Holder::broker, days));
+    }
+    const fs::path folder = folder_ / "certificates";
+    make_private_folder(folder);
+    std::string name = client_id;
+    std::ranges::replace(name, '/', '-');
+    const fs::path file = folder / (name + ".pem");
+    write_private_file(file, authority.issue(client_id, Holder::client, days));
+    return file;
+}
+
 void KeyFolder::write_tables(const ClientKeys& keys) const {
     write_table(folder_ / table_name, keys);
     for (const std::string& name : brokers()) write_table(broker_folder(name) / table_name, keys);
@@ -197,6 +234,9 @@ std::vector<std::string> problems_of(const fs::path& path) {
             check_equal_keys(path / table_name, keys, findings);
             for (const fs::path& broker : entries_of(path / of_brokers)) {
                 check_broker_folder(broker, &keys, findings);
+            }
+            for (const fs::path& file : entries_of(path / "certificates")) {
+                check_certificate(file, findings);
             }
             for (const Role role : {Role::robot, Role::person}) {
                 for (const fs::path& file : entries_of(path / folder_name(role))) {

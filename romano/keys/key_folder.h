@@ -6,6 +6,9 @@
 //                                broker keeps there
 //     robots/NAME.key            a robot's own file, to be moved to the robot
 //     operators/NAME.key         a person's own file
+//
+// With certificates of DTLS (authority.h) there are also authority.pem, authority.key, in each
+// broker's folder authority.pem and broker.pem, and certificates/NAME.pem.
 #pragma once
 
 #include <filesystem>
@@ -35,6 +38,11 @@ public:
     void add(const Names& names);
     /// Takes clients from all tables; their own files stay.
     void withdraw(const std::vector<std::string>& clients);
+
+    /// Makes a certificate for a client with a key, and for each broker that has none; the fleet's
+    /// authority, too, when there is none. `client_id` as of client_ids_of(). Returns the
+    /// client's file. Throws KeyError.
+    std::filesystem::path certify(const std::string& client_id, int days);
 
     [[nodiscard]] std::filesystem::path own_file(std::string_view name, Role role) const;
     [[nodiscard]] std::filesystem::path broker_folder(std::string_view name) const;

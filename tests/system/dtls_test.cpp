@@ -52,6 +52,16 @@ struct DtlsFleet : ProtectedFleet {
             pipes, is_gnutls ? StandardClient::gnutls(at, identity_and_key)
                              : StandardClient::openssl(at, identity_and_key));
     }
+    std::unique_ptr<StandardClient> client_with_certificate(int broker,
+                                                            const std::filesystem::path& of_fleet,
+                                                            const std::string& client_id) {
+        const auto pipes = folder / ("client" + std::to_string(++clients_));
+        std::filesystem::create_directory(pipes);
+        return std::make_unique<StandardClient>(
+            pipes, StandardClient::openssl_with_certificate(
+                       addresses.service(broker), of_fleet / "authority.pem",
+                       of_fleet / "certificates" / (client_id + ".pem")));
+    }
     std::string metric(int broker, const std::string& name_and_labels) {
         const std::string page = metrics_page_at(addresses.service_endpoint(broker));
         const auto at = page.find('\n' + name_and_labels + ' ');
@@ -134,6 +144,46 @@ TEST_P(EitherClient, IsNotAnsweredWithAWrongKey) {
     const auto anna = standard_client(GetParam(), 1, psk("anna"));
     EXPECT_TRUE(anna->asks(connect, connack));
     EXPECT_EQ(metric(1, handshakes), "1");
+}
+
+TEST_F(DtlsFleet, AClientWithACertificateGoesOnAfterItsBrokerIsKilled) {
+    ASSERT_EQ(romano({"keys", "certificate", fleet.string(), "anna"}), 0) << said;
+    start_both();
+    const auto anna = client_with_certificate(1, fleet, "anna");
+    ASSERT_TRUE(anna->asks(connect, connack));
+    ASSERT_TRUE(anna->asks(subscribe, suback));
+    brokers[0]->kill_9();
+    ASSERT_TRUE(comes_to_say(2, "romano_sessions{state=\"active\"}", "1"));
+    EXPECT_TRUE(anna->asks(publish(2), puback(2)));
+    EXPECT_TRUE(anna->asks(ping, pong));
+    EXPECT_EQ(metric(2, handshakes), "0");
+    // And who has a pre-shared key is served beside it.
+    const auto robot = standard_client(false, 2, psk("abcd1234", keys::Role::robot));
+    EXPECT_TRUE(robot->asks(ping, pong));
+}
+
+TEST_F(DtlsFleet, ACertificateOfAnotherFleetOrOfAWithdrawnClientIsRefused) {
+    ASSERT_EQ(romano({"keys", "certificate", fleet.string(), "anna"}), 0) << said;
+    const auto others = folder / "others";
+    ASSERT_EQ(romano({"keys", "new", others.string(), "--operator", "anna"}), 0) << said;
+    ASSERT_EQ(romano({"keys", "certificate", others.string(), "anna"}), 0) << said;
+    // It shall believe the broker, so that it is refused for its own certificate.
+    std::filesystem::copy_file(fleet / "authority.pem", others / "authority.pem",
+                               std::filesystem::copy_options::overwrite_existing);
+    start_protected(1);
+    const auto stranger = client_with_certificate(1, others, "anna");
+    stranger->say(connect);
+    EXPECT_EQ(stranger->hear(std::chrono::milliseconds{5'000}), Octets{});
+    EXPECT_TRUE(comes_to_say(1, "romano_dtls_handshakes_total{end=\"failed\"}", "1"));
+    const auto anna = client_with_certificate(1, fleet, "anna");
+    EXPECT_TRUE(anna->asks(connect, connack));
+    ASSERT_EQ(romano({"keys", "withdraw", fleet.string(), "anna"}), 0) << said;
+    ASSERT_TRUE(comes_to_say(1, "romano_dtls_associations", "0"));
+    const auto again = client_with_certificate(1, fleet, "anna");
+    again->say(connect);
+    EXPECT_TRUE(comes_to_say(1, "romano_dtls_handshakes_total{end=\"failed\"}", "2"));
+    EXPECT_EQ(romano({"keys", "certificate", fleet.string(), "anna"}), 2);
+    EXPECT_THAT(said, HasSubstr("has no key here"));
 }
 
 TEST_F(DtlsFleet, ARobotHasTheSameRightsAsWithProtectedPackets) {

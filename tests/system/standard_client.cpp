@@ -44,6 +44,14 @@ std::string StandardClient::openssl(const std::string& address_and_port,
            key + " -connect " + address_and_port + " 2>/dev/null";
 }
 
+std::string StandardClient::openssl_with_certificate(const std::string& address_and_port,
+                                                     const std::filesystem::path& authority,
+                                                     const std::filesystem::path& certificate) {
+    return "openssl s_client -dtls1_2 -quiet -no_ign_eof -verify_return_error -CAfile '" +
+           authority.string() + "' -cert '" + certificate.string() + "' -key '" +
+           certificate.string() + "' -connect " + address_and_port + " 2>/dev/null";
+}
+
 std::string StandardClient::gnutls(const std::string& address_and_port,
                                    const std::string& identity_and_key) {
     const auto [identity, key] = apart(identity_and_key);

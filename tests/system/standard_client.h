@@ -25,6 +25,10 @@ public:
 
     [[nodiscard]] static std::string openssl(const std::string& address_and_port,
                                              const std::string& identity_and_key);
+    /// Files of `romano keys certificate`.
+    [[nodiscard]] static std::string openssl_with_certificate(
+        const std::string& address_and_port, const std::filesystem::path& authority,
+        const std::filesystem::path& certificate);
     [[nodiscard]] static std::string gnutls(const std::string& address_and_port,
                                             const std::string& identity_and_key);
 

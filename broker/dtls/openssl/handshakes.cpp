@@ -5,7 +5,9 @@
 #include <openssl/err.h>
 #include <openssl/kdf.h>
 #include <openssl/params.h>
+#include <openssl/pem.h>
 #include <openssl/ssl.h>
+#include <openssl/x509.h>
 
 #include <algorithm>
 #include <array>
@@ -28,6 +30,9 @@ namespace {
 constexpr auto patience = 15s;
 
 constexpr const char* psk_suites = "PSK-AES128-CCM8:PSK-AES128-GCM-SHA256";
+// RFC 7251 and RFC 5289.
+constexpr const char* all_suites =
+    "PSK-AES128-CCM8:PSK-AES128-GCM-SHA256:ECDHE-ECDSA-AES128-CCM8:ECDHE-ECDSA-AES128-GCM-SHA256";
 
 // RFC 5246 section 7.4 and RFC 6347 section 4.2.2: where a ClientHello has its random octets.
 constexpr std::uint8_t client_hello = 1;
@@ -55,6 +60,25 @@ std::optional<Suite> suite_of(const SSL_CIPHER* cipher) {
         default:
             return std::nullopt;
     }
+}
+
+struct FreeCertificate {
+    void operator()(BIO* bio) const { BIO_free(bio); }
+    void operator()(X509* certificate) const { X509_free(certificate); }
+    void operator()(EVP_PKEY* key) const { EVP_PKEY_free(key); }
+};
+
+std::unique_ptr<BIO, FreeCertificate> reader_of(const std::string& text) {
+    return std::unique_ptr<BIO, FreeCertificate>{
+        BIO_new_mem_buf(text.data(), static_cast<int>(text.size()))};
+}
+
+/// The common name; empty when there is none, or one that is too long for a client id.
+std::string name_in(X509* certificate) {
+    std::array<char, 64> text{};
+    const int size = X509_NAME_get_text_by_NID(X509_get_subject_name(certificate), NID_commonName,
+                                               text.data(), static_cast<int>(text.size()));
+    return size > 0 ? std::string(text.data(), static_cast<std::size_t>(size)) : std::string{};
 }
 
 struct FreeKdf {
@@ -118,11 +142,12 @@ void Handshakes::FreeContext::operator()(ssl_ctx_st* context) const {
     SSL_CTX_free(context);
 }
 
-Handshakes::Handshakes(const protection::Key& secret, FindKey find_key)
+Handshakes::Handshakes(const protection::Key& secret, FindKey find_key,
+                       const std::optional<Certificates>& certificates)
     : secret_(secret), find_key_(std::move(find_key)), context_(SSL_CTX_new(DTLS_server_method())) {
     SSL_CTX* context = context_.get();
     if (context == nullptr || SSL_CTX_set_min_proto_version(context, DTLS1_2_VERSION) != 1 ||
-        SSL_CTX_set_cipher_list(context, psk_suites) != 1) {
+        SSL_CTX_set_cipher_list(context, certificates ? all_suites : psk_suites) != 1) {
         throw std::runtime_error("OpenSSL has no DTLS 1.2 with AES-128-CCM-8 and pre-shared keys");
     }
     SSL_CTX_set_options(context, SSL_OP_NO_TICKET | SSL_OP_NO_RENEGOTIATION | SSL_OP_NO_QUERY_MTU |
@@ -132,6 +157,7 @@ Handshakes::Handshakes(const protection::Key& secret, FindKey find_key)
     SSL_CTX_set_cookie_generate_cb(context, on_cookie_wanted);
     SSL_CTX_set_cookie_verify_cb(context, on_cookie);
     SSL_CTX_set_psk_server_callback(context, on_identity);
+    if (certificates) use(*certificates);
     stranger_ = make();
 }
 Handshakes::~Handshakes() = default;
@@ -171,6 +197,43 @@ int Handshakes::on_cookie(ssl_st* ssl, const unsigned char* cookie, unsigned int
     const Handshake& handshake = Handshake::of(ssl);
     const protection::Key own = handshake.owner.cookie_of(handshake.path);
     return size == own.size() && CRYPTO_memcmp(cookie, own.data(), own.size()) == 0 ? 1 : 0;
+}
+
+void Handshakes::use(const Certificates& certificates) {
+    SSL_CTX* context = context_.get();
+    const std::unique_ptr<X509, FreeCertificate> own{
+        PEM_read_bio_X509(reader_of(certificates.own).get(), nullptr, nullptr, nullptr)};
+    const std::unique_ptr<EVP_PKEY, FreeCertificate> key{
+        PEM_read_bio_PrivateKey(reader_of(certificates.own).get(), nullptr, nullptr, nullptr)};
+    const std::unique_ptr<X509, FreeCertificate> authority{
+        PEM_read_bio_X509(reader_of(certificates.authority).get(), nullptr, nullptr, nullptr)};
+    if (!authority) throw std::runtime_error("the authority's certificate is none");
+    if (!own || !key || SSL_CTX_use_certificate(context, own.get()) != 1 ||
+        SSL_CTX_use_PrivateKey(context, key.get()) != 1) {
+        throw std::runtime_error("the broker's certificate is none, or its private key another's");
+    }
+    if (X509_STORE_add_cert(SSL_CTX_get_cert_store(context), authority.get()) != 1) {
+        throw std::bad_alloc();
+    }
+    // A certificate is asked for by the suites of certificates alone.
+    SSL_CTX_set_verify(context, SSL_VERIFY_PEER | SSL_VERIFY_FAIL_IF_NO_PEER_CERT, on_certificate);
+    SSL_CTX_set_verify_depth(context, 1);
+}
+
+/// Who has a certificate needs a key in the table, too: it says who may what, and is withdrawn
+/// there.
+int Handshakes::on_certificate(int is_signed, x509_store_ctx_st* about) {
+    if (is_signed != 1 || X509_STORE_CTX_get_error_depth(about) != 0) return is_signed;
+    auto* ssl =
+        static_cast<SSL*>(X509_STORE_CTX_get_ex_data(about, SSL_get_ex_data_X509_STORE_CTX_idx()));
+    Handshake& handshake = Handshake::of(ssl);
+    std::string name = name_in(X509_STORE_CTX_get_current_cert(about));
+    if (!handshake.owner.find_key_(name)) {
+        X509_STORE_CTX_set_error(about, X509_V_ERR_CERT_REVOKED);
+        return 0;
+    }
+    handshake.identity = std::move(name);
+    return 1;
 }
 
 unsigned int Handshakes::on_identity(ssl_st* ssl, const char* identity, unsigned char* key,

@@ -23,8 +23,16 @@
 
 struct ssl_ctx_st;
 struct ssl_st;
+struct x509_store_ctx_st;
 
 namespace romano::dtls {
+
+/// For clients that have certificates: the broker's own with its private key, and that of whom the
+/// clients' are signed by. PEM.
+struct Certificates {
+    std::string own;
+    std::string authority;
+};
 
 class Handshakes {
 public:
@@ -32,8 +40,10 @@ public:
     /// then hears as little as one with a wrong key.
     using FindKey = std::function<std::optional<protection::Key>(std::string_view identity)>;
 
-    /// `secret` is drawn at random.
-    Handshakes(const protection::Key& secret, FindKey find_key);
+    /// `secret` is drawn at random. Without certificates clients with pre-shared keys alone are
+    /// served. Throws std::runtime_error with a sentence when they are none.
+    Handshakes(const protection::Key& secret, FindKey find_key,
+               const std::optional<Certificates>& certificates);
     ~Handshakes();
     Handshakes(const Handshakes&) = delete;
     Handshakes& operator=(const Handshakes&) = delete;
@@ -70,6 +80,8 @@ private:
     [[nodiscard]] protection::Key cookie_of(const Path& path) const;
     static int on_cookie_wanted(ssl_st* ssl, unsigned char* cookie, unsigned int* size);
     static int on_cookie(ssl_st* ssl, const unsigned char* cookie, unsigned int size);
+    void use(const Certificates& certificates);
+    static int on_certificate(int is_signed, x509_store_ctx_st* about);
     static unsigned int on_identity(ssl_st* ssl, const char* identity, unsigned char* key,
                                     unsigned int most);
 

@@ -4,13 +4,17 @@
 
 namespace romano::dtls {
 
-Listener::Listener(const Speaker& self, const protection::Key& secret)
+Listener::Listener(const Speaker& self, const protection::Key& secret,
+                   const std::optional<Certificates>& certificates)
     : clients_(self),
-      handshakes_(secret, [this](std::string_view identity) -> std::optional<protection::Key> {
-          const protection::RobotKey* key = clients_.key_of(identity);
-          if (key == nullptr) return std::nullopt;
-          return protection::pre_shared_key(*key);
-      }) {}
+      handshakes_(
+          secret,
+          [this](std::string_view identity) -> std::optional<protection::Key> {
+              const protection::RobotKey* key = clients_.key_of(identity);
+              if (key == nullptr) return std::nullopt;
+              return protection::pre_shared_key(*key);
+          },
+          certificates) {}
 
 void Listener::take(Instant now, const Path& path, Bytes datagram, broker::Actions& out,
                     const Deliver& deliver) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <span>
 
 #include "broker/core/actions.h"
@@ -19,8 +20,9 @@ public:
     /// What the core is to be given, valid until the call returns.
     using Deliver = std::function<void(Bytes message)>;
 
-    /// `secret` is drawn at random.
-    Listener(const Speaker& self, const protection::Key& secret);
+    /// As of Handshakes.
+    Listener(const Speaker& self, const protection::Key& secret,
+             const std::optional<Certificates>& certificates = std::nullopt);
 
     void set_clients(std::span<const broker::ProtectedClient> clients) {
         clients_.set_clients(clients);
