@@ -61,6 +61,9 @@ struct BrokerOptions {
     /// What must not come to a later subscriber: delivered, but never kept as retained. Null: all
     /// is.
     bool (*never_retained)(std::string_view topic, Bytes payload) = nullptr;
+    /// Under '$', where else brokers alone publish, and open to clients whom permissions let; or
+    /// none.
+    std::string open_topic;
     std::string read_by_owner;  // client id of the session whose queue the owner reads; or none
     Limits limits;
 };

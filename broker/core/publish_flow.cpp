@@ -54,7 +54,9 @@ ReturnCode PublishFlow::judge(const mqttsn::Publish& message, std::string_view t
         message.topic_type == TopicIdType::predefined ||
         (message.topic_type == TopicIdType::normal && message.qos != Qos::without_connection);
     const bool valid = has_id || mqttsn::is_valid_topic_name(topic);  // checked when it got the id
-    if (!valid || topic.starts_with('$')) {
+    // Where nobody is asked for permission, nobody publishes there.
+    const bool is_open = tables_.permissions != nullptr && topic == tables_.options.open_topic;
+    if (!valid || (topic.starts_with('$') && !is_open)) {
         return refused(Drop::invalid_topic, ReturnCode::not_supported);
     }
     if (message.data.size() > tables_.limits().payload_octets) {

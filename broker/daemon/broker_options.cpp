@@ -3,6 +3,7 @@
 #include <random>
 
 #include "broker/net/clock.h"
+#include "broker/rights/rules.h"
 #include "broker/server/carried_server.h"
 
 namespace romano::daemon {
@@ -22,6 +23,7 @@ broker::BrokerOptions broker_options(const Settings& settings) {
         out.observed_topics = broker::CarriedServer::observed_topics();
         out.never_retained = broker::CarriedServer::is_never_retained;
     }
+    out.open_topic = rights::rights_topic;
     out.limits = settings.limits;
     return out;
 }

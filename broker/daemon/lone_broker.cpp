@@ -93,7 +93,8 @@ void LoneBroker::on_core_wakeup() {
 }
 
 void LoneBroker::on_status_wakeup() {
-    if (protection_ && protection_->look()) obey_rights();
+    const bool are_keys_changed = protection_ && protection_->look();
+    if (rights_.look(core_) || are_keys_changed) obey_rights();
     if (protection_) protection_->on_time(net::now(), actions_);
     publish_status();
     server_.on_tick(net::now(), core_, {}, actions_);

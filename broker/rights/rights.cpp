@@ -99,7 +99,29 @@ Rights::Identity Rights::identity_of(const Speaker& who) const {
     return {owner->lists, key_name_of(id)};
 }
 
+bool Rights::is_operator(const Speaker& who) const {
+    if (who.is_owner || !broker::is_authenticated(who.via)) return false;
+    const Member* owner = owner_of(broker::authenticated_id(who.via, who.node_id));
+    return owner != nullptr && owner->role == Role::person;
+}
+
+std::vector<KeyOwner> Rights::owners() const {
+    std::vector<KeyOwner> all;
+    for (const auto& [name, member] : members_) all.push_back({name, member.role});
+    return all;
+}
+
+bool Rights::may_set_rights(const Speaker& who, Bytes text) const {
+    if (!may_publish_something(who, rights_topic)) return false;
+    if (text.empty()) return true;
+    auto rules = parse(as_text(text));
+    if (!rules) return false;
+    const Rights next{std::move(*rules), owners()};
+    return next.may_publish_something(who, rights_topic);
+}
+
 bool Rights::may_publish(const Speaker& who, std::string_view topic, Bytes payload) const {
+    if (topic == rights_topic) return may_set_rights(who, payload);
     const Identity identity = identity_of(who);
     if (is_denied(identity, topic)) return false;
     return any_rule(identity.lists, [&](const Rule& rule) {
@@ -114,6 +136,7 @@ bool Rights::may_publish(const Speaker& who, std::string_view topic, Bytes paylo
 }
 
 bool Rights::may_publish_something(const Speaker& who, std::string_view topic) const {
+    if (topic == rights_topic && !is_operator(who)) return false;
     const Identity identity = identity_of(who);
     return !is_denied(identity, topic) && any_rule(identity.lists, [&](const Rule& rule) {
         return rule.access != Access::read && rule.access != Access::deny &&

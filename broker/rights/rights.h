@@ -2,7 +2,7 @@
 //
 // Who somebody is, is decided by the key alone: at a sealed address whose it is, at a plain one
 // nobody's, whatever the client id says. Immutable; the owner makes another one when rules or keys
-// change. A question allocates nothing.
+// change. A question allocates nothing, but for whether somebody may set rights.
 #pragma once
 
 #include <cstdint>
@@ -58,6 +58,12 @@ private:
         }
     };
     using Members = std::unordered_map<std::string, Member, Hash, std::equal_to<>>;
+
+    /// By an operator alone; and nobody takes that right from himself, so that whoever has made a
+    /// mistake can mend it.
+    [[nodiscard]] bool may_set_rights(const broker::Speaker& who, Bytes text) const;
+    [[nodiscard]] bool is_operator(const broker::Speaker& who) const;
+    [[nodiscard]] std::vector<KeyOwner> owners() const;
 
     [[nodiscard]] const RuleList* group(std::string_view name) const;
     [[nodiscard]] Identity identity_of(const broker::Speaker& who) const;

@@ -128,7 +128,8 @@ private:
         if (uses_id && !has_id) {
             return refuse("%i stands in a line that begins with pattern, not with topic");
         }
-        if (rest.starts_with('$') && access != Access::read && access != Access::deny) {
+        const bool is_read = access == Access::read || access == Access::deny;
+        if (rest.starts_with('$') && !is_read && rest != rights_topic) {
             return refuse(quoted(rest) +
                           ": topics that begin with '$' are published by brokers alone; write "
                           "read or deny before it");
@@ -196,10 +197,12 @@ topic announce init-info
 topic announce common
 topic read common
 
+# The last line lets them change these rules, at all brokers: romano rights set FILE.
 group operators
 topic readwrite #
 topic read $SYS/#
 topic read $ROMANO/#
+topic write $ROMANO/rights
 
 # For a loop in which robot c1 controls robot p1, take the marks off:
 #user c1

@@ -52,6 +52,10 @@ struct Fault {
     std::string what;
 };
 
+/// Where rights are set for all brokers, by those of the operators whom a rule lets: the text of a
+/// rights file as a retained message, or an empty one, after which each broker has its own file's.
+inline constexpr std::string_view rights_topic = "$ROMANO/rights";
+
 inline constexpr std::size_t most_octets = std::size_t{1} << 20U;  // of a rights file
 
 [[nodiscard]] Result<Rules, Fault> parse(std::string_view text);

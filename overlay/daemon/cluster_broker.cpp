@@ -350,7 +350,8 @@ void ClusterBroker::warn_of_missing_keys(const cluster::Beacon& beacon) {
 }
 
 void ClusterBroker::look_around() {
-    if (protection_ && protection_->look()) obey_rights();
+    const bool are_keys_changed = protection_ && protection_->look();
+    if (rights_.look(member_->broker()) || are_keys_changed) obey_rights();
     for (const Endpoint& address : homes_of_peers_) {
         member_->on_ability(address, can_serve(address));
     }

@@ -32,15 +32,18 @@ struct FleetWithRights : ProtectedFleet {
                                    "romano_rights_refusals_total{reason=\"" + deed + "\"}",
                                    at_least);
     }
-    /// The digest and what is said of it.
-    int show_rights(int broker) {
+    int rights_as(const std::string& key, int broker, std::vector<std::string> arguments) {
         const std::string service = addresses.service(broker);
         const auto colon = service.find(':');
-        return romano({"rights", "show", "-h", service.substr(0, colon), "-p",
-                       service.substr(colon + 1), "--key",
-                       keys.own_file("anna", keys::Role::person)});
+        arguments.insert(arguments.begin(), "rights");
+        arguments.insert(arguments.end(), {"-h", service.substr(0, colon), "-p",
+                                           service.substr(colon + 1), "--key", key});
+        return romano(arguments);
     }
+    /// The digest and what is said of it.
+    int show_rights(int broker) { return rights_as(key_of_anna, broker, {"show"}); }
     std::string file = folder / "rights";
+    std::string key_of_anna = keys.own_file("anna", keys::Role::person);
 };
 
 TEST_F(FleetWithRights, AStolenRobotMovesNoOther) {
@@ -117,13 +120,50 @@ TEST_F(FleetWithRights, BrokersWithOthersSaySoByName) {
     };
     EXPECT_TRUE(says("the brokers disagree")) << said;
     EXPECT_THAT(said, HasSubstr("the usual ones"));
-    EXPECT_EQ(romano_at(1, {"brokers", "--key", keys.own_file("anna", keys::Role::person)}), 0);
+    EXPECT_EQ(romano_at(1, {"brokers", "--key", key_of_anna}), 0);
     EXPECT_THAT(said, HasSubstr("the brokers disagree about rights: r1 has '"));
     std::filesystem::copy_file(file, others, std::filesystem::copy_options::overwrite_existing);
     brokers[1]->signal(SIGHUP);
     for (int i = 0; i < 100 && said.find("disagree") != std::string::npos; ++i) show_rights(1);
     EXPECT_THAT(said, Not(HasSubstr("disagree")));
     EXPECT_THAT(brokers[0]->errors(), HasSubstr("the brokers disagree about rights: r1 has '"));
+}
+
+TEST_F(FleetWithRights, AreSetForAllBrokersByAnOperatorAndTakenBack) {
+    start_both();
+    auto robot = client_of(2, "abcd1234");
+    ASSERT_TRUE(robot->connect());
+    EXPECT_FALSE(robot->register_topic("lamp"));
+    write_rights(usual() + "user abcd1234\ntopic write lamp\n");
+    EXPECT_EQ(rights_as(key_of_anna, 1, {"set", file}), 0) << said;
+    EXPECT_THAT(said, Not(HasSubstr("disagree")));
+    EXPECT_TRUE(robot->register_topic("lamp")) << "at the other broker";
+
+    const std::string stolen = keys.own_file("00000007", keys::Role::robot);
+    EXPECT_EQ(rights_as(stolen, 1, {"set", file}), 2);
+    EXPECT_THAT(said, HasSubstr("refused"));
+    EXPECT_EQ(romano({"rights", "set", file}), 2);
+    EXPECT_THAT(said, HasSubstr("--key is needed"));
+    write_rights("group operators\ntopic readwrite #\ntopic read $SYS/#\n");
+    EXPECT_EQ(rights_as(key_of_anna, 1, {"set", file}), 2) << "anna could not do it again";
+    EXPECT_THAT(said, HasSubstr("before and afterwards"));
+    EXPECT_TRUE(robot->register_topic("lamp"));
+
+    robot.reset();
+    brokers[0]->kill_9();
+    start_member(1);
+    robot = client_of(1, "abcd1234");
+    ASSERT_TRUE(robot->connect());
+    const auto comes_to_register = [&](bool may) {
+        for (int i = 0; i < 500; ++i) {
+            if (robot->register_topic("lamp").has_value() == may) return true;
+            robot->run_until([] { return false; }, 20ms);
+        }
+        return false;
+    };
+    EXPECT_TRUE(comes_to_register(true)) << "who comes back hears of them";
+    EXPECT_EQ(rights_as(key_of_anna, 1, {"reset"}), 0) << said;
+    EXPECT_TRUE(comes_to_register(false));
 }
 
 TEST_F(FleetWithRights, WhatIsWrongWithAFileIsOneSentence) {

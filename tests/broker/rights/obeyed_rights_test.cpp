@@ -126,6 +126,29 @@ TEST_F(ObeyedRights, AWiderSubscriptionBringsWhatMayBeRead) {
     EXPECT_THAT(broker.notes, IsEmpty()) << "nobody did what it may not";
 }
 
+TEST_F(ObeyedRights, LetSomebodyPublishOnTheOneOpenTopicUnderDollar) {
+    BrokerOptions options = logging_options();
+    options.open_topic = rights::rights_topic;
+    ScriptedBroker open{options};
+    ScriptedClient setter{open, "anna"};
+    open.via.packets = setter.via.packets = Endpoint::Packets::sealed;
+    setter.address.wireless_node_id = protected_node_id(setter.id);
+    setter.connects();
+    const std::string text = "group operators\ntopic write $ROMANO/rights\n";
+    const TopicId topic = setter.registers(std::string{rights::rights_topic});
+    const auto publish = [&] {
+        setter.says(Publish{false, Qos::at_least_once, true, TopicIdType::normal, topic,
+                            setter.next_msg_id(), as_octets(text)});
+        return setter.hears<Puback>().return_code;
+    };
+    EXPECT_EQ(publish(), ReturnCode::not_supported) << "where nobody is asked, nobody may";
+    const auto asked = rights_by(text);
+    open.core.set_permissions(asked.get());
+    EXPECT_EQ(publish(), ReturnCode::accepted);
+    ASSERT_THAT(open.core.retained(rights::rights_topic), SizeIs(1));
+    open.core.set_permissions(nullptr);
+}
+
 TEST_F(ObeyedRights, HoldForRetainedMessages) {
     anna.publishes(anna.registers("robots/r2/pose"), "not for r1", Qos::at_least_once, true);
     anna.publishes(anna.registers("robots/r1/goal"), "for r1", Qos::at_least_once, true);

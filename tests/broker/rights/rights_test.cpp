@@ -117,6 +117,43 @@ TEST(UsualRights, ARobotAnnouncesItselfInItsOwnNameAlone) {
     EXPECT_TRUE(fleet.rights.may_publish_something(fleet.a, "common"));
 }
 
+/// In each, the operators may set rights or not.
+constexpr std::string_view others = "group operators\ntopic write $ROMANO/rights\n";
+constexpr std::string_view without_setters = "group operators\ntopic readwrite #\n";
+
+TEST(RightsAreSet, ByOperatorsAloneWhomARuleLets) {
+    const Fleet fleet;
+    EXPECT_TRUE(fleet.rights.may_publish_something(fleet.anna, rights_topic));
+    EXPECT_TRUE(fleet.rights.may_publish(fleet.anna, rights_topic, as_octets(others)));
+    EXPECT_TRUE(fleet.rights.may_publish(fleet.anna, rights_topic, {})) << "takes them back";
+    EXPECT_FALSE(fleet.rights.may_publish(plain_client(), rights_topic, as_octets(others)));
+    const Fleet generous{
+        "group plain\ntopic write $ROMANO/rights\ngroup robots\ntopic write $ROMANO/rights\n"
+        "group uplink\ntopic write $ROMANO/rights\n"};
+    const Speaker uplink_itself{.via = {}, .node_id = {}, .client_id = {}, .is_owner = true};
+    const Speaker robot = generous.a;
+    for (const Speaker& other : {robot, plain_client(), uplink_itself}) {
+        EXPECT_FALSE(generous.rights.may_publish_something(other, rights_topic));
+        EXPECT_FALSE(generous.rights.may_publish(other, rights_topic, as_octets(others)));
+    }
+    const Fleet strict{without_setters};
+    EXPECT_FALSE(strict.rights.may_publish(strict.anna, rights_topic, as_octets(others)));
+}
+
+TEST(RightsAreSet, NeverSoThatWhoSetsThemCouldNotDoItAgain) {
+    const Fleet fleet;
+    EXPECT_FALSE(fleet.rights.may_publish(fleet.anna, rights_topic, as_octets(without_setters)));
+    EXPECT_FALSE(fleet.rights.may_publish(
+        fleet.anna, rights_topic,
+        as_octets(std::string{others} + "user anna\ntopic deny $ROMANO/rights\n")));
+}
+
+TEST(RightsAreSet, NeverToATextThatIsNone) {
+    const Fleet fleet;
+    EXPECT_FALSE(fleet.rights.may_publish(fleet.anna, rights_topic, as_octets("topci read #\n")));
+    EXPECT_FALSE(fleet.rights.may_publish(fleet.anna, rights_topic, movement));
+}
+
 TEST(UsualRights, OperatorsMoveRobotsAndReadAll) {
     const Fleet fleet;
     EXPECT_TRUE(fleet.rights.may_publish(fleet.anna, "0000000b", movement));
