@@ -150,8 +150,10 @@ Handshakes::Handshakes(const protection::Key& secret, FindKey find_key,
         SSL_CTX_set_cipher_list(context, certificates ? all_suites : psk_suites) != 1) {
         throw std::runtime_error("OpenSSL has no DTLS 1.2 with AES-128-CCM-8 and pre-shared keys");
     }
+    // A client that offers both has a pre-shared key, and perhaps no certificate: our order counts.
     SSL_CTX_set_options(context, SSL_OP_NO_TICKET | SSL_OP_NO_RENEGOTIATION | SSL_OP_NO_QUERY_MTU |
-                                     SSL_OP_COOKIE_EXCHANGE | SSL_OP_NO_COMPRESSION);
+                                     SSL_OP_COOKIE_EXCHANGE | SSL_OP_NO_COMPRESSION |
+                                     SSL_OP_CIPHER_SERVER_PREFERENCE);
     SSL_CTX_set_session_cache_mode(context, SSL_SESS_CACHE_OFF);
     SSL_CTX_set_mode(context, SSL_MODE_RELEASE_BUFFERS);
     SSL_CTX_set_cookie_generate_cb(context, on_cookie_wanted);
