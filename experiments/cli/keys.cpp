@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "romano/keys/authority.h"
 #include "romano/keys/key_error.h"
 #include "romano/keys/key_folder.h"
+#include "romano/keys/peer_papers.h"
 #include "romano/protection/keys.h"
 
 namespace romano::experiments {
@@ -22,12 +22,16 @@ constexpr const char* keys_examples = R"(Examples:
       one more robot: its own file, and a new table for all brokers
   romano keys withdraw fleet abcd1234
       its packets are refused as soon as brokers have the new table
+  romano keys withdraw fleet --broker b2
+      a stolen broker: peers refuse it as soon as they have the new revoked.pem and were restarted
+  romano keys renew fleet b1 --days 730
+      another certificate, by which other brokers know b1, before the first one expires
   romano keys psk fleet/robots/abcd1234.key
       identity and pre-shared key for a standard client of DTLS 1.2:
       read id psk < <(romano keys psk abcd1234.key)
       openssl s_client -dtls1_2 -quiet -psk_identity $id -psk $psk -connect ADDR:PORT
   romano keys certificate fleet anna
-      a certificate for a standard client of DTLS 1.2 (ECDSA), and one for each broker; what goes where:
+      a certificate for a standard client of DTLS 1.2 (ECDSA):
       openssl s_client -dtls1_2 -quiet -CAfile authority.pem -cert anna.pem -key anna.pem -connect ADDR:PORT
   romano keys check fleet        (or a broker's folder, or one key file)
       says in a sentence what is wrong; exit code 1 if something is
@@ -88,13 +92,51 @@ void add_new(CLI::App& keys, int& exit_code) {
 
 void add_withdraw(CLI::App& keys, int& exit_code) {
     auto folder = std::make_shared<std::string>();
-    auto names = std::make_shared<std::vector<std::string>>();
-    CLI::App& command = *keys.add_subcommand("withdraw", "Take clients from the brokers' tables");
+    auto withdrawn = std::make_shared<keys::Names>();
+    auto& clients = withdrawn->robots;
+    CLI::App& command = *keys.add_subcommand(
+        "withdraw", "Take clients from the brokers' tables; revoke brokers' certificates");
     command.add_option("DIR", *folder, "The fleet's folder")->required();
-    command.add_option("NAME", *names, "Robots and operators")->required();
-    command.callback([folder, names, &exit_code] {
-        keys::KeyFolder(*folder).withdraw(*names);
-        std::puts("copy the new clients.keys to all brokers; they read it within a second");
+    command.add_option("NAME", clients, "Robots and operators");
+    command.add_option("--broker", withdrawn->brokers, "A broker (repeatable)")->type_name("NAME");
+    command.callback([folder, withdrawn, &exit_code] {
+        const keys::Names& names = *withdrawn;
+        if (names.robots.empty() && names.brokers.empty()) {
+            throw keys::KeyError("give the NAME of a robot or an operator, or --broker NAME");
+        }
+        keys::KeyFolder(*folder).withdraw(names.robots, names.brokers);
+        if (!names.robots.empty()) {
+            std::puts("copy the new clients.keys to all brokers; they read it within a second");
+        }
+        if (!names.brokers.empty()) {
+            std::printf(
+                "copy the new %s to all other brokers, and restart one after the other; who has "
+                "%s knows the clients' keys: withdraw them too, and make new ones\n",
+                keys::revoked_name, names.brokers.front().c_str());
+        }
+        exit_code = 0;
+    });
+}
+
+void add_renew(CLI::App& keys, int& exit_code) {
+    auto folder = std::make_shared<std::string>();
+    auto brokers = std::make_shared<std::vector<std::string>>();
+    auto days = std::make_shared<int>(keys::broker_days);
+    CLI::App& command =
+        *keys.add_subcommand("renew", "Make another certificate and permissions for brokers");
+    command.add_option("DIR", *folder, "The fleet's folder")->required();
+    command.add_option("NAME", *brokers, "Brokers")->required();
+    command.add_option("--days", *days, "So long they are valid")
+        ->check(CLI::Range(1, 7300))
+        ->capture_default_str();
+    command.callback([folder, brokers, days, &exit_code] {
+        keys::KeyFolder fleet(*folder);
+        for (const std::string& name : *brokers) {
+            fleet.renew(name, *days);
+            std::printf("broker %s: copy %s, %s and %s of %s over the old ones, and restart it\n",
+                        name.c_str(), keys::broker_certificate_name, keys::permissions_name,
+                        keys::revoked_name, fleet.broker_folder(name).c_str());
+        }
         exit_code = 0;
     });
 }
@@ -128,8 +170,7 @@ void add_certificate(CLI::App& keys, int& exit_code) {
     auto folder = std::make_shared<std::string>();
     auto client_id = std::make_shared<std::string>();
     auto days = std::make_shared<int>(730);
-    CLI::App& command = *keys.add_subcommand(
-        "certificate", "Make a client's certificate for DTLS, and the brokers'");
+    CLI::App& command = *keys.add_subcommand("certificate", "Make a client's certificate for DTLS");
     command.add_option("DIR", *folder, "The fleet's folder")->required();
     command
         .add_option("ID", *client_id, "The client: a robot, an operator NAME, or NAME/1 to NAME/15")
@@ -143,10 +184,8 @@ void add_certificate(CLI::App& keys, int& exit_code) {
         const auto authority = std::filesystem::path(*folder) / keys::authority_name;
         std::printf(
             "client %s: move %s to it, and copy %s there, by which it knows the brokers\n"
-            "each broker: copy %s and %s of its folder %s there; it reads them when it starts\n"
             "keep %s where nobody else can read it: it makes more of them\n",
-            client_id->c_str(), file.c_str(), authority.c_str(), keys::authority_name,
-            keys::broker_certificate_name, fleet.broker_folder("NAME").c_str(),
+            client_id->c_str(), file.c_str(), authority.c_str(),
             (std::filesystem::path(*folder) / keys::authority_key_name).c_str());
         exit_code = 0;
     });
@@ -167,11 +206,13 @@ void add_check(CLI::App& keys, int& exit_code) {
 }  // namespace
 
 void add_keys(CLI::App& program, int& exit_code) {
-    CLI::App& command = *program.add_subcommand("keys", "Make and check the keys of clients");
+    CLI::App& command =
+        *program.add_subcommand("keys", "Make and check the keys of clients and brokers");
     command.require_subcommand(1);
     command.footer(keys_examples);
     add_new(command, exit_code);
     add_withdraw(command, exit_code);
+    add_renew(command, exit_code);
     add_psk(command, exit_code);
     add_certificate(command, exit_code);
     add_check(command, exit_code);

@@ -5,9 +5,9 @@
 #include <system_error>
 #include <utility>
 
-#include "romano/keys/authority.h"
 #include "romano/keys/broker_record.h"
 #include "romano/keys/key_error.h"
+#include "romano/keys/peer_papers.h"
 #include "romano/keys/private_file.h"
 #include "romano/keys/random_octets.h"
 
@@ -121,8 +121,10 @@ void check_broker_folder(const fs::path& folder, const ClientKeys* all, Findings
     });
     findings.look([&] { (void)read_broker_record(folder / record_name); });
     findings.look([&] { (void)read_given_place(folder / place_name); });
-    check_certificate(folder / authority_name, findings);
-    check_certificate(folder / broker_certificate_name, findings);
+    findings.look([&] {
+        for (std::string& problem : problems_of_peer_papers(folder))
+            findings.add(std::move(problem));
+    });
 }
 
 }  // namespace
@@ -171,6 +173,9 @@ void KeyFolder::add(const Names& names) {
     write_own(names.robots, Role::robot);
     write_own(names.operators, Role::person);
     write_tables(keys);
+    for (const std::string& name : names.brokers) {
+        if (!has_peer_papers(broker_folder(name))) renew(name, broker_days);
+    }
 }
 
 /// None that was given before; without one a broker does all but DTLS.
@@ -183,12 +188,46 @@ void KeyFolder::give_place(const fs::path& broker) const {
     write_given_place(broker / place_name, place);
 }
 
-void KeyFolder::withdraw(const std::vector<std::string>& names) {
+void KeyFolder::withdraw(const std::vector<std::string>& names,
+                         const std::vector<std::string>& brokers) {
     ClientKeys keys = clients();
     for (const std::string& name : names) {
         if (keys.erase(name) == 0) throw KeyError("'" + name + "': has no key here");
     }
-    write_tables(keys);
+    for (const std::string& name : brokers) {
+        if (!is_name(name) || !fs::exists(broker_folder(name) / broker_certificate_name)) {
+            throw KeyError("--broker '" + name + "': has no certificate here");
+        }
+    }
+    if (!names.empty()) write_tables(keys);
+    for (const std::string& name : brokers) {
+        const fs::path own = broker_folder(name);
+        write_revocations(Authority(folder_), read_private_file(own / broker_certificate_name));
+        fs::remove_all(own);
+    }
+}
+
+void KeyFolder::renew(const std::string& broker, int days) {
+    if (!is_name(broker) || !fs::exists(broker_folder(broker))) {
+        throw KeyError("'" + broker + "': is no broker of this fleet; say first: romano keys new " +
+                       folder_.string() + " --broker " + broker);
+    }
+    const Authority authority(folder_);
+    write_peer_papers(authority, broker, broker_folder(broker), days);
+    write_revocations(authority, std::nullopt);
+}
+
+/// For the fleet, and for each of its brokers.
+void KeyFolder::write_revocations(const Authority& authority,
+                                  const std::optional<std::string>& revoked) const {
+    const fs::path file = folder_ / revoked_name;
+    std::optional<std::string> earlier;
+    if (fs::exists(file)) earlier = read_private_file(file);
+    const std::string list = authority.revocations(earlier, revoked);
+    write_private_file(file, list);
+    for (const std::string& name : brokers()) {
+        write_private_file(broker_folder(name) / revoked_name, list);
+    }
 }
 
 fs::path KeyFolder::certify(const std::string& client_id, int days) {
@@ -199,19 +238,12 @@ fs::path KeyFolder::certify(const std::string& client_id, int days) {
     if (std::ranges::none_of(clients(), owns)) {
         throw KeyError("'" + client_id + "': has no key here; say first: romano keys new DIR");
     }
-    const Authority authority(folder_);
-    for (const std::string& broker : brokers()) {
-        write_private_file(broker_folder(broker) / authority_name, authority.certificate());
-        const fs::path own = broker_folder(broker) / broker_certificate_name;
-        if (fs::exists(own) && !flaw_of(read_private_file(own))) continue;
-        write_private_file(own, authority.issue(broker, Holder::broker, days));
-    }
     const fs::path folder = folder_ / "certificates";
     make_private_folder(folder);
     std::string name = client_id;
     std::ranges::replace(name, '/', '-');
     const fs::path file = folder / (name + ".pem");
-    write_private_file(file, authority.issue(client_id, Holder::client, days));
+    write_private_file(file, Authority(folder_).issue(client_id, Holder::client, days));
     return file;
 }
 

@@ -77,8 +77,9 @@ TEST_F(AnAuthority, OfAnotherCertificateIsRefused) {
 TEST_F(AnAuthority, FlawsAreSaid) {
     const Authority authority(folder.path());
     EXPECT_FALSE(flaw_of(authority.issue("anna", Holder::client, 1)));
-    EXPECT_EQ(flaw_of(authority.issue("anna", Holder::client, -1)),
-              "has expired; `romano keys certificate` makes another one");
+    EXPECT_EQ(
+        flaw_of(authority.issue("anna", Holder::client, -1)),
+        "has expired; `romano keys certificate` (a broker: `romano keys renew`) makes another one");
     EXPECT_EQ(flaw_of("anna"), "is no certificate");
 }
 
