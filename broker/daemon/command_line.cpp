@@ -57,8 +57,8 @@ void add_options(CLI::App& app, SettingTexts& texts) {
                  "datagram there steers robots and reads everything");
     app.add_option(
            "--keys", texts.keys,
-           "Folder with the keys of clients (romano keys new); the broker writes there, too. "
-           "For all brokers of a cluster that has protected or DTLS addresses")
+           "Folder with the keys of clients (romano keys new); the broker writes there, too. In a "
+           "cluster also what brokers know each other by: all have one, or none")
         ->type_name("DIR");
     app.add_option("--rights", texts.rights,
                    "File that says who may publish and read what (romano rights usual prints one); "
@@ -121,6 +121,10 @@ void add_options(CLI::App& app, SettingTexts& texts) {
     app.add_option("--interface", texts.interface,
                    "Network interface between the brokers (default: DDS chooses)")
         ->type_name("IF")
+        ->group(cluster);
+    app.add_flag("--plain-peers", texts.plain_peers,
+                 "Speak with other brokers unprotected, although there are --keys: whoever reaches "
+                 "their network can join")
         ->group(cluster);
     app.add_option("--rank", texts.rank, "Capability: the highest rank leads")
         ->type_name("N")

@@ -20,6 +20,7 @@ struct SettingTexts {
     std::optional<std::string> name = {};
     std::optional<std::string> domain = {};
     std::optional<std::string> interface = {};
+    bool plain_peers = false;
     std::string rank = "0";
     std::optional<std::string> condition_file = {};
     std::string acks = "1";

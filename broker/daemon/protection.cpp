@@ -119,12 +119,12 @@ bool Protection::serve_dtls() {
     return true;
 }
 
-/// What `romano keys certificate` made, if it did.
+/// What `romano keys new` made, if it did.
 std::optional<dtls::Certificates> Protection::certificates() const {
     const fs::path own = folder_ / keys::broker_certificate_name;
-    if (!fs::exists(own)) return std::nullopt;
-    dtls::Certificates read{keys::read_private_file(own),
-                            keys::read_private_file(folder_ / keys::authority_name)};
+    const fs::path authority = folder_ / keys::authority_name;
+    if (!fs::exists(own) || !fs::exists(authority)) return std::nullopt;
+    dtls::Certificates read{keys::read_private_file(own), keys::read_private_file(authority)};
     if (const auto flaw = keys::flaw_of(read.own)) spdlog::warn("{}: {}", own.string(), *flaw);
     return read;
 }

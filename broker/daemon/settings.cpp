@@ -422,10 +422,16 @@ std::optional<ClusterSettings> check_cluster(const SettingTexts& texts,
     out.beacon_every = profile.beacon_every;
     out.detection_timeout = profile.detection_timeout;
     out.phi_threshold = profile.phi_threshold;
+    if (texts.plain_peers && !(texts.domain && texts.keys)) {
+        throw Refusal(
+            "--plain-peers is for the brokers of a cluster that have --keys; give "
+            "--domain and --keys too");
+    }
     if (!texts.domain) {
         check_alone(texts);
         return std::nullopt;
     }
+    out.is_protected = texts.keys && !texts.plain_peers;
     out.interface = check_interface(texts.interface);
     out.domain = number_in<std::uint32_t>("domain", *texts.domain, 0, highest_domain);
     return out;

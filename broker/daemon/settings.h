@@ -19,7 +19,8 @@ namespace romano::daemon {
 
 struct ClusterSettings {
     std::uint32_t domain = 0;
-    std::string interface;  // empty: DDS chooses
+    bool is_protected = false;  // by the papers in the folder of keys
+    std::string interface;      // empty: DDS chooses
     std::string elector;
     std::vector<std::string> voters;
     std::string detector;

@@ -23,6 +23,7 @@ struct ClusterOptions {
     bool acks_strict = false;  // alone: refuse with "congestion" instead of promising
     Duration beacon_every{std::chrono::milliseconds{10}};
     Duration detection_timeout{std::chrono::milliseconds{100}};
+    Duration found_within{};  // by the transport: a peer that starts must prove who it is first
     Duration found_again_within{std::chrono::milliseconds{500}};  // by the transport, after a cut
     std::string
         profile;  // its name and the program's version are only compared (settings_comparison.h)

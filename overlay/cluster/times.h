@@ -1,8 +1,9 @@
 // How long the cluster waits for what: every wait between brokers is a named multiple of one of
-// three times, and stands in this table.
+// four times, and stands in this table.
 //
-// The detection time is the detector's own, as of now: phi-accrual changes it. The time in which a
-// peer is found again belongs to the transport (DDS) and the machines, and not to the beacons.
+// The detection time is the detector's own, as of now: phi-accrual changes it. The times in which a
+// peer is found, and found again, belong to the transport (DDS) and the machines, and not to the
+// beacons.
 #pragma once
 
 #include "romano/base/time.h"
@@ -12,6 +13,7 @@ namespace romano::cluster {
 struct Times {
     Duration beacon_every{};
     Duration detection{};
+    Duration found_within{};
     Duration found_again_within{};
 
     // --- beacons
@@ -44,9 +46,9 @@ struct Times {
     [[nodiscard]] Duration disagreement_lasts() const { return 2 * detection; }
     [[nodiscard]] Duration announcement_arrives_within() const { return 2 * detection; }
     /// A newcomer listens before it opens a view.
-    [[nodiscard]] Duration newcomer_listens_for() const { return 2 * detection; }
+    [[nodiscard]] Duration newcomer_listens_for() const { return found_within + 2 * detection; }
     /// On a busy machine it takes some detection times until two processes hear each other.
-    [[nodiscard]] Duration unmet_peer_waited_for() const { return 20 * detection; }
+    [[nodiscard]] Duration unmet_peer_waited_for() const { return found_within + 20 * detection; }
     /// Its process may stand still, and is found again after that.
     [[nodiscard]] Duration silent_home_waited_for() const { return 6 * found_again_within; }
     [[nodiscard]] Duration members_read_within() const { return 20 * detection; }

@@ -17,6 +17,7 @@
 #include "overlay/daemon/cluster_metrics.h"
 #include "overlay/daemon/low_descriptors.h"
 #include "overlay/daemon/member_options.h"
+#include "overlay/daemon/peer_papers.h"
 #include "overlay/daemon/ros2_bridge.h"
 #include "overlay/dds/packing.h"
 #include "overlay/packets_told.h"
@@ -139,7 +140,8 @@ void ClusterBroker::open_transport() {
         const bool over_ipv6 =
             net::interface_address(cluster.interface).family == Endpoint::Family::ipv6;
         domain_ = std::make_unique<dds::Domain>(
-            dds::DomainOptions{cluster.domain, cluster.interface, over_ipv6});
+            dds::DomainOptions{cluster.domain, cluster.interface, over_ipv6,
+                               cluster.is_protected ? peer_papers(*settings_.keys) : std::nullopt});
         const broker::LogId log{broker::broker_id_of(options_.name), options_.incarnation};
         const overlay::Pulses pulses(options_.cluster.beacon_every,
                                      options_.cluster.detection_timeout);
@@ -149,7 +151,8 @@ void ClusterBroker::open_transport() {
     } catch (const dds::DdsError& error) {
         throw Refusal("--domain '" + std::to_string(cluster.domain) + "': cannot be joined" +
                       (cluster.interface.empty() ? "" : " on " + cluster.interface) + " (" +
-                      error.what() + "); choose another --interface");
+                      error.what() + "); choose another --interface" +
+                      (cluster.is_protected ? ", or look at --keys with `romano keys check`" : ""));
     }
 }
 
@@ -479,7 +482,8 @@ void ClusterBroker::say_when_serving() {
     std::exchange(on_serving_,
                   {})({.addresses = listen_,
                        .cluster = "domain " + std::to_string(cluster.domain) +
-                                  (cluster.interface.empty() ? "" : " on " + cluster.interface)});
+                                  (cluster.interface.empty() ? "" : " on " + cluster.interface) +
+                                  (cluster.is_protected ? ", protected" : "")});
 }
 
 void ClusterBroker::add_metrics(metrics::Page& page) const {

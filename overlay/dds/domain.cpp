@@ -3,17 +3,101 @@
 #include <dds/ddsrt/log.h>
 #include <spdlog/spdlog.h>
 
+#include <chrono>
+#include <filesystem>
+#include <mutex>
+#include <optional>
 #include <string_view>
+#include <utility>
 
 namespace romano::dds {
 namespace {
 
+/// What Cyclone takes for an error: the last one says why a participant cannot be made.
+class Errors {
+public:
+    void add(std::string_view line) {
+        const std::scoped_lock lock(mutex_);
+        last_ = line.substr(0, line.find_first_of("\r\n"));
+    }
+    std::string take_last() {
+        const std::scoped_lock lock(mutex_);
+        return std::exchange(last_, {});
+    }
+    /// DDS refuses the same stranger each second.
+    bool may_tell_of_refusal(std::chrono::steady_clock::time_point now) {
+        const std::scoped_lock lock(mutex_);
+        if (told_at_ && now < *told_at_ + std::chrono::minutes{1}) return false;
+        told_at_ = now;
+        return true;
+    }
+
+private:
+    std::mutex mutex_;
+    std::string last_;
+    std::optional<std::chrono::steady_clock::time_point> told_at_;
+};
+
+Errors& errors() {
+    static Errors all;
+    return all;
+}
+
 // Cyclone tells of every packet that a cut link refuses; that is no news to the people who read
-// the trace at its usual level.
+// the trace at its usual level. That somebody cannot prove itself is.
 void trace_line(void*, const dds_log_data_t* data) {
     std::string_view line(data->message, data->size);
     while (!line.empty() && line.back() == '\n') line.remove_suffix(1);
-    spdlog::debug("dds: {}", line);
+    if ((data->priority & DDS_LC_ERROR) != 0) errors().add(line);
+    const bool is_refusal = line.find("Certificate not valid") != std::string_view::npos;
+    if (is_refusal && errors().may_tell_of_refusal(std::chrono::steady_clock::now())) {
+        spdlog::warn(
+            "a process in this DDS domain does not prove that it is a broker of this "
+            "fleet, and is not heard (said once a minute at most): {}",
+            line);
+    } else {
+        spdlog::debug("dds: {}", line);
+    }
+}
+
+std::string escaped(const std::string& text) {
+    std::string out;
+    for (const char letter : text) {
+        switch (letter) {
+            case '&':
+                out += "&amp;";
+                break;
+            case '<':
+                out += "&lt;";
+                break;
+            case '>':
+                out += "&gt;";
+                break;
+            default:
+                out += letter;
+        }
+    }
+    return out;
+}
+
+/// The three built-in plugins of DDS Security.
+std::string security_of(const std::optional<Papers>& papers) {
+    if (!papers) return {};
+    const auto file = [](const std::string& element, const std::string& path) {
+        return "<" + element + ">file:" + escaped(std::filesystem::absolute(path).string()) + "</" +
+               element + ">";
+    };
+    const auto library = [](const std::string& name, const std::string& kind) {
+        return "<Library path=\"dds_security_" + name + "\" initFunction=\"init_" + kind +
+               "\" finalizeFunction=\"finalize_" + kind + "\"/>";
+    };
+    return "<Security><Authentication>" + library("auth", "authentication") +
+           file("IdentityCA", papers->authority) + file("IdentityCertificate", papers->own) +
+           file("PrivateKey", papers->own) + file("CRL", papers->revoked) +
+           "</Authentication><AccessControl>" + library("ac", "access_control") +
+           file("PermissionsCA", papers->authority) + file("Governance", papers->governance) +
+           file("Permissions", papers->permissions) + "</AccessControl><Cryptographic>" +
+           library("crypto", "crypto") + "</Cryptographic></Security>";
 }
 
 }  // namespace
@@ -42,8 +126,8 @@ std::string configuration_of(const DomainOptions& options) {
            "<HeartbeatInterval min=\"1ms\" minsched=\"5ms\" max=\"200ms\">20ms</HeartbeatInterval>"
            "<Watermarks><WhcLow>100kB</WhcLow><WhcHighInit>4MB</WhcHighInit><WhcHigh>4MB</WhcHigh>"
            "<WhcAdaptive>false</WhcAdaptive></Watermarks>"
-           "</Internal>"
-           "</Domain></CycloneDDS>";
+           "</Internal>" +
+           security_of(options.papers) + "</Domain></CycloneDDS>";
 }
 
 Domain::Domain(const DomainOptions& options) : Domain(options.id, configuration_of(options)) {}
@@ -56,8 +140,14 @@ Domain::Domain(std::uint32_t id, const std::string& configuration) : id_(id) {
 }
 
 Entity Domain::make_participant() const {
-    return {dds_create_participant(id_, nullptr, nullptr),
-            "participant in DDS domain " + std::to_string(id_)};
+    (void)errors().take_last();
+    try {
+        return {dds_create_participant(id_, nullptr, nullptr),
+                "participant in DDS domain " + std::to_string(id_)};
+    } catch (const DdsError& error) {
+        const std::string why = errors().take_last();
+        throw DdsError(why.empty() ? error.what() : why);
+    }
 }
 
 }  // namespace romano::dds

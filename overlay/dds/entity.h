@@ -13,6 +13,7 @@ namespace romano::dds {
 /// Only while starting up: a domain, topic, reader or writer that cannot be made.
 class DdsError : public std::runtime_error {
 public:
+    explicit DdsError(const std::string& sentence) : std::runtime_error(sentence) {}
     DdsError(const std::string& what, dds_return_t code)
         : std::runtime_error(what + ": " + dds_strretcode(code)) {}
 };

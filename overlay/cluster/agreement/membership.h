@@ -98,7 +98,8 @@ public:
     [[nodiscard]] std::vector<BrokerId> take_lost();
     [[nodiscard]] Duration detection_time() const { return linked_->detection_time(); }
     [[nodiscard]] Times times() const {
-        return {options_.beacon_every, detection_time(), options_.found_again_within};
+        return {options_.beacon_every, detection_time(), options_.found_within,
+                options_.found_again_within};
     }
 
 private:

@@ -1,0 +1,204 @@
+// Brokers that prove themselves to each other by what `romano keys` made: who cannot, neither joins
+// nor reads; and certificates are replaced and revoked while the cluster serves.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "romano/keys/peer_papers.h"
+#include "tests/system/protected_fleet.h"
+
+namespace romano::system::protected_peers_test {
+namespace {
+
+using testing::HasSubstr;
+namespace fs = std::filesystem;
+
+constexpr const char* members = "romano_cluster_view_members";
+constexpr const char* heard = "romano_cluster_transport_bytes_total{direction=\"received\"}";
+
+struct ProtectedPeers : ProtectedFleet {
+    ProtectedPeers() {
+        EXPECT_EQ(romano({"keys", "new", fleet.string(), "--broker", "r3"}), 0) << said;
+    }
+    /// As the owner does it, with a folder on the broker's machine.
+    void copy_to(const std::string& broker, const char* file) {
+        fs::copy_file(keys.broker_folder(broker) / file, machine(broker) / file,
+                      fs::copy_options::overwrite_existing);
+    }
+    [[nodiscard]] fs::path machine(const std::string& broker) const { return folder / broker; }
+    void install(const std::string& broker) {
+        fs::copy(keys.broker_folder(broker), machine(broker));
+    }
+    std::vector<std::string> member_of(int n, const fs::path& folder_of_keys) {
+        return {"--listen",
+                "protected://" + addresses.service(n),
+                "--metrics",
+                addresses.service(n),
+                "--name",
+                "r" + std::to_string(n),
+                "--keys",
+                folder_of_keys.string(),
+                "--domain",
+                std::to_string(addresses.domain()),
+                "--interface",
+                "lo",
+                "--rank",
+                std::to_string(n),
+                "--detection-timeout-ms",
+                "300"};
+    }
+    BrokerProcess& start(const std::vector<std::string>& arguments) {
+        brokers.push_back(std::make_unique<BrokerProcess>(arguments));
+        brokers.back()->wait_until_serving();
+        return *brokers.back();
+    }
+    BrokerProcess& start_on_its_machine(int n) {
+        return start(member_of(n, machine("r" + std::to_string(n))));
+    }
+    bool view_has(int broker, int count) {
+        return metrics_come_to_say(addresses.service_endpoint(broker), members, count, count);
+    }
+    std::string refusal(const std::vector<std::string>& arguments) {
+        Process broker(ROMANO_BROKER, arguments);
+        EXPECT_EQ(broker.wait_for_exit(), 2);
+        return broker.errors();
+    }
+};
+
+TEST_F(ProtectedPeers, WhoHasNoPapersOrThoseOfAnotherFleetNeitherJoinsNorReads) {
+    start_member(1);
+    auto plain = member_of(4, keys.broker_folder("r3"));
+    plain.insert(plain.end(), {"--plain-peers"});
+    start(plain);
+    keys::KeyFolder others(folder / "others");
+    others.add({.brokers = {"r5"}, .robots = {}, .operators = {}});
+    start(member_of(5, others.broker_folder("r5")));
+    // Who came last has met everybody, if it ever will.
+    start_member(2);
+    ASSERT_TRUE(view_has(1, 2));
+    EXPECT_TRUE(view_has(2, 2));
+    const auto robot = client_of(1, "abcd1234");
+    const auto anna = client_of(2, "anna");
+    ASSERT_TRUE(robot->connect());
+    ASSERT_TRUE(robot->subscribe("robots/abcd1234/pose", mqttsn::Qos::at_least_once));
+    ASSERT_TRUE(anna->connect());
+    const auto topic = anna->register_topic("robots/abcd1234/pose");
+    ASSERT_TRUE(topic);
+    ASSERT_TRUE(anna->publish(*topic, "x", mqttsn::Qos::at_least_once));
+    ASSERT_TRUE(robot->run_until([&] { return !robot->received.empty(); }));
+    for (const int outsider : {4, 5}) {
+        EXPECT_TRUE(view_has(outsider, 1)) << outsider;
+        EXPECT_TRUE(metrics_come_to_say(addresses.service_endpoint(outsider), heard, 0, 0))
+            << outsider;
+    }
+}
+
+TEST_F(ProtectedPeers, ARevokedBrokerIsNotBelievedAfterARestart) {
+    for (const char* name : {"r1", "r2", "r3"}) install(name);
+    start_on_its_machine(2);
+    start_on_its_machine(1);
+    ASSERT_TRUE(view_has(1, 2));
+    // r2 was stolen, and comes back when the others know it.
+    ASSERT_EQ(romano({"keys", "withdraw", fleet.string(), "--broker", "r2"}), 0) << said;
+    EXPECT_THAT(said, HasSubstr("revoked.pem"));
+    copy_to("r1", keys::revoked_name);
+    copy_to("r3", keys::revoked_name);
+    for (const auto& broker : brokers) {
+        broker->signal(SIGTERM);
+        ASSERT_EQ(broker->wait_for_exit(), 0);
+    }
+    brokers.clear();
+    start_on_its_machine(1);
+    start_on_its_machine(2);
+    start_on_its_machine(3);
+    EXPECT_TRUE(view_has(1, 2)) << "with r3";
+    EXPECT_TRUE(view_has(2, 1));
+    EXPECT_TRUE(metrics_come_to_say(addresses.service_endpoint(2), heard, 0, 0));
+    fs::copy_file(machine("r1") / keys::revoked_name, machine("r2") / keys::revoked_name,
+                  fs::copy_options::overwrite_existing);
+    brokers[1]->signal(SIGTERM);
+    ASSERT_EQ(brokers[1]->wait_for_exit(), 0);
+    EXPECT_THAT(refusal(member_of(2, machine("r2"))), HasSubstr("broker.pem: is revoked"));
+}
+
+TEST_F(ProtectedPeers, CertificatesAreReplacedOneBrokerAfterTheOtherUnderLoadAndNothingIsLost) {
+    for (const char* name : {"r1", "r2", "r3"}) install(name);
+    for (int n = 1; n <= 3; ++n) start_on_its_machine(n);
+    ASSERT_TRUE(view_has(1, 3));
+    const auto robot = client_of(1, "abcd1234");
+    const auto anna = client_of(2, "anna");
+    ASSERT_TRUE(robot->connect());
+    ASSERT_TRUE(robot->subscribe("robots/abcd1234/pose", mqttsn::Qos::exactly_once));
+    ASSERT_TRUE(anna->connect());
+    const auto topic = anna->register_topic("robots/abcd1234/pose");
+    ASSERT_TRUE(topic);
+    const int begun = robot->sessions_begun + anna->sessions_begun;
+    int published = 0;
+    const auto publish = [&](int count) {
+        for (int i = 0; i < count; ++i) {
+            ASSERT_TRUE(
+                anna->publish(*topic, std::to_string(published++), mqttsn::Qos::exactly_once));
+            robot->run_until([] { return false; }, std::chrono::milliseconds{2});
+        }
+    };
+    publish(20);
+    for (int n = 1; n <= 3; ++n) {
+        const std::string name = "r" + std::to_string(n);
+        ASSERT_EQ(romano({"keys", "renew", fleet.string(), name, "--days", "30"}), 0) << said;
+        copy_to(name, keys::broker_certificate_name);
+        copy_to(name, keys::permissions_name);
+        brokers[0]->signal(SIGTERM);
+        publish(10);
+        ASSERT_EQ(brokers[0]->wait_for_exit(), 0);
+        brokers.erase(brokers.begin());
+        start_on_its_machine(n);
+        publish(10);
+        ASSERT_TRUE(view_has(n, 3)) << name;
+    }
+    ASSERT_TRUE(robot->run_until(
+        [&] { return robot->received.size() == static_cast<std::size_t>(published); }));
+    for (int i = 0; i < published; ++i) {
+        EXPECT_EQ(robot->received[static_cast<std::size_t>(i)].data, std::to_string(i));
+    }
+    EXPECT_EQ(robot->sessions_begun + anna->sessions_begun, begun) << "a client noticed";
+    EXPECT_EQ(romano({"keys", "check", machine("r1").string()}), 0) << said;
+}
+
+TEST_F(ProtectedPeers, AClientsCertificateIsNoBrokers) {
+    install("r1");
+    ASSERT_EQ(romano({"keys", "certificate", fleet.string(), "abcd1234"}), 0) << said;
+    fs::copy_file(fleet / "certificates" / "abcd1234.pem",
+                  machine("r1") / keys::broker_certificate_name,
+                  fs::copy_options::overwrite_existing);
+    EXPECT_THAT(refusal(member_of(1, machine("r1"))),
+                AllOf(HasSubstr("--domain '"), HasSubstr("cannot be joined")));
+}
+
+TEST_F(ProtectedPeers, WhatIsWrongWithPapersIsOneSentence) {
+    install("r1");
+    const auto with = [&](const std::vector<std::string>& more) {
+        auto arguments = member_of(1, machine("r1"));
+        arguments.insert(arguments.end(), more.begin(), more.end());
+        return arguments;
+    };
+    ASSERT_EQ(romano({"keys", "new", (folder / "others").string(), "--broker", "r1"}), 0) << said;
+    const auto other = folder / "others" / "brokers" / "r1" / keys::authority_name;
+    fs::copy_file(other, machine("r1") / keys::authority_name,
+                  fs::copy_options::overwrite_existing);
+    EXPECT_THAT(refusal(with({})), HasSubstr("is of another authority"));
+    fs::permissions(machine("r1") / keys::authority_name, fs::perms::others_read,
+                    fs::perm_options::add);
+    EXPECT_THAT(refusal(with({})), HasSubstr("chmod 600"));
+    fs::remove(machine("r1") / keys::authority_name);
+    EXPECT_THAT(refusal(with({})),
+                AllOf(HasSubstr("authority.pem: is missing"), HasSubstr("--plain-peers")));
+    EXPECT_THAT(refusal({"--plain-peers", "--domain", "7"}), HasSubstr("--plain-peers is for"));
+}
+
+}  // namespace
+}  // namespace romano::system::protected_peers_test
