@@ -81,7 +81,8 @@ Fleet::Fleet(const std::filesystem::path& folder, const std::vector<std::string>
     }
     keys_.add(names);
     table_ = keys_.clients();
-    std::ofstream(folder_ / "rights") << "group robots\ntopic readwrite #\n";
+    std::ofstream(folder_ / "rights")
+        << "group robots\ntopic readwrite #\ngroup plain\ntopic readwrite #\n";
 }
 
 std::vector<std::string> Fleet::broker_arguments(const std::string& broker) const {

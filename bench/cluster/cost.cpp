@@ -7,6 +7,7 @@
 #include <thread>
 
 #include "bench/failover/cluster.h"
+#include "bench/fleet.h"
 #include "broker/net/clock.h"
 #include "broker/net/endpoint_text.h"
 #include "experiments/load/load_run.h"
@@ -78,6 +79,10 @@ std::vector<CostScenario> cost_scenarios(Duration measured) {
         {"qos1_paced_acks_1", paced, {0}, {"--acks", "1"}},
         {"qos0_local", qos0, {0}, {}},
         {"qos0_between", qos0, {0, 1}, {}},
+        {"qos1_paced_between", paced, {0, 1}, {}},
+        {"qos1_acks_1_proven", loop, {0}, {"--acks", "1"}, false, true},
+        {"qos0_between_proven", qos0, {0, 1}, {}, false, true},
+        {"qos1_paced_between_proven", paced, {0, 1}, {}, false, true},
         {"peer_stops_acks_1", paced, {0, 1}, {"--acks", "1"}, true},
         {"peer_stops_acks_all", paced, {0, 1}, {"--acks", "all"}, true},
     };
@@ -89,7 +94,11 @@ CostRow run(const CostScenario& scenario, unsigned repetition, const Options& br
     options.broker_arguments.insert(options.broker_arguments.end(),
                                     scenario.broker_arguments.begin(),
                                     scenario.broker_arguments.end());
-    Cluster cluster(options, options.output / "traces");
+    std::optional<Fleet> fleet;
+    if (scenario.brokers_prove_themselves) {
+        fleet.emplace(options.output / "fleet", std::vector<std::string>{"b1", "b2", "b3"}, 0);
+    }
+    Cluster cluster(options, options.output / "traces", fleet ? &*fleet : nullptr);
     await_whole(cluster);
 
     experiments::MqttsnOptions mqttsn{.brokers = {},
@@ -166,6 +175,17 @@ std::vector<CostTarget> judge(const std::vector<CostRow>& rows) {
         });
     add("QoS 0, between brokers to local, throughput", "at least 0.5", false, 0.5,
         ratio("qos0_between", "qos0_local"));
+    add("QoS 1, acks 1, brokers that prove themselves to plain ones, throughput", "at least 0.6",
+        false, 0.6, ratio("qos1_acks_1_proven", "qos1_acks_1"));
+    add("QoS 0, between such brokers to plain ones, throughput", "at least 0.6", false, 0.6,
+        ratio("qos0_between_proven", "qos0_between"));
+    add("QoS 1, between such brokers to plain ones, latency p50", "at most 1.5", true, 1.5,
+        [&](unsigned repetition) -> std::optional<double> {
+            const auto field = &CostRow::delivery_p50_ms;
+            const auto with = value(rows, "qos1_paced_between_proven", repetition, field);
+            const auto without = value(rows, "qos1_paced_between", repetition, field);
+            return with && without ? std::optional{*with / *without} : std::nullopt;
+        });
     add("a peer stops, acks 1, longest delay (ms)", "at most 50", true, detection_time,
         longest("peer_stops_acks_1"));
     add("a peer stops, acks all, longest delay (ms)", "at most 50", true, detection_time,

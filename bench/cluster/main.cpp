@@ -19,7 +19,7 @@ using namespace romano;
 using namespace romano::bench;
 
 constexpr const char* examples = R"(Examples:
-  romano_cluster_bench                                    (about two minutes)
+  romano_cluster_bench                                    (about three minutes)
   romano_cluster_bench --only qos1_acks_0 --only qos1_acks_1 --repetitions 7
   romano_cluster_bench --seconds 0.3 --repetitions 1      (does everything work?)
 Three brokers and the load generator share this machine's cores. Writes runs.csv into --output.
@@ -48,7 +48,7 @@ int run_all(const Options& options, double seconds, unsigned repetitions,
             rows.push_back(run(scenario, repetition, options));
             const CostRow& row = rows.back();
             std::fprintf(stderr,
-                         "%u/%u %-20s %8.0f deliveries/s  delay p50 %6.2f ms, most %6.1f  "
+                         "%u/%u %-25s %8.0f deliveries/s  delay p50 %6.2f ms, most %6.1f  "
                          "answer p50 %6.2f ms, most %6.1f  brokers' CPU %4.0f %%  lost %.0f\n",
                          repetition, repetitions, scenario.name.c_str(), row.deliveries_per_s,
                          row.delivery_p50_ms, row.delivery_max_ms, row.acknowledgement_p50_ms,
@@ -56,9 +56,9 @@ int run_all(const Options& options, double seconds, unsigned repetitions,
             std::ofstream(options.output / "runs.csv") << csv_of(rows);
         }
     }
-    std::printf("%-46s %-14s %9s %9s %9s\n", "", "target", "median", "least", "most");
+    std::printf("%-74s %-14s %9s %9s %9s\n", "", "target", "median", "least", "most");
     for (const CostTarget& target : judge(rows)) {
-        std::printf("%-46s %-14s %9.2f %9.2f %9.2f  %s\n", target.what.c_str(),
+        std::printf("%-74s %-14s %9.2f %9.2f %9.2f  %s\n", target.what.c_str(),
                     target.wanted.c_str(), target.measured, target.low, target.high,
                     target.holds ? "holds" : "MISSED");
     }
