@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <iterator>
 
 #include "romano/mqttsn/cell.h"
 #include "romano/mqttsn/codec.h"
@@ -27,6 +28,11 @@ unsigned answer_steps_for(std::size_t members) {
         (members * answer_time + mqttsn::cell_answer_step - std::chrono::milliseconds{1}) /
         mqttsn::cell_answer_step;
     return static_cast<unsigned>(std::min<std::int64_t>(steps, 255));
+}
+
+void append_be16(std::vector<std::uint8_t>& octets, std::uint16_t number) {
+    octets.push_back(static_cast<std::uint8_t>(number >> 8U));
+    octets.push_back(static_cast<std::uint8_t>(number));
 }
 
 std::uint16_t number_of(const Session& session) {
@@ -61,12 +67,15 @@ void Cell::deliver(std::string_view topic, Bytes payload, Qos qos, const Message
             if (is_here) members_.push_back(each);
             return is_here;
         });
+        const mqttsn::MsgId behind =
+            qos == Qos::at_least_once ? unanswered(members_) : mqttsn::no_msg_id;
         if (members_.size() < fewest_members || !find_exceptions(via, topic, members_)) continue;
         // Who shares its number with one of these is excepted with it.
         std::erase_if(members_, [&](const Receiver* each) {
             return std::ranges::binary_search(exceptions_, number_of(*each->session));
         });
-        if (members_.size() >= fewest_members) send(members_, topic, payload, qos, message, turn);
+        if (members_.size() < fewest_members) continue;
+        send(members_, behind, topic, payload, qos, message, turn);
     }
 }
 
@@ -101,6 +110,17 @@ bool Cell::find_exceptions(const Endpoint& via, std::string_view topic, const Me
     return all_may_read && exceptions_.size() <= mqttsn::most_cell_exceptions;
 }
 
+mqttsn::MsgId Cell::unanswered(Members& members) {
+    Members waited_for;
+    std::ranges::copy_if(members, std::back_inserter(waited_for),
+                         [](const Receiver* each) { return each->session->exchange.is_open(); });
+    if (waited_for.empty()) return mqttsn::no_msg_id;
+    const std::uint16_t last = latest_msg_id(waited_for);
+    std::erase_if(members,
+                  [last](const Receiver* each) { return each->session->last_msg_id != last; });
+    return mqttsn::MsgId{last};
+}
+
 /// The one behind which no listener was given any: it lies behind all of them on the circle of
 /// numbers, so that no answer to an earlier message is taken for one to this.
 std::uint16_t Cell::latest_msg_id(const Members& members) {
@@ -113,17 +133,17 @@ std::uint16_t Cell::latest_msg_id(const Members& members) {
     return latest;
 }
 
-void Cell::send(Members& members, std::string_view topic, Bytes payload, Qos qos,
-                const MessagePtr& message, Turn& turn) {
+void Cell::send(Members& members, mqttsn::MsgId behind, std::string_view topic, Bytes payload,
+                Qos qos, const MessagePtr& message, Turn& turn) {
     data_.assign(1, static_cast<std::uint8_t>(exceptions_.size()));
     for (const std::uint16_t number : exceptions_) {
-        data_.push_back(static_cast<std::uint8_t>(number >> 8U));
-        data_.push_back(static_cast<std::uint8_t>(number));
+        append_be16(data_, number);
     }
+    const bool is_answered = qos == Qos::at_least_once;
+    if (is_answered) append_be16(data_, static_cast<std::uint16_t>(behind));
     data_.insert(data_.end(), topic.begin(), topic.end());
     data_.insert(data_.end(), payload.begin(), payload.end());
 
-    const bool is_answered = qos == Qos::at_least_once;
     const unsigned steps = is_answered ? answer_steps_for(members.size()) : 0;
     mqttsn::Publish publish{.dup = false,
                             .qos = qos,
@@ -145,8 +165,9 @@ void Cell::send(Members& members, std::string_view topic, Bytes payload, Qos qos
         after = std::max(after, session.output_floor);
         if (!is_answered) continue;
         session.last_msg_id = latest;
-        deliveries_.follow_cell(session, message, member->topic, until_repair, turn);
-        publish.msg_id = session.exchange.msg_id;  // the same for all of them
+        // The same for all of them.
+        publish.msg_id =
+            deliveries_.follow_cell(session, message, member->topic, until_repair, turn);
     }
     // What follows to any of them must not overtake it.
     for (Receiver* member : members) member->session->output_floor = after;

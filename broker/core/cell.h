@@ -4,7 +4,8 @@
 //
 // For a listener nothing is different: its message is at the front of its queue, and an exchange is
 // open about it whose first sending was the cell's. So the log, a mirror and another home know
-// what they know of a unicast, and what is not answered follows as one, with DUP.
+// what they know of a unicast, and what is not answered follows as one, with DUP. Of a burst the
+// next messages wait behind the front, with the ids under which the cell was told them (Begun).
 //
 // A listener hears every datagram of its cell. It takes what has a name that it knows and does not
 // except it; so all are excepted that have an id for that name and are not to take the datagram
@@ -50,8 +51,11 @@ private:
     /// it, or too many are excepted.
     [[nodiscard]] bool find_exceptions(const Endpoint& via, std::string_view topic,
                                        const Members& members);
-    void send(Members& members, std::string_view topic, Bytes payload, mqttsn::Qos qos,
-              const MessagePtr& message, Turn& turn);
+    void send(Members& members, mqttsn::MsgId behind, std::string_view topic, Bytes payload,
+              mqttsn::Qos qos, const MessagePtr& message, Turn& turn);
+    /// The last message that they have not all answered yet; none: they have. Whoever was told
+    /// another one last is no member any more.
+    [[nodiscard]] static mqttsn::MsgId unanswered(Members& members);
     [[nodiscard]] static std::uint16_t latest_msg_id(const Members& members);
 
     Tables& tables_;

@@ -25,6 +25,15 @@ constexpr Duration courtesy{std::chrono::seconds{1}};
 /// it is said not to take it: each single time the message or its answer may have been lost.
 constexpr int often_enough = 8;
 
+/// So many messages to the cell may wait for one client's answer.
+constexpr std::size_t most_unanswered_at_cell = 16;
+
+/// All that waits for this client went to the cell, and nothing of it was repeated.
+bool awaits_cell_alone(const Session& session) {
+    return session.exchange.cell_patience != Duration{0} &&
+           session.queue.size() == 1 + session.begun.size();
+}
+
 }  // namespace
 
 bool DeliveryFlow::make_room(Session& session) {
@@ -65,21 +74,70 @@ bool DeliveryFlow::can_take_now(Session& session, WireTopic& topic, std::string_
     if (!can_send_at_once(session, topic, name) || !session.topics.at(topic.id)->known) {
         return false;
     }
-    return qos == Qos::at_most_once ||
-           (session.queue.empty() && !session.exchange.is_open() && session.begun.empty());
+    if (qos == Qos::at_most_once) return true;
+    if (session.exchange.is_open()) {
+        return awaits_cell_alone(session) && session.queue.size() < most_unanswered_at_cell;
+    }
+    return session.queue.empty() && session.begun.empty();
 }
 
-void DeliveryFlow::follow_cell(Session& session, const MessagePtr& message, const WireTopic& topic,
-                               Duration patience, Turn& turn) {
+MsgId DeliveryFlow::follow_cell(Session& session, const MessagePtr& message, const WireTopic& topic,
+                                Duration patience, Turn& turn) {
     session.queue.push({.position = message->position, .message = message});
+    if (session.exchange.is_open()) {
+        session.begun.push_back({message->position, next_msg_id(session)});
+        return session.begun.back().msg_id;
+    }
     session.queue.choose(0);
+    await_cell(session, topic, patience, turn);
+    return session.exchange.msg_id;
+}
+
+void DeliveryFlow::await_cell(Session& session, const WireTopic& topic, Duration patience,
+                              Turn& turn) {
     Delivery& delivery = session.queue.current();
     start(session, delivery, turn);
     open(session, Kind::publishing, delivery.msg_id, topic);
-    session.exchange.by_cell = true;
+    session.exchange.cell_patience = patience;
     session.exchange.sent_at = turn.now;
     session.exchange.retry_at = turn.now + patience;
     schedule(tables_, session);
+}
+
+/// A listener takes no message of the cell before it has the one before, so that its answer to one
+/// is an answer to all before it. How many there are behind the front, up to the one with that id;
+/// 0 when it is none of them.
+std::size_t DeliveryFlow::behind_front_at_cell(const Session& session, MsgId msg_id) {
+    if (session.exchange.kind != Kind::publishing || session.queue.place() != 0) return 0;
+    auto delivery = session.queue.begin();
+    std::size_t count = 0;
+    for (const Begun& begun : session.begun) {
+        if (++delivery == session.queue.end() || delivery->position != begun.position ||
+            delivery->qos != Qos::at_least_once) {
+            return 0;
+        }
+        ++count;
+        if (begun.msg_id == msg_id) return count;
+    }
+    return 0;
+}
+
+/// The front and so many behind it are answered. What the cell was told after them has its own
+/// time.
+void DeliveryFlow::end_at_cell(Session& session, std::size_t behind, Turn& turn) {
+    const Duration patience = session.exchange.cell_patience;
+    for (std::size_t i = 0; i <= behind; ++i) end_front(session, turn);
+    const bool is_told = patience != Duration{0} && !session.begun.empty() &&
+                         !session.queue.empty() && !session.held &&
+                         session.begun.front().position == session.queue.current().position;
+    if (is_told) {
+        const std::string& name = session.queue.current().message->topic;
+        WireTopic topic = plain_topic(session, name);
+        if (prepare(session, topic, name, turn) == Readiness::ready) {
+            return await_cell(session, topic, patience, turn);
+        }
+    }
+    go_on(session, turn);
 }
 
 WireTopic DeliveryFlow::plain_topic(const Session& session, std::string_view name) {
@@ -204,6 +262,7 @@ bool DeliveryFlow::publish_front(Session& session, const WireTopic& topic, Turn&
     const bool again = may_be_there && !session.exchange.refused;  // a fall-back has a new msg id
     if (!started) {
         if (delivery.qos == Qos::exactly_once) release_unfinished(session, turn);
+        if (delivery.qos == Qos::at_least_once && again) ++tables_.counters.cell_repairs;
         start(session, delivery, turn);
     }
     open(session, Kind::publishing, delivery.msg_id, topic);
@@ -278,6 +337,8 @@ bool DeliveryFlow::send_publish(Session& session, const Delivery& delivery, cons
 
 void DeliveryFlow::supervise(Session& session, Turn& turn) {
     Exchange& exchange = session.exchange;
+    const Duration of_cell = std::exchange(exchange.cell_patience, Duration{0});
+    if (of_cell != Duration{0}) ++tables_.counters.cell_repairs;
     if (++exchange.sendings > 1) {
         ++tables_.counters.retransmissions;
     } else {
@@ -326,8 +387,11 @@ void DeliveryFlow::on_regack(Session& session, const mqttsn::Regack& message, Tu
 void DeliveryFlow::on_puback(Session& session, const mqttsn::Puback& message, Turn& turn) {
     const Exchange& exchange = session.exchange;
     if (exchange.kind != Kind::publishing || exchange.msg_id != message.msg_id) {
-        if (message.msg_id == mqttsn::no_msg_id &&
-            message.return_code == ReturnCode::invalid_topic_id) {
+        const std::size_t behind = behind_front_at_cell(session, message.msg_id);
+        if (behind != 0 && message.return_code == ReturnCode::accepted) {
+            end_at_cell(session, behind, turn);
+        } else if (message.msg_id == mqttsn::no_msg_id &&
+                   message.return_code == ReturnCode::invalid_topic_id) {
             subscriptions_.set_known(session, message.topic_id, false, turn);  // of QoS 0 (G21)
         } else {
             tables_.count(Drop::unexpected);
@@ -340,8 +404,7 @@ void DeliveryFlow::on_puback(Session& session, const mqttsn::Puback& message, Tu
             tables_.count(Drop::unexpected);
             return;
         }
-        end_front(session, turn);
-        go_on(session, turn);
+        end_at_cell(session, 0, turn);
     } else if (message.return_code == ReturnCode::congestion) {
         return;  // the retry comes later, as it should
     } else if (exchange.refused) {
@@ -428,6 +491,10 @@ void DeliveryFlow::on_pubcomp(Session& session, const mqttsn::Pubcomp& message, 
 
 void DeliveryFlow::end_front(Session& session, Turn& turn) {
     const Delivery& delivery = session.queue.current();
+    if (delivery.stage == DeliveryStage::queued) {  // never to be sent again
+        const auto begun = std::ranges::find(session.begun, delivery.position, &Begun::position);
+        if (begun != session.begun.end()) session.begun.erase(begun);
+    }
     if (delivery.qos != Qos::at_most_once) {
         tables_.log.append(turn.out, [&] {
             return DeliveryEnded{session.header.client_id, delivery.position};
@@ -463,11 +530,8 @@ void DeliveryFlow::send_again(Session& session, Turn& turn) {
 
 void DeliveryFlow::on_retry(Session& session, Turn& turn) {
     Exchange& exchange = session.exchange;
-    if (std::exchange(exchange.by_cell, false)) {
-        ++tables_.counters.cell_repairs;
-    } else if (exchange.heard_since && exchange.ignored < often_enough) {
-        ++exchange.ignored;
-    }
+    const bool was_alone = exchange.cell_patience == Duration{0};
+    if (was_alone && exchange.heard_since && exchange.ignored < often_enough) ++exchange.ignored;
     if (!session.is_listening()) {
         exchange.stalled = true;  // another client has its address now (G7)
     } else if (names_known_id(session)) {

@@ -13,6 +13,7 @@
 // one that is out of reach nothing is dropped.
 #pragma once
 
+#include <cstddef>
 #include <string_view>
 
 #include "broker/core/enforcement.h"
@@ -42,13 +43,15 @@ public:
     /// The id by which a QoS 0 message may go out now, or none: then it waits or is not for now.
     [[nodiscard]] bool can_send_at_once(Session& session, WireTopic& topic, std::string_view name);
 
-    /// It would go out in this very turn, as what it is and under an id that the client knows.
+    /// It may go to the cell in this very turn, as what it is and under an id that the client
+    /// knows: nothing is before it, or nothing but what went to the cell as well, and not too much
+    /// of it.
     [[nodiscard]] bool can_take_now(Session& session, WireTopic& topic, std::string_view name,
                                     mqttsn::Qos qos);
     /// A message of QoS 1 that can_take_now() went to the cell, under the msg id behind the
-    /// session's last one. Without an answer for so long it follows by unicast.
-    void follow_cell(Session& session, const MessagePtr& message, const WireTopic& topic,
-                     Duration patience, Turn& turn);
+    /// session's last one, which is returned. Without an answer for so long it follows by unicast.
+    mqttsn::MsgId follow_cell(Session& session, const MessagePtr& message, const WireTopic& topic,
+                              Duration patience, Turn& turn);
 
     /// The owner is done with this message of the session that it reads.
     void on_read(Session& session, const LogPosition& position, Turn& turn);
@@ -104,6 +107,10 @@ private:
     static void open(Session& session, Exchange::Kind kind, mqttsn::MsgId msg_id,
                      const WireTopic& topic);
     void fall_back(Session& session, mqttsn::Qos most, bool bare, Turn& turn);
+    void await_cell(Session& session, const WireTopic& topic, Duration patience, Turn& turn);
+    [[nodiscard]] static std::size_t behind_front_at_cell(const Session& session,
+                                                          mqttsn::MsgId msg_id);
+    void end_at_cell(Session& session, std::size_t behind, Turn& turn);
     void end_front(Session& session, Turn& turn);
     void drop_front(Session& session, Drop reason, Turn& turn);
     void supervise(Session& session, Turn& turn);

@@ -33,11 +33,12 @@ struct Exchange {
     bool heard_since = false;  // and since the last one
     std::uint8_t ignored = 0;  // sendings after which the client was heard, but no answer
     bool refused = false;      // the message fell back once already (G21, G25)
-    bool by_cell = false;      // its first sending went to the cell (cell.h)
     bool bare = false;         // without DUP and Retain (G25)
     std::uint8_t sendings = 0;
     mqttsn::MsgId msg_id = mqttsn::no_msg_id;
-    WireTopic topic;    // of REGISTER and PUBLISH
+    WireTopic topic;  // of REGISTER and PUBLISH
+    /// It went to the cell (cell.h), and to nobody alone: so long an answer may take. 0: not so.
+    Duration cell_patience{0};
     Instant sent_at{};  // the first time, by this home
     Instant retry_at = never;
 
@@ -64,8 +65,8 @@ struct LateAnswer {
     mqttsn::MsgId msg_id = mqttsn::no_msg_id;
 };
 
-/// A QoS 2 message that a former home may have sent under that id: it goes out under it again, and
-/// the client knows whether it has it.
+/// A message behind the current one that may have been sent under that id: it goes out under it
+/// again. Of QoS 2, by a former home: the client knows whether it has it. Of QoS 1, to the cell.
 struct Begun {
     LogPosition position;
     mqttsn::MsgId msg_id = mqttsn::no_msg_id;

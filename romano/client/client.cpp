@@ -25,7 +25,9 @@ void ClientCore::on_datagram(Instant now, Bytes datagram, Output& out) {
     if (!frame) return drop();
     auto message = mqttsn::read_body(frame->type, frame->body);
     if (!message) return drop();
-    if constexpr (hears_cells) answer_cell(out);
+    const bool is_cells = frame->type == MsgType::publish &&
+                          mqttsn::topic_type_in(message->flags) == mqttsn::TopicIdType::reserved;
+    if (hears_cells && !is_cells) answer_cell(out);
     // Whatever comes while awake shows that the broker is not done yet (6.14d).
     if (state_ == State::awake) exchange_.put_off(now, timing_.t_retry);
     dispatch(frame->type, *message, {now, out});

@@ -292,6 +292,7 @@ private:
         mqttsn::TopicId topic_id;
         mqttsn::MsgId msg_id;
     } cell_answer_{};
+    mqttsn::MsgId last_taken_ = mqttsn::no_msg_id;  // of QoS 1 or 2, from the broker
 
     Timing timing_;
     TopicTable topics_;

@@ -9,7 +9,10 @@ void ClientCore::connect(Instant now, const ConnectOptions& options, Output& out
     out.clear();
     options_ = options;
     state_ = State::connecting;
-    if constexpr (hears_cells) listens_ = false;
+    if constexpr (hears_cells) {
+        listens_ = false;
+        last_taken_ = mqttsn::no_msg_id;
+    }
     stop_timers();
     begin_connect_step(MsgType::connect, {now, out});
 }

@@ -28,6 +28,7 @@ void ClientCore::on_publish(mqttsn::Body& message, const Call& call) {
     }
     if (message.code != ReturnCode::accepted) return out.send(MsgType::puback, message);
     const Qos qos = mqttsn::qos_in(message.flags);
+    if (hears_cells && qos != Qos::at_most_once) last_taken_ = message.msg_id;
     if (qos != Qos::exactly_once || remember_unreleased(message.msg_id)) {
         const mqttsn::Flags flags = mqttsn::flags_from_wire(message.flags);
         out.tell(

@@ -6,7 +6,8 @@
 //     flags     QoS 0 or 1, topic id type 0b11; the others 0
 //     TopicId   high octet: answers are spread over so many steps of 10 ms; low octet: name's size
 //     MsgId     0x0000 at QoS 0
-//     Data      u8 n, n listener numbers (u16 each) of whom it is not for, topic name, payload
+//     Data      u8 n, n listener numbers (u16 each) of whom it is not for, at QoS 1 the MsgId (u16)
+//               that a listener must have taken last, or 0x0000, topic name, payload
 #pragma once
 
 #include <algorithm>
@@ -48,6 +49,7 @@ constexpr Duration cell_answer_delay(unsigned steps, std::uint16_t listener) {
 struct CellPublish {
     unsigned answer_steps;
     Bytes exceptions;  // two octets each
+    MsgId behind;      // who did not take that one last does not take this one; none: at QoS 0, too
     std::string_view name;
     Bytes payload;
 
@@ -66,11 +68,14 @@ struct CellPublish {
     const auto sizes = static_cast<unsigned>(publish.topic_id);
     const std::size_t exceptions = 2U * publish.rest[0];
     const std::size_t name = sizes & 0xFFU;
-    if (name == 0 || publish.rest.size() < 1 + exceptions + name) return {};
+    const bool is_answered = qos_in(publish.flags) == Qos::at_least_once;
+    const std::size_t name_at = 1 + exceptions + (is_answered ? 2U : 0U);
+    if (name == 0 || publish.rest.size() < name_at + name) return {};
     return CellPublish{.answer_steps = sizes >> 8U,
                        .exceptions = publish.rest.subspan(1, exceptions),
-                       .name = as_text(publish.rest.subspan(1 + exceptions, name)),
-                       .payload = publish.rest.subspan(1 + exceptions + name)};
+                       .behind = is_answered ? MsgId{be16(publish.rest, name_at - 2)} : no_msg_id,
+                       .name = as_text(publish.rest.subspan(name_at, name)),
+                       .payload = publish.rest.subspan(name_at + name)};
 }
 
 /// What stands in TopicId. The name has most_cell_name octets at most.

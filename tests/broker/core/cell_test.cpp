@@ -32,6 +32,7 @@ struct Cast {
     MsgId msg_id;
     unsigned answer_steps;
     std::vector<std::uint16_t> exceptions;
+    MsgId behind;
 
     [[nodiscard]] bool is_for(const ScriptedClient& client) const {
         return std::ranges::count(exceptions, listener_number(client.id)) == 0;
@@ -64,7 +65,8 @@ protected:
         const auto cell = body ? read_cell_publish(*body) : std::nullopt;
         if (!cell) return {};
         Cast cast{qos_in(body->flags), std::string{cell->name}, std::string{as_text(cell->payload)},
-                  body->msg_id,        cell->answer_steps,      {}};
+                  body->msg_id,        cell->answer_steps,      {},
+                  cell->behind};
         for (std::size_t at = 0; at < cell->exceptions.size(); at += 2) {
             cast.exceptions.push_back(be16(cell->exceptions, at));
         }
@@ -152,24 +154,136 @@ TEST_F(OneCell, WhoDoesNotAnswerIsRepairedByUnicastWithDup) {
     broker.expects_mirror_to_agree();
 }
 
-TEST_F(OneCell, WhoIsBusyIsExceptedAndGetsItInOrder) {  // P5
+TEST_F(OneCell, WhoIsRepairedIsExceptedAndGetsTheNextInOrder) {  // P5
     publishes("1", Qos::at_least_once);
     const auto first = hears_cast();
     ASSERT_TRUE(first);
     for (int i = 1; i < 4; ++i) answers(robots[static_cast<std::size_t>(i)], *first);
+    broker.waits(2s);
     publishes("2", Qos::at_least_once);
     const auto second = hears_cast();
     ASSERT_TRUE(second);
+    EXPECT_EQ(second->behind, no_msg_id);
     EXPECT_FALSE(second->is_for(robots[0]));
     for (int i = 1; i < 4; ++i) {
         EXPECT_TRUE(second->is_for(robots[static_cast<std::size_t>(i)]));
         answers(robots[static_cast<std::size_t>(i)], *second);
     }
-    broker.waits(2s);
     robots[0].hears_publish("1", Qos::at_least_once);
     robots[0].hears_publish("2", Qos::at_least_once);
     robots[0].hears_nothing();
     broker.expects_mirror_to_agree();
+}
+
+TEST_F(OneCell, ABurstAtQos1IsOneDatagramEachAndOneAnswerForAll) {
+    std::vector<Cast> burst;
+    for (const char* data : {"1", "2", "3"}) {
+        publishes(data, Qos::at_least_once);
+        const auto cast = hears_cast();
+        ASSERT_TRUE(cast);
+        EXPECT_EQ(cast->behind, burst.empty() ? no_msg_id : burst.back().msg_id);
+        EXPECT_TRUE(cast->exceptions.empty());
+        burst.push_back(*cast);
+        // Who has answered already goes on as well.
+        if (burst.size() == 2) answers(robots[3], *cast);
+    }
+    broker.expects_mirror_to_agree();
+    for (ScriptedClient& robot : robots) answers(robot, burst.back());
+    broker.waits(60s);
+    for (ScriptedClient& robot : robots) robot.hears_nothing();
+    EXPECT_EQ(broker.core.census().queued, 0u);
+    EXPECT_EQ(broker.core.counters().cell_publishes, 3u);
+    EXPECT_EQ(broker.core.counters().cell_repairs, 0u);
+    EXPECT_EQ(broker.dropped(Drop::unexpected), 0u);
+    broker.expects_mirror_to_agree();
+    publishes("4", Qos::at_least_once);
+    EXPECT_EQ(hears_cast()->behind, no_msg_id);
+}
+
+TEST_F(OneCell, WhoMissedOneOfABurstGetsItAndAllBehindItByUnicastInOrder) {  // P2, P5
+    std::vector<Cast> burst;
+    for (const char* data : {"1", "2", "3"}) {
+        publishes(data, Qos::at_least_once);
+        burst.push_back(hears_cast().value());
+    }
+    answers(robots[0], burst[0]);
+    for (int i = 1; i < 4; ++i) answers(robots[static_cast<std::size_t>(i)], burst[2]);
+    broker.expects_mirror_to_agree();
+    robots[0].hears_nothing();
+    broker.waits(2s);
+    const auto second = robots[0].hears_publish("2", Qos::at_least_once);
+    EXPECT_TRUE(second.dup);
+    EXPECT_EQ(second.msg_id, burst[1].msg_id);
+    const auto third = robots[0].hears_publish("3", Qos::at_least_once);
+    EXPECT_TRUE(third.dup);
+    EXPECT_EQ(third.msg_id, burst[2].msg_id);
+    EXPECT_EQ(broker.core.counters().cell_repairs, 2u);
+    for (ScriptedClient& robot : robots) robot.hears_nothing();
+    publishes("4", Qos::at_least_once);  // and then it is a listener as before
+    EXPECT_TRUE(hears_cast()->is_for(robots[0]));
+    broker.expects_mirror_to_agree();
+}
+
+TEST_F(OneCell, BeyondSixteenWithoutAnAnswerTheNextWaitsAndGoesByUnicast) {  // P8
+    std::vector<Cast> burst;
+    for (int i = 0; i < 17; ++i) {
+        publishes("x", Qos::at_least_once);
+        if (const auto cast = hears_cast()) burst.push_back(*cast);
+    }
+    ASSERT_EQ(burst.size(), 16u);
+    for (ScriptedClient& robot : robots) {
+        robot.hears_nothing();
+        answers(robot, burst.back());
+        EXPECT_FALSE(robot.hears_publish("x", Qos::at_least_once).dup);
+        robot.hears_nothing();
+    }
+    broker.expects_mirror_to_agree();
+}
+
+TEST_F(OneCell, WhoWasToldAnotherOneLastIsNoPartOfTheBurst) {
+    for (int i = 0; i < 2; ++i) {
+        robots[static_cast<std::size_t>(i)].subscribes("pair", Qos::at_least_once);
+    }
+    publishes("1", Qos::at_least_once);
+    const Cast first = hears_cast().value();
+    publisher.publishes(publisher.registers("pair"), "2", Qos::at_least_once);
+    const Cast second = hears_cast().value();
+    EXPECT_EQ(second.behind, first.msg_id);
+    publishes("3", Qos::at_least_once);  // two were told "2" last, two "1"
+    const Cast third = hears_cast().value();
+    EXPECT_EQ(third.behind, second.msg_id);
+    EXPECT_TRUE(third.is_for(robots[1]));
+    EXPECT_FALSE(third.is_for(robots[2]));
+    answers(robots[2], first);
+    robots[2].hears_publish("3", Qos::at_least_once);
+    broker.expects_mirror_to_agree();
+}
+
+TEST_F(OneCell, ATakeOverSendsWhatABurstLeftOpenInOrder) {  // P2, P5
+    std::vector<Cast> burst;
+    for (const char* data : {"1", "2", "3"}) {
+        publishes(data, Qos::at_least_once);
+        burst.push_back(hears_cast().value());
+    }
+    answers(robots[0], burst[1]);
+    BrokerOptions options = with_a_cell();
+    options.log = {broker_id_of("b2"), 1};
+    ScriptedBroker heir{options};
+    for (SessionImage& image : broker.core.images()) {
+        EXPECT_TRUE(heir.core.adopt(heir.now, std::move(image), {}, heir.actions));
+    }
+    heir.drain();
+    for (ScriptedClient& robot : robots) robot.moves_to(heir);
+    answers(robots[1], burst[2]);  // too late: the heir does not know of it
+    for (int i = 1; i < 4; ++i) {
+        ScriptedClient& robot = robots[static_cast<std::size_t>(i)];
+        for (const char* data : {"1", "2"}) robot.hears_publish(data, Qos::at_least_once);
+    }
+    for (ScriptedClient& robot : robots) {
+        robot.hears_publish("3", Qos::at_least_once);
+        robot.hears_nothing();
+    }
+    EXPECT_EQ(heir.core.census().queued, 0u);
 }
 
 TEST_F(OneCell, WhoSleepsIsExcepted) {

@@ -26,16 +26,25 @@ protected:
     }
 
     void hears(Qos qos, std::string_view data, MsgId msg_id = no_msg_id, unsigned steps = 0,
-               std::vector<std::uint16_t> exceptions = {}, std::string_view name = "common") {
+               std::vector<std::uint16_t> exceptions = {}, std::string_view name = "common",
+               MsgId behind = no_msg_id) {
         std::vector<std::uint8_t> rest{static_cast<std::uint8_t>(exceptions.size())};
         for (const std::uint16_t number : exceptions) {
             rest.push_back(static_cast<std::uint8_t>(number >> 8U));
             rest.push_back(static_cast<std::uint8_t>(number));
         }
+        if (qos == qos1) {
+            rest.push_back(static_cast<std::uint8_t>(static_cast<unsigned>(behind) >> 8U));
+            rest.push_back(static_cast<std::uint8_t>(behind));
+        }
         rest.insert(rest.end(), name.begin(), name.end());
         rest.insert(rest.end(), data.begin(), data.end());
         hears_octets(octets_of(Publish{false, qos, false, TopicIdType::reserved,
                                        cell_sizes(steps, name), msg_id, rest}));
+    }
+    /// At QoS 1, in a spread of 2.55 s.
+    void hears_behind(MsgId behind, std::string_view data, MsgId msg_id) {
+        hears(qos1, data, msg_id, 255, {}, "common", behind);
     }
     void hears_octets(const Octets& octets) { chart.gets_octets(octets); }
     /// Of the chart's client, "c", in a spread of 2.55 s.
@@ -74,6 +83,49 @@ TEST_F(Listening, AnAnswerThatIsOwedGoesBeforeAnythingElse) {
     chart.tells("received common u qos 1");
     chart.after(1ms);
     chart.sends(Puback{common, MsgId{12}, accepted});
+}
+
+TEST_F(Listening, ABurstIsAnsweredOnceForAllAtTheTimeOfItsFirst) {
+    hears_behind(no_msg_id, "x", MsgId{9});
+    chart.tells("received common x qos 1");
+    chart.after(own_time - 10ms);
+    hears_behind(MsgId{9}, "y", MsgId{10});
+    chart.tells("received common y qos 1");
+    hears(qos0, "now");  // needs no answer, and hurries none
+    chart.tells("received common now qos 0");
+    chart.is_silent();
+    chart.after(10ms);
+    chart.sends(Puback{common, MsgId{10}, accepted});
+    hears_behind(MsgId{10}, "z", MsgId{11});
+    chart.tells("received common z qos 1");
+    chart.is_silent();
+    chart.after(own_time);
+    chart.sends(Puback{common, MsgId{11}, accepted});
+}
+
+TEST_F(Listening, WhoMissedOneTakesNoneBehindItUntilThatCameByUnicast) {  // P5
+    hears_behind(no_msg_id, "1", MsgId{9});
+    chart.tells("received common 1 qos 1");
+    hears_behind(MsgId{10}, "3", MsgId{11});  // "2" was lost
+    hears_behind(MsgId{11}, "4", MsgId{12});
+    chart.after(own_time);
+    chart.sends(Puback{common, MsgId{9}, accepted});
+    chart.gets(publish_of(qos1, common, MsgId{10}, "2"));
+    chart.sends(Puback{common, MsgId{10}, accepted});
+    chart.tells("received common 2 qos 1");
+    hears_behind(MsgId{10}, "3", MsgId{11});
+    chart.tells("received common 3 qos 1");
+    chart.after(own_time);
+    chart.sends(Puback{common, MsgId{11}, accepted});
+}
+
+TEST_F(Listening, ABurstDoesNotGoOnOverANewConnection) {
+    hears_behind(no_msg_id, "1", MsgId{9});
+    chart.tells("received common 1 qos 1");
+    chart.connect({.client_id = "c", .clean_session = false, .keep_alive = {}});
+    chart.subscribe(topic_name(cell_topic), TopicId{6}, qos0);
+    hears_behind(MsgId{9}, "2", MsgId{10});
+    chart.after(10s);
 }
 
 TEST_F(Listening, WhatIsNotForThisListenerIsPassedOver) {
