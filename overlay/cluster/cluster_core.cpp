@@ -106,10 +106,10 @@ void ClusterCore::warn_when_leaderless(Effects& effects) {
 }
 
 Instant ClusterCore::next_wakeup() const {
-    const bool is_behind =
-        publish_order_.is_behind() || handoffs_.is_half_done() || hand_back_.is_half_done() ||
-        settlement_.is_half_done() || !take_over_.half_adopted().empty() || !said_again_.empty() ||
-        std::ranges::any_of(logs_, [](const auto& log) { return log.second.next() != nullptr; });
+    const bool is_behind = publish_order_.is_behind() || handoffs_.is_half_done() ||
+                           hand_back_.is_half_done() || settlement_.is_half_done() ||
+                           !take_over_.half_adopted().empty() || !said_again_.empty() ||
+                           some_log_waits_;
     if (is_behind) return Instant::min();
     return std::min({next_tick_, membership_.next_wakeup(), log_sender_.next_wakeup(),
                      view_change_.next_wakeup()});

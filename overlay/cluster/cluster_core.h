@@ -301,6 +301,7 @@ private:
     Acquaintance acquaintance_;
     Namesake namesake_;
     Leaderless leaderless_;
+    bool some_log_waits_ = false;  // to be applied; looked up at each tick
     Instant next_tick_ = Instant::min();
     Instant next_cursors_ = Instant::min();
     Instant next_trim_ = Instant::min();

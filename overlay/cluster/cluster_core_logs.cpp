@@ -120,6 +120,7 @@ void ClusterCore::catch_up(Effects& effects) {
     settlement_.compare_some(logs_);
     if (!is_back()) handoffs_.on_turn(effects, logs());
     say_again(effects);
+    some_log_waits_ = false;
     for (auto& [id, log] : logs_) apply(effects, id, log, options_.events_per_turn);
 }
 
@@ -127,6 +128,7 @@ void ClusterCore::apply(Effects& effects, const LogId& id, PeerLog& log, std::si
                         Answer answer) {
     const Seq before = log.applied();
     for (; most > 0 && log.next() != nullptr; --most) apply_event(effects, id, log);
+    some_log_waits_ |= log.next() != nullptr;
     if (log.applied() == before) return;
     if (!log.is_frozen() && answer == Answer::at_once) acknowledge(effects, id, log);
     acknowledge_what_waited(effects);

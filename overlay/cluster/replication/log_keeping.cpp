@@ -13,10 +13,37 @@ Seq before_last_batch(const LogHistory& history) {
     return history.last() - std::min<Seq>(history.last(), events_per_batch);
 }
 
-/// How far peer `by` has applied the log, as its last beacon tells.
-Seq applied_by(const LogId& by, const LogId& log, const Membership& members) {
-    const Peer* peer = members.find(by.broker);
-    return peer == nullptr ? 0 : peer->beacon.applied_through(log);
+/// Of each peer's log, in the order of logs: how far all others hold it, and have worked through.
+struct Common {
+    Seq held;
+    Seq passed;
+};
+
+/// Lowers what is common to all by what `positions`, which are in the order of logs, say of one.
+void lower(std::vector<Common>& common, Seq Common::*which, const PeerLogs& logs, const LogId& of,
+           const std::vector<LogPosition>& positions) {
+    auto at = positions.begin();
+    std::size_t place = 0;
+    for (const auto& [id, log] : logs) {
+        while (at != positions.end() && at->log < id) ++at;
+        Seq& least = common[place++].*which;
+        if (id == of) continue;
+        least = std::min(least, at != positions.end() && at->log == id ? at->seq : 0);
+    }
+}
+
+/// A removed broker may come back as a home that has not seen what was published since.
+std::vector<Common> common_to_all(const PeerLogs& logs, const Membership& members) {
+    constexpr Seq endless = std::numeric_limits<Seq>::max();
+    std::vector<Common> common(logs.size(), Common{endless, endless});
+    for (const auto& [id, log] : logs) {
+        lower(common, &Common::passed, logs, id, log.mirror().cursors());
+        if (log.is_frozen()) continue;
+        const Peer* peer = members.find(id.broker);
+        lower(common, &Common::held, logs, id,
+              peer == nullptr ? std::vector<LogPosition>{} : peer->beacon.applied);
+    }
+    return common;
 }
 
 }  // namespace
@@ -58,18 +85,13 @@ void LogKeeping::forget_passed(Instant now, const Times& times, Logs logs,
     }
     forget(logs.own.history(), held_by_all, passed_by_all);
 
+    const std::vector<Common> common = common_to_all(logs.peers, members);
+    std::size_t place = 0;
     for (auto& [id, log] : logs.peers) {
+        const Common& others = common[place++];
         if (log.is_frozen()) continue;
-        held_by_all = log.applied();
-        passed_by_all = log.applied();
-        for (const auto& [other, held] : logs.peers) {
-            if (other == id) continue;
-            // A removed broker may come back as a home that has not seen what was published since.
-            passed_by_all = std::min(passed_by_all, held.mirror().cursor(id));
-            if (held.is_frozen()) continue;
-            held_by_all = std::min(held_by_all, applied_by(other, id, members));
-        }
-        forget(log.history(), held_by_all, passed_by_all);
+        forget(log.history(), std::min(log.applied(), others.held),
+               std::min(log.applied(), others.passed));
     }
 }
 

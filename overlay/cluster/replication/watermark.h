@@ -38,6 +38,7 @@ public:
         if (!is_news) return safe_;
         last_ = last;
         among_ = among;
+        if (safe_ >= last) return safe_;
         const std::size_t needed = std::min<std::size_t>(acks_, peers.size());
         broker::Seq reached = last;
         if (needed > 0) {
