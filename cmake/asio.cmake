@@ -8,3 +8,9 @@ target_link_libraries(asio PUBLIC Boost::headers Threads::Threads)
 # It is one object: a program that needs a timer shall not carry the resolver.
 target_compile_options(asio PRIVATE -ffunction-sections -fdata-sections)
 target_link_options(asio INTERFACE -Wl,--gc-sections)
+
+# TLS over it, by OpenSSL, for those programs that need it.
+find_package(OpenSSL REQUIRED)
+add_library(asio_ssl STATIC cmake/asio_ssl.cpp)
+target_link_libraries(asio_ssl PUBLIC asio OpenSSL::SSL)
+target_compile_options(asio_ssl PRIVATE -ffunction-sections -fdata-sections)

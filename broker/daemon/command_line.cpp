@@ -35,6 +35,8 @@ constexpr const char* examples = R"(Examples:
       shows the fleet as a page in a browser, at http://127.0.0.1:8080/
   romano-broker --metrics 127.0.0.1:9883
       tells Prometheus and `romano status` what it counts
+  romano-broker --metrics 192.168.1.5:9883 --metrics-token metrics.token --http-certificate https.pem
+      also on other machines, over https, to those who have the token
   romano-broker --default-config > r1.toml; romano-broker --config r1.toml
       the same options from a file: listen = ["127.0.0.1:1883"], name = "r1", domain = 7, ...
 
@@ -53,8 +55,8 @@ void add_options(CLI::App& app, SettingTexts& texts) {
                    "dtls://ADDR:PORT for those that speak DTLS 1.2")
         ->type_name("ADDR:PORT");
     app.add_flag("--allow-plain", texts.allow_plain,
-                 "Serve plain clients at addresses that other machines reach: whoever can send a "
-                 "datagram there steers robots and reads everything");
+                 "Serve plain clients and plain metrics at addresses that other machines reach: "
+                 "whoever can send a datagram there steers robots and reads everything");
     app.add_option(
            "--keys", texts.keys,
            "Folder with the keys of clients (romano keys new); the broker writes there, too. In a "
@@ -238,11 +240,23 @@ void add_options(CLI::App& app, SettingTexts& texts) {
                    "The page's key (romano keys new --operator), for a broker that serves clients "
                    "with keys; whoever opens the page steers with it")
         ->type_name("FILE");
+    app.add_option("--web-token", texts.web_token,
+                   "Serve the page, over https, to whoever shows the word in this file of mode 600 "
+                   "(in a browser as the password, with any name)")
+        ->type_name("FILE");
     app.add_flag("--let-everybody-steer", texts.let_everybody_steer,
                  "Serve the page to other machines too: whoever reaches it can steer all robots");
     app.add_option("--metrics", texts.metrics,
                    "Serve Prometheus metrics at http://ADDR:PORT/metrics; also for romano status")
         ->type_name("ADDR:PORT");
+    app.add_option("--metrics-token", texts.metrics_token,
+                   "Serve them, over https, to whoever shows the word in this file of mode 600 "
+                   "(Authorization: Bearer WORD)")
+        ->type_name("FILE");
+    app.add_option("--http-certificate", texts.http_certificate,
+                   "What proves page and metrics to others: a PEM file of mode 600 with "
+                   "certificate and private key (default: broker.pem in the folder of --keys)")
+        ->type_name("FILE");
     app.add_option("--log-level", texts.log_level,
                    "Trace on stderr: trace, debug, info, warn, error or off")
         ->type_name("LEVEL")

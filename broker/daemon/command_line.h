@@ -56,8 +56,11 @@ struct SettingTexts {
     std::optional<std::string> ros2_interface = {};
     std::string ros2_release = "jazzy";
     std::optional<std::string> metrics = {};
+    std::optional<std::string> metrics_token = {};
     std::optional<std::string> web = {};
     std::optional<std::string> web_key = {};
+    std::optional<std::string> web_token = {};
+    std::optional<std::string> http_certificate = {};
     bool let_everybody_steer = false;
     std::string log_level = "info";
 };

@@ -2,9 +2,11 @@
 #pragma once
 
 #include <boost/asio/io_context.hpp>
+#include <memory>
 #include <string>
 
 #include "broker/daemon/running_broker.h"
+#include "broker/https/gate.h"
 #include "broker/metrics/http_server.h"
 #include "broker/net/turn_clock.h"
 
@@ -23,6 +25,7 @@ private:
     net::TurnClock& turns_;
     std::string name_;
     double start_;
+    std::shared_ptr<https::Gate> gate_;  // null: plain HTTP for whoever comes
     const RunningBroker* broker_ = nullptr;
     metrics::HttpServer server_;
 };

@@ -9,7 +9,9 @@
 #include <span>
 #include <string_view>
 
+#include "broker/daemon/address_setting.h"
 #include "broker/daemon/default_name.h"
+#include "broker/daemon/http_settings.h"
 #include "broker/daemon/refusal.h"
 #include "broker/daemon/uplink_settings.h"
 #include "broker/net/discovery_group.h"
@@ -54,16 +56,6 @@ std::string one_of(std::string_view option, const std::string& text, const Names
         list += (list.empty() ? "" : ", ") + std::string(name);
     }
     refuse_option(option, text, "is not known; choose one of: " + list);
-}
-
-Endpoint address_and_port(std::string_view option, const std::string& text) {
-    const auto endpoint = net::parse_endpoint(text);
-    if (!endpoint) {
-        refuse_option(option, text,
-                      "is no address and port; write ADDR:PORT, for example 127.0.0.1:1883 or "
-                      "[::1]:1883");
-    }
-    return *endpoint;
 }
 
 Endpoint plain(Endpoint endpoint) {
@@ -125,48 +117,6 @@ std::optional<std::string> check_keys(const SettingTexts& texts,
                       "dtls://ADDR:PORT too");
     }
     return texts.keys;
-}
-
-Endpoint check_http(std::string_view option, const std::string& text) {
-    const Endpoint endpoint = address_and_port(option, text);
-    if (net::is_multicast(endpoint)) {
-        refuse_option(option, text, "is a multicast group; HTTP needs an address of this machine");
-    }
-    return endpoint;
-}
-
-std::optional<WebSettings> check_web(const SettingTexts& texts,
-                                     const std::vector<Endpoint>& listen) {
-    if (!texts.web) {
-        if (texts.web_key) {
-            refuse_option("web-key", *texts.web_key, "is for the page; give --web ADDR:PORT too");
-        }
-        if (texts.let_everybody_steer) {
-            throw Refusal("--let-everybody-steer is for the page; give --web ADDR:PORT too");
-        }
-        return std::nullopt;
-    }
-    WebSettings out{.listen = check_http("web", *texts.web), .key_file = texts.web_key};
-    if (!net::is_loopback(out.listen) && !texts.let_everybody_steer) {
-        refuse_option("web", *texts.web,
-                      "is reached by other machines, and whoever reaches the page can steer all "
-                      "robots; choose an address of this machine alone such as 127.0.0.1:8080, or "
-                      "give --let-everybody-steer");
-    }
-    const auto serves = [&listen](Endpoint::Packets packets) {
-        return std::ranges::find(listen, packets, &Endpoint::packets) != listen.end();
-    };
-    if (out.key_file && !serves(Endpoint::Packets::sealed)) {
-        refuse_option("web-key", *out.key_file,
-                      "is for a broker with protected clients; give --listen "
-                      "protected://ADDR:PORT too, or leave it out");
-    }
-    if (!out.key_file && !serves(Endpoint::Packets::plain)) {
-        refuse_option("web", *texts.web,
-                      "needs --web-key FILE, a key that `romano keys new --operator` makes: all "
-                      "addresses of this broker are for clients with keys");
-    }
-    return out;
 }
 
 /// T_ADV, which ADVERTISE carries in 16 bits (MQTT-SN 1.2 section 5.4.1).
@@ -488,7 +438,7 @@ Settings check(const SettingTexts& texts) {
     out.advertise_period = check_advertise_period(texts, !out.discovery_groups.empty());
     out.predefined_topics = check_predefined(texts.predefined);
     out.romano = !texts.no_romano;
-    if (texts.metrics) out.metrics = check_http("metrics", *texts.metrics);
+    out.metrics = check_metrics(texts);
     out.web = check_web(texts, out.listen);
     out.limits = check_limits(texts.limits);
     const election::Profile profile = check_profile(texts);

@@ -10,6 +10,7 @@
 
 #include "broker/core/limits.h"
 #include "broker/daemon/command_line.h"
+#include "broker/https/gate_files.h"
 #include "broker/uplink/mqtt/mqtt_settings.h"
 #include "broker/uplink/uplink_core.h"
 #include "romano/base/endpoint.h"
@@ -51,10 +52,16 @@ struct Ros2Settings {
     std::string release;    // "humble", "iron" or "jazzy"
 };
 
+struct MetricsSettings {
+    Endpoint listen;
+    std::optional<https::GateFiles> gate;  // empty: plain HTTP for whoever comes
+};
+
 /// The fleet in a browser.
 struct WebSettings {
     Endpoint listen;
-    std::optional<std::string> key_file;  // with which it speaks to the broker; empty: plain
+    std::optional<std::string> key_file;   // with which it speaks to the broker; empty: plain
+    std::optional<https::GateFiles> gate;  // empty: plain HTTP for whoever comes
 };
 
 struct Settings {
@@ -69,7 +76,7 @@ struct Settings {
     std::chrono::seconds advertise_period{};  // 0: never
     std::map<mqttsn::TopicId, std::string> predefined_topics;
     bool romano = true;  // carries the ROMANO server
-    std::optional<Endpoint> metrics;
+    std::optional<MetricsSettings> metrics;
     std::optional<WebSettings> web;
     broker::Limits limits;
     std::chrono::milliseconds t_retry{};

@@ -15,6 +15,7 @@
 #include <system_error>
 #include <thread>
 
+#include "broker/daemon/http_settings.h"
 #include "broker/daemon/refusal.h"
 #include "broker/net/clock.h"
 #include "broker/net/endpoint_text.h"
@@ -87,7 +88,12 @@ std::vector<std::string> web_arguments(const WebSettings& settings,
     std::vector<std::string> out{"web", "-h", host, "-p", std::to_string(broker.port)};
     if (settings.key_file) out.insert(out.end(), {"--key", *settings.key_file});
     out.insert(out.end(), {"--listen", net::to_text(settings.listen)});
-    if (!net::is_loopback(settings.listen)) out.emplace_back("--let-everybody-steer");
+    if (settings.gate) {
+        out.insert(out.end(), {"--certificate", settings.gate->certificate.string(), "--token",
+                               settings.gate->token.string()});
+    } else if (!net::is_loopback(settings.listen)) {
+        out.emplace_back("--let-everybody-steer");
+    }
     return out;
 }
 
@@ -110,6 +116,7 @@ WebPage::WebPage(boost::asio::io_context& io, const Settings& settings)
             refuse_option("web-key", *settings_->key_file, error.what());
         }
     }
+    (void)open_gate("web-token", settings_->gate);
     if (const auto error = why_not_open(settings_->listen)) {
         refuse_option(
             "web", at,
@@ -162,8 +169,9 @@ void WebPage::wait_for_end() {
 void WebPage::on_end(const std::string& how) {
     const auto lived = std::chrono::steady_clock::now() - started_;
     pause_ = lived > longest_pause ? shortest_pause : pause_;
-    spdlog::warn("the page at http://{}/ {}; it is started again in {} s",
-                 net::to_text(settings_->listen), how, pause_.count());
+    spdlog::warn("the page at {}://{}/ {}; it is started again in {} s",
+                 settings_->gate ? "https" : "http", net::to_text(settings_->listen), how,
+                 pause_.count());
     timer_.expires_after(pause_);
     timer_.async_wait([this](const boost::system::error_code& stopped) {
         if (stopped) return;

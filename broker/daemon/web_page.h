@@ -29,7 +29,8 @@ public:
     static constexpr std::chrono::seconds longest_pause{60};
 
     /// Does nothing without the setting. Throws Refusal: the address cannot be served, the key
-    /// cannot be read, or there is no `romano` beside the broker's program.
+    /// or what keeps strangers out cannot be read, or there is no `romano` beside the broker's
+    /// program.
     WebPage(boost::asio::io_context& io, const Settings& settings);
     ~WebPage();
     WebPage(const WebPage&) = delete;

@@ -1,8 +1,8 @@
-// GET /metrics over HTTP, on the broker's own io_context.
+// GET /metrics over HTTP, on the broker's own io_context; behind a gate over HTTPS.
 //
 // Bounded against bad clients: so many connections at a time (further ones are closed at once), one
-// request each with a small header, five seconds to ask and five to read, and a page that is made
-// anew at most ten times a second.
+// request each with a small header, five seconds for a handshake, to ask and to read, and a page
+// that is made anew at most ten times a second.
 #pragma once
 
 #include <boost/asio/io_context.hpp>
@@ -14,6 +14,7 @@
 #include <memory>
 #include <string>
 
+#include "broker/https/gate.h"
 #include "broker/net/tcp_acceptor.h"
 #include "romano/base/endpoint.h"
 
@@ -25,7 +26,9 @@ public:
     static constexpr std::chrono::seconds patience{5};
     static constexpr std::chrono::milliseconds page_lives{100};
 
-    HttpServer(boost::asio::io_context& io, std::function<std::string()> make_page);
+    /// Without a gate it is plain HTTP for whoever comes.
+    HttpServer(boost::asio::io_context& io, std::function<std::string()> make_page,
+               std::shared_ptr<https::Gate> gate = nullptr);
     HttpServer(const HttpServer&) = delete;
     HttpServer& operator=(const HttpServer&) = delete;
 
@@ -42,6 +45,7 @@ private:
     const std::string& page();
 
     std::function<std::string()> make_page_;
+    std::shared_ptr<https::Gate> gate_;
     net::TcpAcceptor acceptor_;
     std::shared_ptr<std::size_t> open_connections_;  // a connection may outlive this
     std::string page_;

@@ -12,6 +12,7 @@
 
 #include "experiments/cli/broker_options.h"
 #include "experiments/report/summary_table.h"
+#include "experiments/watch/metrics_fetch.h"
 #include "romano/cli/real_number.h"
 
 namespace romano::experiments {
@@ -22,7 +23,8 @@ using namespace std::chrono_literals;
 constexpr const char* status_examples = R"(Examples:
   romano-broker --metrics 127.0.0.1:9883 &
   romano status
-  romano status 192.168.1.5:9883 --every 5
+  romano status 127.0.0.2:9883 --every 5
+  romano status https://192.168.1.5:9883 --ca authority.pem --name r1 --token metrics.token
   romano status --json | jq '.romano_drops_total'
 )";
 
@@ -200,19 +202,33 @@ std::string page_as_json(const MetricsPage& page, const std::string& text) {
 
 struct StatusOptions {
     std::string address = "127.0.0.1:9883";
+    std::string authority;
+    std::string name;
+    std::string token;
     double every_s = 1;
     bool as_json = false;
 };
 
-std::string fetch(const std::string& address) {
-    const auto colon = address.rfind(':');
-    if (colon == std::string::npos || colon + 1 == address.size()) {
-        throw CommandError("`" + address + "`: write HOST:PORT, as the broker's --metrics has it");
+MetricsAddress address_of(const StatusOptions& options) {
+    auto address = parse_metrics_address(options.address);
+    if (!address) {
+        throw CommandError("`" + options.address +
+                           "`: write HOST:PORT, as the broker's --metrics has it, or "
+                           "https://HOST:PORT");
     }
-    std::string host = address.substr(0, colon);
-    if (host.starts_with('[') && host.ends_with(']')) host = host.substr(1, host.size() - 2);
+    if (!address->is_https && !(options.authority + options.name + options.token).empty()) {
+        throw CommandError("`" + options.address +
+                           "`: --ca, --name and --token are for https://HOST:PORT");
+    }
+    if (!options.authority.empty()) address->authority = options.authority;
+    if (!options.name.empty()) address->name = options.name;
+    if (!options.token.empty()) address->token = options.token;
+    return *address;
+}
+
+std::string fetch(const MetricsAddress& address) {
     try {
-        return fetch_metrics(host, address.substr(colon + 1), 5s);
+        return fetch_metrics(address, 5s);
     } catch (const std::runtime_error& error) {
         throw CommandError(error.what());
     }
@@ -220,7 +236,8 @@ std::string fetch(const std::string& address) {
 
 void show_status(const StatusOptions& options) {
     using Clock = std::chrono::steady_clock;
-    const std::string first = fetch(options.address);
+    const MetricsAddress address = address_of(options);
+    const std::string first = fetch(address);
     const MetricsPage before(first);
     if (!before.has("romano_broker_info")) {
         throw CommandError("what answers at " + options.address + " is no romano-broker");
@@ -231,7 +248,7 @@ void show_status(const StatusOptions& options) {
     }
     const auto since = Clock::now();
     std::this_thread::sleep_for(std::chrono::duration<double>(options.every_s));
-    const MetricsPage now(fetch(options.address));
+    const MetricsPage now(fetch(address));
     const double seconds = std::chrono::duration<double>(Clock::now() - since).count();
     std::fputs(status_screen(before, now, seconds).c_str(), stdout);
 }
@@ -247,8 +264,21 @@ void add_status(CLI::App& program, int& exit_code) {
     CLI::App& command = *program.add_subcommand(
         "status", "Show how a broker is doing: sessions, queues, rates, drops, its cluster");
     command.add_option("address", options->address, "Where the broker's --metrics are")
-        ->type_name("HOST:PORT")
+        ->type_name("[https://]HOST:PORT")
         ->capture_default_str();
+    command
+        .add_option("--ca", options->authority,
+                    "https: the certificate of whoever vouches for the broker's (default: whom the "
+                    "system believes)")
+        ->type_name("FILE");
+    command
+        .add_option("--name", options->name,
+                    "https: the name in the broker's certificate (default: the host's)")
+        ->type_name("NAME");
+    command
+        .add_option("--token", options->token,
+                    "https: a file of mode 600 with the broker's --metrics-token")
+        ->type_name("FILE");
     command.add_option("--every", options->every_s, "Time over which rates are measured")
         ->type_name("SECONDS")
         ->check(real_number(0.1, 3600.0))

@@ -1,12 +1,7 @@
 #include "experiments/watch/metrics_page.h"
 
 #include <algorithm>
-#include <boost/asio/io_context.hpp>
-#include <boost/asio/ip/tcp.hpp>
-#include <boost/beast/core.hpp>
-#include <boost/beast/http.hpp>
 #include <charconv>
-#include <stdexcept>
 #include <utility>
 
 namespace romano::experiments {
@@ -83,47 +78,6 @@ double MetricsPage::sum(const std::string& name) const {
     double total = 0;
     for (const MetricSample& sample : all(name)) total += sample.value;
     return total;
-}
-
-std::string fetch_metrics(const std::string& host, const std::string& port,
-                          std::chrono::milliseconds patience) {
-    namespace beast = boost::beast;
-    namespace http = beast::http;
-    using boost::asio::ip::tcp;
-    const std::string where = "http://" + host + ":" + port + "/metrics";
-    boost::asio::io_context io{1};
-    boost::system::error_code failed;
-    tcp::resolver resolver(io);
-    const auto found = resolver.resolve(host, port, failed);
-    if (failed) throw std::runtime_error("cannot find the host `" + host + "`");
-
-    beast::tcp_stream stream(io);
-    beast::flat_buffer buffer;
-    http::request<http::empty_body> request{http::verb::get, "/metrics", 11};
-    request.set(http::field::host, host);
-    http::response_parser<http::string_body> parser;
-    parser.body_limit(16U << 20U);
-    stream.expires_after(patience);
-    stream.async_connect(found, [&](const auto& error, const auto&) {
-        failed = error;
-        if (failed) return;
-        http::async_write(stream, request, [&](const auto& unwritten, std::size_t) {
-            failed = unwritten;
-            if (failed) return;
-            http::async_read(stream, buffer, parser,
-                             [&](const auto& unread, std::size_t) { failed = unread; });
-        });
-    });
-    io.run();
-    if (failed) {
-        throw std::runtime_error("no metrics at " + where + ": " + failed.message() +
-                                 "; start the broker with --metrics " + host + ":" + port);
-    }
-    if (parser.get().result() != http::status::ok) {
-        throw std::runtime_error("no metrics at " + where + ": the answer is " +
-                                 std::to_string(parser.get().result_int()));
-    }
-    return parser.get().body();
 }
 
 }  // namespace romano::experiments

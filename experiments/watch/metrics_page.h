@@ -1,7 +1,6 @@
-// A broker's page of metrics: fetched over HTTP, read as numbers.
+// A broker's page of metrics, read as numbers.
 #pragma once
 
-#include <chrono>
 #include <cstdint>
 #include <map>
 #include <optional>
@@ -35,9 +34,5 @@ public:
 private:
     std::map<std::string, std::vector<MetricSample>> samples_;
 };
-
-/// GET http://HOST:PORT/metrics. Throws std::runtime_error with one sentence.
-[[nodiscard]] std::string fetch_metrics(const std::string& host, const std::string& port,
-                                        std::chrono::milliseconds patience);
 
 }  // namespace romano::experiments

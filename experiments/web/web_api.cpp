@@ -107,7 +107,7 @@ PlaybackWish playback_wish_in(const std::string& body) {
 }  // namespace
 
 WebAnswer WebApi::answer(const WebRequest& request) {
-    if (!is_own_host(request.fields.host, names_)) {
+    if (names_ && !is_own_host(request.fields.host, *names_)) {
         return refusal(421, "Host: this machine is not called so; write its address");
     }
     const std::string_view path =

@@ -2,6 +2,7 @@
 // robots, or to the playback of a recording. No socket; README.md describes the API.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -40,11 +41,13 @@ protected:
 
 class WebApi {
 public:
-    /// `names`: of this machine, beside its addresses.
-    WebApi(const FleetPicture& picture, Steering& steering, std::vector<std::string> names)
+    /// What this machine is called, beside its addresses. Nothing: whatever a certificate proves.
+    using Names = std::optional<std::vector<std::string>>;
+
+    WebApi(const FleetPicture& picture, Steering& steering, Names names)
         : picture_(picture), steering_(&steering), names_(std::move(names)) {}
     /// Of a recording: nobody can be steered.
-    WebApi(const FleetPicture& picture, Playback& playback, std::vector<std::string> names)
+    WebApi(const FleetPicture& picture, Playback& playback, Names names)
         : picture_(picture), playback_(&playback), names_(std::move(names)) {}
 
     [[nodiscard]] WebAnswer answer(const WebRequest& request);
@@ -59,7 +62,7 @@ private:
     const FleetPicture& picture_;
     Steering* steering_ = nullptr;
     Playback* playback_ = nullptr;
-    std::vector<std::string> names_;
+    Names names_;
 };
 
 }  // namespace romano::experiments

@@ -11,6 +11,7 @@
 #include <string>
 #include <utility>
 
+#include "broker/https/visitor.h"
 #include "experiments/fleet/picture_json.h"
 
 namespace romano::experiments {
@@ -38,6 +39,7 @@ void set_headers(http::response<Body>& response, const WebAnswer& answer) {
     response.set("Referrer-Policy", "no-referrer");
     response.set("Cross-Origin-Resource-Policy", "same-origin");
     if (!answer.allow.empty()) response.set(http::field::allow, answer.allow);
+    if (answer.status == 401) response.set(http::field::www_authenticate, https::Token::challenge);
 }
 
 std::string event(const char* name, const ordered_json& data) {
@@ -51,13 +53,12 @@ std::string event(const char* name, const ordered_json& data) {
 /// as an operation on its socket or its timer is pending.
 class WebServer::Connection : public std::enable_shared_from_this<Connection> {
 public:
-    Connection(const FleetPicture& picture, WebApi& api, std::shared_ptr<OpenOnes> open,
-               tcp::socket socket)
-        : picture_(picture),
-          api_(api),
-          open_(std::move(open)),
+    Connection(WebServer& server, tcp::socket socket)
+        : picture_(server.picture_),
+          api_(server.api_),
+          open_(server.open_),
           timer_(socket.get_executor()),
-          stream_(std::move(socket)) {
+          visitor_(std::move(socket), server.gate_) {
         ++open_->connections;
     }
     ~Connection() {
@@ -67,18 +68,22 @@ public:
     Connection(const Connection&) = delete;
     Connection& operator=(const Connection&) = delete;
 
+    void begin() {
+        visitor_.enter(patience, [self = shared_from_this()] { self->read(); });
+    }
+
+private:
     void read() {
         parser_.emplace();
         parser_->header_limit(most_header_octets);
         parser_->body_limit(most_body_octets);
-        stream_.expires_after(patience);
-        http::async_read(stream_, buffer_, *parser_,
+        visitor_.stream().tcp().expires_after(patience);
+        http::async_read(visitor_.stream(), buffer_, *parser_,
                          [self = shared_from_this()](beast::error_code error, std::size_t) {
                              self->on_read(error);
                          });
     }
 
-private:
     void on_read(const beast::error_code& error) {
         if (!error) return answer(parser_->get());
         if (error == http::error::body_limit || error == http::error::header_limit) {
@@ -98,6 +103,9 @@ private:
         const auto text = [](beast::string_view view) {
             return std::string{view.data(), view.size()};
         };
+        const bool is_head = request.method() == http::verb::head;
+        const std::string shown = text(request[http::field::authorization]);
+        if (!visitor_.is_let_in(shown)) return refuse(shown, is_head);
         WebAnswer answer =
             api_.answer({.method = text(request.method_string()),
                          .target = text(request.target()),
@@ -106,7 +114,6 @@ private:
                                     .fetch_site = text(request["Sec-Fetch-Site"]),
                                     .content_type = text(request[http::field::content_type])},
                          .body = request.body()});
-        const bool is_head = request.method() == http::verb::head;
         if (!answer.is_event_stream) return respond(answer, request.keep_alive(), is_head);
         if (open_->streams >= most_streams) {
             return respond({.status = 503,
@@ -117,6 +124,15 @@ private:
         begin_stream(answer);
     }
 
+    void refuse(const std::string& shown, bool is_head) {
+        visitor_.refuse(shown, [self = shared_from_this(), is_head] {
+            self->respond({.status = 401,
+                           .content_type = "application/json",
+                           .body = "{\"error\": \"a token is needed\"}\n"},
+                          false, is_head);
+        });
+    }
+
     void respond(const WebAnswer& answer, bool keep_alive, bool is_head) {
         response_ = {};
         response_.version(11);
@@ -125,13 +141,13 @@ private:
         set_headers(response_, answer);
         response_.content_length(answer.body.size());
         if (!is_head) response_.body() = answer.body;
-        stream_.expires_after(patience);
+        visitor_.stream().tcp().expires_after(patience);
         http::async_write(
-            stream_, response_,
+            visitor_.stream(), response_,
             [self = shared_from_this(), keep_alive](beast::error_code error, std::size_t) {
                 if (error) return;
                 if (keep_alive) return self->read();
-                self->stream_.socket().shutdown(tcp::socket::shutdown_send, error);
+                self->visitor_.stream().async_end([self](beast::error_code) {});
             });
     }
 
@@ -143,11 +159,12 @@ private:
         head_.keep_alive(false);
         set_headers(head_, answer);
         head_serializer_.emplace(head_);
-        stream_.expires_after(patience);
+        visitor_.stream().tcp().expires_after(patience);
         http::async_write_header(
-            stream_, *head_serializer_,
+            visitor_.stream(), *head_serializer_,
             [self = shared_from_this()](const beast::error_code& error, std::size_t) {
                 if (error) return;
+                self->visitor_.stream().tcp().expires_never();  // each sending has its own limit
                 self->watch_for_end();
                 self->send_whole();
             });
@@ -155,21 +172,17 @@ private:
 
     /// Who leaves a stream is known by the end of what it sends; what else comes is not read.
     void watch_for_end() {
-        stream_.socket().async_wait(
-            tcp::socket::wait_read, [self = shared_from_this()](const beast::error_code& error) {
-                if (error) return;
-                beast::error_code ended;
-                std::array<char, 512> room;
-                const std::size_t size =
-                    self->stream_.socket().read_some(boost::asio::buffer(room), ended);
-                if (ended || size == 0) return self->close();
+        visitor_.stream().async_read_some(
+            boost::asio::buffer(room_),
+            [self = shared_from_this()](const beast::error_code& error, std::size_t) {
+                if (error) return self->close();
                 self->watch_for_end();
             });
     }
 
     void close() {
         timer_.cancel();
-        stream_.close();
+        visitor_.stream().tcp().close();
     }
 
     void send_whole() {
@@ -187,19 +200,19 @@ private:
 
     void send(std::string text) {
         text_ = std::move(text);
-        stream_.expires_after(patience);
+        visitor_.stream().tcp().expires_after(patience);
         boost::asio::async_write(
-            stream_, boost::asio::buffer(text_),
+            visitor_.stream(), boost::asio::buffer(text_),
             [self = shared_from_this()](const beast::error_code& error, std::size_t) {
                 if (!error) self->wait();
             });
     }
 
     void wait() {
-        stream_.expires_never();
+        visitor_.stream().tcp().expires_never();
         timer_.expires_after(stream_every);
         timer_.async_wait([self = shared_from_this()](const beast::error_code& stopped) {
-            if (!stopped && self->stream_.socket().is_open()) self->send_changes();
+            if (!stopped && self->visitor_.stream().tcp().socket().is_open()) self->send_changes();
         });
     }
 
@@ -207,7 +220,7 @@ private:
     WebApi& api_;
     std::shared_ptr<OpenOnes> open_;
     boost::asio::steady_timer timer_;
-    beast::tcp_stream stream_;
+    https::Visitor visitor_;
     beast::flat_static_buffer<most_header_octets + most_body_octets> buffer_;
     std::optional<http::request_parser<http::string_body>> parser_;
     http::response<http::string_body> response_;
@@ -217,17 +230,20 @@ private:
     std::optional<http::response_serializer<http::empty_body>> head_serializer_;
     std::uint64_t sent_version_ = 0;
     std::string text_;
+    std::array<char, 512> room_{};  // for what nobody reads
 };
 
-WebServer::WebServer(boost::asio::io_context& io, const FleetPicture& picture, WebApi& api)
+WebServer::WebServer(boost::asio::io_context& io, const FleetPicture& picture, WebApi& api,
+                     std::shared_ptr<https::Gate> gate)
     : picture_(picture),
       api_(api),
+      gate_(std::move(gate)),
       acceptor_(io, [this](tcp::socket socket) { on_connection(std::move(socket)); }),
       open_(std::make_shared<OpenOnes>()) {}
 
 void WebServer::on_connection(tcp::socket socket) {
     if (open_->connections >= most_connections) return;
-    std::make_shared<Connection>(picture_, api_, open_, std::move(socket))->read();
+    std::make_shared<Connection>(*this, std::move(socket))->begin();
 }
 
 }  // namespace romano::experiments

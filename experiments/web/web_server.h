@@ -1,5 +1,5 @@
 // HTTP/1.1 for the API and the page, and Server-Sent Events: what has changed in the picture, ten
-// times a second at most.
+// times a second at most. Behind a gate it is HTTPS, and each request shows the token.
 //
 // Bounded against bad clients: so many connections and streams at a time, small requests, seconds
 // to ask and to read. Who reads a stream slowly gets fewer and larger changes; nothing piles up.
@@ -12,6 +12,7 @@
 #include <cstddef>
 #include <memory>
 
+#include "broker/https/gate.h"
 #include "broker/net/tcp_acceptor.h"
 #include "experiments/fleet/fleet_picture.h"
 #include "experiments/web/web_api.h"
@@ -25,7 +26,9 @@ public:
     static constexpr std::chrono::seconds patience{10};
     static constexpr std::chrono::milliseconds stream_every{100};
 
-    WebServer(boost::asio::io_context& io, const FleetPicture& picture, WebApi& api);
+    /// Without a gate it is plain HTTP for whoever comes.
+    WebServer(boost::asio::io_context& io, const FleetPicture& picture, WebApi& api,
+              std::shared_ptr<https::Gate> gate = nullptr);
     WebServer(const WebServer&) = delete;
     WebServer& operator=(const WebServer&) = delete;
 
@@ -46,6 +49,7 @@ private:
 
     const FleetPicture& picture_;
     WebApi& api_;
+    std::shared_ptr<https::Gate> gate_;
     net::TcpAcceptor acceptor_;
     std::shared_ptr<OpenOnes> open_;
 };

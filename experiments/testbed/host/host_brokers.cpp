@@ -9,7 +9,7 @@
 
 #include "broker/net/machine_address.h"
 #include "experiments/testbed/host/service_endpoint.h"
-#include "experiments/watch/metrics_page.h"
+#include "experiments/watch/metrics_fetch.h"
 
 namespace romano::experiments {
 namespace {
@@ -143,7 +143,8 @@ std::map<std::string, std::string> HostBrokers::metrics() const {
         if (!life.process || life.process->has_ended() || life.order.metrics_port == 0) continue;
         try {
             all[life.order.trace] = fetch_metrics(
-                "127.0.0.1", std::to_string(life.order.metrics_port), metrics_patience);
+                {.host = "127.0.0.1", .port = std::to_string(life.order.metrics_port)},
+                metrics_patience);
         } catch (const std::runtime_error&) {
             // It is about to be stopped: what it cannot say now, nobody will know.
         }

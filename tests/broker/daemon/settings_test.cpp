@@ -3,10 +3,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <fstream>
+
 #include "broker/daemon/broker_options.h"
 #include "broker/daemon/refusal.h"
 #include "broker/daemon/web_page.h"
 #include "broker/net/endpoint_text.h"
+#include "tests/temporary_folder.h"
 
 namespace romano::daemon::settings_test {
 namespace {
@@ -83,6 +86,59 @@ TEST(Settings, ThePageIsForThisMachineUnlessItIsToldOtherwise) {
                       HasSubstr("--let-everybody-steer")));
     EXPECT_TRUE(check({.web = "0.0.0.0:8080", .let_everybody_steer = true}).web);
     EXPECT_THAT(refusal({.let_everybody_steer = true}), HasSubstr("--web"));
+}
+
+TEST(Settings, MetricsAreForThisMachineUnlessTheyHaveATokenOrMayBePlain) {
+    EXPECT_FALSE(check({}).metrics);
+    EXPECT_FALSE(check({.metrics = "127.0.0.1:9883"}).metrics->gate);
+    EXPECT_FALSE(check({.metrics = "[::1]:9883"}).metrics->gate);
+    for (const char* beyond : {"0.0.0.0:9883", "[::]:9883", "192.0.2.1:9883"}) {
+        EXPECT_THAT(refusal({.metrics = beyond}),
+                    AllOf(names("metrics", beyond), HasSubstr("--metrics-token FILE"),
+                          HasSubstr("--allow-plain")));
+        EXPECT_FALSE(check({.allow_plain = true, .metrics = beyond}).metrics->gate);
+        const Settings guarded =
+            check({.metrics = beyond, .metrics_token = "t", .http_certificate = "https.pem"});
+        EXPECT_EQ(guarded.metrics->gate->certificate, "https.pem");
+        EXPECT_EQ(guarded.metrics->gate->token, "t");
+    }
+    EXPECT_THAT(refusal({.metrics = "225.1.1.1:9883"}), names("metrics", "225.1.1.1:9883"));
+    EXPECT_THAT(refusal({.metrics_token = "t", .http_certificate = "https.pem"}),
+                AllOf(names("metrics-token", "t"), HasSubstr("--metrics ADDR:PORT")));
+    EXPECT_THAT(refusal({.metrics = "127.0.0.1:9883", .metrics_token = "t"}),
+                AllOf(names("metrics-token", "t"), HasSubstr("--http-certificate FILE")));
+    EXPECT_THAT(refusal({.metrics = "127.0.0.1:9883", .http_certificate = "https.pem"}),
+                AllOf(names("http-certificate", "https.pem"), HasSubstr("--metrics-token")));
+}
+
+TEST(Settings, ATokenIsShownToTheCertificateInTheFolderOfKeysUnlessAnotherIsGiven) {
+    const tests::TemporaryFolder folder;
+    SettingTexts texts{.listen = {"protected://127.0.0.1:1885"},
+                       .keys = folder.path().string(),
+                       .metrics = "0.0.0.0:9883",
+                       .metrics_token = "t"};
+    EXPECT_THAT(refusal(texts), HasSubstr("--keys DIR with a broker.pem"));
+    std::ofstream(folder / "broker.pem") << "PEM";
+    EXPECT_EQ(check(texts).metrics->gate->certificate, folder / "broker.pem");
+    texts.http_certificate = "https.pem";
+    EXPECT_EQ(check(texts).metrics->gate->certificate, "https.pem");
+}
+
+TEST(Settings, ThePageHasATokenOfItsOwn) {
+    const SettingTexts texts{
+        .web = "0.0.0.0:8080", .web_token = "t", .http_certificate = "https.pem"};
+    const Settings guarded = check(texts);
+    EXPECT_EQ(guarded.web->gate->token, "t");
+    EXPECT_THAT(web_arguments(*guarded.web, guarded.listen),
+                testing::ElementsAre("web", "-h", "127.0.0.1", "-p", "1883", "--listen",
+                                     "0.0.0.0:8080", "--certificate", "https.pem", "--token", "t"));
+    SettingTexts both = texts;
+    both.let_everybody_steer = true;
+    EXPECT_THAT(refusal(both), AllOf(names("web-token", "t"), HasSubstr("exclude each other")));
+    EXPECT_THAT(refusal({.web_token = "t", .http_certificate = "https.pem"}),
+                AllOf(names("web-token", "t"), HasSubstr("--web ADDR:PORT")));
+    EXPECT_THAT(refusal({.web = "0.0.0.0:8080", .web_token = "t"}),
+                AllOf(names("web-token", "t"), HasSubstr("--http-certificate FILE")));
 }
 
 TEST(Settings, ThePageOfABrokerForClientsWithKeysNeedsOne) {

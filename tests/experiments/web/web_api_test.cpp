@@ -41,7 +41,7 @@ struct Api : ::testing::Test, Steering {
                             .content_type = "application/json"};
     std::vector<Orders> sent;
     FleetPicture picture{Duration{0}};
-    WebApi api{picture, *this, {"localhost", "r1"}};
+    WebApi api{picture, *this, std::vector<std::string>{"localhost", "r1"}};
 };
 
 TEST_F(Api, TellsTheFleetAndOneRobot) {
@@ -171,7 +171,7 @@ TEST_F(Api, ARecordingIsPlayedAndNobodyIsSteered) {
     mcap::Reader reader{file};
     FleetPicture played{Duration{0}};
     Playback playback{reader, "<b>.mcap", played};
-    WebApi recording{played, playback, {}};
+    WebApi recording{played, playback, std::vector<std::string>{}};
     const auto ask = [&](const std::string& target, const std::string& body) {
         return recording.answer({.method = "POST", .target = target, .fields = own, .body = body});
     };

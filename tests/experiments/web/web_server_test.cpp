@@ -78,7 +78,7 @@ struct Served : ::testing::Test {
     boost::asio::io_context io;
     FleetPicture picture{Duration{0}};
     Nobody nobody;
-    WebApi api{picture, nobody, {}};
+    WebApi api{picture, nobody, std::vector<std::string>{}};
     WebServer server{io, picture, api};
 };
 
