@@ -35,7 +35,8 @@ LoopRobot::LoopRobot(Surroundings& surroundings, std::uint64_t seed, std::uint32
       plant_({.id = id_, .seed = sim::seed_of(seed, "loop plant", number)}),
       controller_(id_),
       alarm_(surroundings.make_alarm([this] { on_timer(); })),
-      port_(surroundings.open_port(broker, [this](Bytes datagram) { on_datagram(datagram); })) {}
+      port_(surroundings.open_port(broker, {}, [this](Bytes datagram) { on_datagram(datagram); })) {
+}
 
 void LoopRobot::start() {
     connect();

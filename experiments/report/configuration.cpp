@@ -29,15 +29,17 @@ std::string text_of(const Cell& cell, Axis axis) {
             return cell.detector;
         case Axis::acks:
             return cell.acks.empty() ? "" : "acks " + cell.acks;
+        case Axis::clients:
+            return cell.clients;
         case Axis::fault:
             return cell.fault == Fault::none ? "no fault" : std::string{name_of(cell.fault)};
     }
     return "";
 }
 
-constexpr std::array all_axes = {Axis::brokers,  Axis::robots, Axis::rate,
-                                 Axis::payload,  Axis::qos,    Axis::elector,
-                                 Axis::detector, Axis::acks,   Axis::fault};
+constexpr std::array all_axes = {Axis::brokers, Axis::robots,  Axis::rate,     Axis::payload,
+                                 Axis::qos,     Axis::elector, Axis::detector, Axis::acks,
+                                 Axis::clients, Axis::fault};
 
 Cell without_repetition(Cell cell) {
     cell.number = 0;

@@ -43,6 +43,7 @@ enum class Axis : std::uint8_t {
     elector,
     detector,
     acks,
+    clients,
     fault
 };
 [[nodiscard]] std::string label_of(const Cell& cell, std::span<const Configuration> among,

@@ -19,32 +19,36 @@ struct FailoverProbe::Pair {
          std::function<void()> on_ring)
         : number(static_cast<std::uint32_t>(broker)),
           topic("probe/" + std::to_string(broker)),
-          publisher_id("probe-from-" + std::to_string(broker)),
-          subscriber_id("probe-to-" + std::to_string(broker)),
-          publisher(surroundings, address, timing, random.next(),
-                    [this, &trouble](const client::Event& event) {
-                        if (std::holds_alternative<client::Connected>(event)) {
-                            (void)publisher.register_name(topic);
-                        } else if (std::holds_alternative<client::Registered>(event)) {
-                            can_publish = true;
-                        } else {
-                            note_trouble(event, trouble);
-                        }
-                    }),
-          subscriber(surroundings, address, timing, random.next(),
-                     [this, &surroundings, &trouble](const client::Event& event) {
-                         if (std::holds_alternative<client::Connected>(event)) {
-                             (void)subscriber.subscribe(client::topic_name(topic),
-                                                        mqttsn::Qos::at_most_once);
-                         } else if (std::holds_alternative<client::Subscribed>(event)) {
-                             hears = true;
-                         } else if (const auto* received = std::get_if<client::Received>(&event)) {
-                             const auto stamp = read_stamp(received->data);
-                             if (stamp) arrivals.push_back({stamp->sent_at, surroundings.now()});
-                         } else {
-                             note_trouble(event, trouble);
-                         }
-                     }),
+          publisher_id(client_ids_at(broker)[0]),
+          subscriber_id(client_ids_at(broker)[1]),
+          publisher(
+              surroundings, address, timing, random.next(),
+              [this, &trouble](const client::Event& event) {
+                  if (std::holds_alternative<client::Connected>(event)) {
+                      (void)publisher.register_name(topic);
+                  } else if (std::holds_alternative<client::Registered>(event)) {
+                      can_publish = true;
+                  } else {
+                      note_trouble(event, trouble);
+                  }
+              },
+              publisher_id),
+          subscriber(
+              surroundings, address, timing, random.next(),
+              [this, &surroundings, &trouble](const client::Event& event) {
+                  if (std::holds_alternative<client::Connected>(event)) {
+                      (void)subscriber.subscribe(client::topic_name(topic),
+                                                 mqttsn::Qos::at_most_once);
+                  } else if (std::holds_alternative<client::Subscribed>(event)) {
+                      hears = true;
+                  } else if (const auto* received = std::get_if<client::Received>(&event)) {
+                      const auto stamp = read_stamp(received->data);
+                      if (stamp) arrivals.push_back({stamp->sent_at, surroundings.now()});
+                  } else {
+                      note_trouble(event, trouble);
+                  }
+              },
+              subscriber_id),
           alarm(surroundings.make_alarm(std::move(on_ring))) {}
 
     static void note_trouble(const client::Event& event, std::optional<std::string>& trouble) {
@@ -87,6 +91,11 @@ FailoverProbe::FailoverProbe(Surroundings& surroundings, const std::vector<Broke
 }
 
 FailoverProbe::~FailoverProbe() = default;
+
+std::array<std::string, 2> FailoverProbe::client_ids_at(std::size_t broker) {
+    const std::string number = std::to_string(broker);
+    return {"probe-from-" + number, "probe-to-" + number};
+}
 
 void FailoverProbe::join() {
     for (const auto& pair : pairs_) {

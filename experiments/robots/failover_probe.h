@@ -3,6 +3,7 @@
 // to the other. Its messages stand in no books but these.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -18,6 +19,9 @@ public:
     FailoverProbe(Surroundings& surroundings, const std::vector<BrokerAddress>& brokers,
                   double rate_per_s, Duration retry, std::uint64_t seed);
     ~FailoverProbe();
+
+    /// Of the publisher and the subscriber there.
+    [[nodiscard]] static std::array<std::string, 2> client_ids_at(std::size_t broker);
 
     void join();
     [[nodiscard]] bool has_joined() const;

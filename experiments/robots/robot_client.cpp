@@ -23,7 +23,7 @@ void SentCounts::count(Bytes datagram) {
 template <typename Limits>
 BasicRobotClient<Limits>::BasicRobotClient(Surroundings& surroundings, const BrokerAddress& broker,
                                            const client::Timing& timing, std::uint64_t seed,
-                                           OnEvent on_event)
+                                           OnEvent on_event, const std::string& client_id)
     : surroundings_(surroundings),
       core_(timing, seed),
       on_event_(std::move(on_event)),
@@ -31,7 +31,7 @@ BasicRobotClient<Limits>::BasicRobotClient(Surroundings& surroundings, const Bro
           core_.on_tick(surroundings_.now(), shared_output<Limits>());
           drain();
       })),
-      port_(surroundings.open_port(broker, [this](Bytes datagram) {
+      port_(surroundings.open_port(broker, client_id, [this](Bytes datagram) {
           core_.on_datagram(surroundings_.now(), datagram, shared_output<Limits>());
           drain();
       })) {}

@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <string>
 #include <string_view>
 
 #include "experiments/robots/surroundings.h"
@@ -53,8 +54,10 @@ public:
     using OnEvent = std::function<void(const client::Event&)>;
     using Begun = Result<client::OperationId, client::Refusal>;
 
+    /// `client_id`: that of connect(), where each client has a key of its own.
     BasicRobotClient(Surroundings& surroundings, const BrokerAddress& broker,
-                     const client::Timing& timing, std::uint64_t seed, OnEvent on_event);
+                     const client::Timing& timing, std::uint64_t seed, OnEvent on_event,
+                     const std::string& client_id = {});
 
     /// `options.client_id` and the will are kept by reference, as the core does.
     void connect(const client::ConnectOptions& options);

@@ -89,6 +89,7 @@ Endpoint SimulatedSurroundings::address_of_port(std::uint32_t number, std::uint8
 }
 
 std::unique_ptr<Port> SimulatedSurroundings::open_port(const BrokerAddress& broker,
+                                                       const std::string& /*client_id*/,
                                                        Port::OnDatagram on_datagram) {
     return std::make_unique<SimulatedPort>(world_.clients(), node_,
                                            address_of_port(ports_++, network_), endpoint_of(broker),

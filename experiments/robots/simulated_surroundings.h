@@ -27,6 +27,7 @@ public:
     [[nodiscard]] Instant now() const override { return world_.now(); }
     /// `broker` is an IPv4 address.
     [[nodiscard]] std::unique_ptr<Port> open_port(const BrokerAddress& broker,
+                                                  const std::string& client_id,
                                                   Port::OnDatagram on_datagram) override;
     [[nodiscard]] std::unique_ptr<Alarm> make_alarm(std::function<void()> on_ring) override;
 

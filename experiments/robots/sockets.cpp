@@ -135,8 +135,15 @@ Instant Sockets::now() const {
 }
 
 std::unique_ptr<Port> Sockets::open_port(const BrokerAddress& broker,
+                                         const std::string& /*client_id*/,
                                          Port::OnDatagram on_datagram) {
-    return std::make_unique<SocketPort>(io_, broker, std::move(on_datagram), packets_);
+    return open_socket(broker, std::move(on_datagram), packets_);
+}
+
+std::unique_ptr<Port> Sockets::open_socket(const BrokerAddress& broker,
+                                           Port::OnDatagram on_datagram,
+                                           std::shared_ptr<keys::ClientPackets> packets) {
+    return std::make_unique<SocketPort>(io_, broker, std::move(on_datagram), std::move(packets));
 }
 
 std::unique_ptr<Alarm> Sockets::make_alarm(std::function<void()> on_ring) {

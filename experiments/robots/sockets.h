@@ -4,6 +4,7 @@
 
 #include <boost/asio/io_context.hpp>
 #include <memory>
+#include <string>
 #include <utility>
 
 #include "experiments/robots/surroundings.h"
@@ -19,8 +20,15 @@ public:
 
     [[nodiscard]] Instant now() const override;
     [[nodiscard]] std::unique_ptr<Port> open_port(const BrokerAddress& broker,
+                                                  const std::string& client_id,
                                                   Port::OnDatagram on_datagram) override;
     [[nodiscard]] std::unique_ptr<Alarm> make_alarm(std::function<void()> on_ring) override;
+
+protected:
+    /// With the key of `packets`; null: plain.
+    [[nodiscard]] std::unique_ptr<Port> open_socket(const BrokerAddress& broker,
+                                                    Port::OnDatagram on_datagram,
+                                                    std::shared_ptr<keys::ClientPackets> packets);
 
 private:
     boost::asio::io_context& io_;

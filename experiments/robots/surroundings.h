@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <string>
 
 #include "romano/base/bytes.h"
 #include "romano/base/time.h"
@@ -54,8 +55,10 @@ public:
     Surroundings& operator=(const Surroundings&) = delete;
 
     [[nodiscard]] virtual Instant now() const = 0;
-    /// Ports and alarms do not outlive their surroundings.
+    /// Ports and alarms do not outlive their surroundings. `client_id` is of whoever speaks there,
+    /// and matters where each client has a key of its own.
     [[nodiscard]] virtual std::unique_ptr<Port> open_port(const BrokerAddress& broker,
+                                                          const std::string& client_id,
                                                           Port::OnDatagram on_datagram) = 0;
     [[nodiscard]] virtual std::unique_ptr<Alarm> make_alarm(std::function<void()> on_ring) = 0;
 };

@@ -22,8 +22,8 @@ struct Swarm::Robot {
           const client::Timing& timing, std::uint64_t seed, RobotClient::OnEvent on_event,
           std::function<void()> on_ring)
         : number(own_number),
-          client_id("robot-" + std::to_string(own_number)),
-          client(surroundings, broker, timing, seed, std::move(on_event)),
+          client_id(client_id_of(own_number)),
+          client(surroundings, broker, timing, seed, std::move(on_event), client_id),
           alarm(surroundings.make_alarm(std::move(on_ring))) {}
 
     RobotNumber number;
@@ -70,6 +70,10 @@ Swarm::Swarm(Surroundings& robots, Surroundings& server, std::vector<BrokerAddre
 }
 
 Swarm::~Swarm() = default;
+
+std::string Swarm::client_id_of(RobotNumber number) {
+    return "robot-" + std::to_string(number);
+}
 
 void Swarm::join() {
     for (std::size_t i = 0; i < joining_at_once; ++i) join_next();

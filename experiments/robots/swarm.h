@@ -30,6 +30,8 @@ public:
           Traffic traffic, const SwarmOptions& options);
     ~Swarm();
 
+    [[nodiscard]] static std::string client_id_of(RobotNumber number);
+
     /// Connects all clients, then subscribes; a few at a time, as a swarm is switched on.
     void join();
     /// Every client is connected, subscribed and has its topic ids.

@@ -51,6 +51,7 @@ std::string describe(const Cell& cell) {
                        " octets, QoS " + cell.qos.text();
     if (!cell.elector.empty())
         text += ", " + cell.elector + "/" + cell.detector + "/acks " + cell.acks;
+    if (cell.clients != "plain") text += ", " + cell.clients;
     text += ", ";
     text += cell.fault == Fault::none ? "no fault" : name_of(cell.fault);
     text +=

@@ -37,9 +37,10 @@ struct Cell {
     double rate_per_s = 1;  // of each publisher
     std::uint32_t payload_octets = 32;
     QosMix qos{{1}};
-    std::string elector;   // empty with one broker: nobody to elect, detect, wait for
-    std::string detector;  // empty with one broker
-    std::string acks;      // a number or "all"; empty with one broker
+    std::string elector;            // empty with one broker: nobody to elect, detect, wait for
+    std::string detector;           // empty with one broker
+    std::string acks;               // a number or "all"; empty with one broker
+    std::string clients = "plain";  // or "protected", or "dtls": with keys
     Fault fault = Fault::none;
     std::uint64_t seed = 1;
     std::uint32_t repetition = 1;

@@ -33,7 +33,6 @@ std::uint64_t CellBrokers::Broker::octets_sent() const {
 bool CellBrokers::Broker::is_at_home_in_view_of(std::size_t members) const {
     const BrokerStatus* own = own_status();
     if (is_down || own == nullptr || own->incarnation == former_incarnation) return false;
-    const std::string home = text_of(address);
     return own->view_members.size() == members && watch->alive() == members &&
            std::ranges::count(own->addresses, home) > 0;
 }
@@ -43,15 +42,25 @@ CellBrokers::CellBrokers(const SweepSettings& settings, const Cell& cell, CellWo
     : settings_(settings), cell_(cell), world_(world), trace_of_(std::move(trace_of)) {
     brokers_.resize(cell.brokers);
     for (std::size_t i = 0; i < size(); ++i) {
-        brokers_[i].name = "b" + std::to_string(i + 1);
+        brokers_[i].name = name_of(i);
         brokers_[i].address = world.address_of(i);
+        brokers_[i].home =
+            (cell.clients == "plain" ? "" : cell.clients + "://") + text_of(brokers_[i].address);
     }
     for (std::size_t i = 0; i < size(); ++i) start(i);  // each may have to name all (voters)
 }
 
+std::string CellBrokers::name_of(std::size_t number) {
+    return "b" + std::to_string(number + 1);
+}
+
+std::string CellBrokers::watch_of(std::size_t number) {
+    return "watch-" + name_of(number);
+}
+
 std::vector<std::string> CellBrokers::arguments_of(std::size_t number) const {
     std::vector<std::string> arguments = {"--name", brokers_[number].name, "--listen",
-                                          text_of(brokers_[number].address), "--allow-plain"};
+                                          brokers_[number].home, "--allow-plain"};
     arguments.insert(arguments.end(), settings_.broker_options.begin(),
                      settings_.broker_options.end());
     if (cell_.brokers == 1) return arguments;
@@ -79,9 +88,9 @@ void CellBrokers::watch(const std::function<void()>& on_change) {
     // watches were told would be most of the work; members have a next word soon.
     const bool is_simulated_cluster = settings_.world != World::processes && size() > 1;
     const auto qos = is_simulated_cluster ? mqttsn::Qos::at_most_once : mqttsn::Qos::at_least_once;
-    for (Broker& broker : brokers_) {
-        broker.watch = std::make_unique<BrokerWatch>(
-            world_.surroundings(), broker.address, "watch-" + broker.name, timing, on_change, qos);
+    for (std::size_t i = 0; i < size(); ++i) {
+        brokers_[i].watch = std::make_unique<BrokerWatch>(
+            world_.surroundings(), brokers_[i].address, watch_of(i), timing, on_change, qos);
     }
 }
 

@@ -21,6 +21,7 @@ public:
     struct Broker {
         std::string name;
         BrokerAddress address;
+        std::string home;                    // that address as the broker is told it
         std::unique_ptr<BrokerWatch> watch;  // with this broker's eyes
         bool is_down = false;                // killed or stopped by us
         std::uint32_t lives = 0;
@@ -54,6 +55,10 @@ public:
     /// Throws RunFailed.
     CellBrokers(const SweepSettings& settings, const Cell& cell, CellWorld& world,
                 TraceOf trace_of);
+
+    [[nodiscard]] static std::string name_of(std::size_t number);
+    /// The client id of who looks with that broker's eyes.
+    [[nodiscard]] static std::string watch_of(std::size_t number);
 
     [[nodiscard]] std::size_t size() const { return brokers_.size(); }
     [[nodiscard]] Broker& operator[](std::size_t number) { return brokers_[number]; }

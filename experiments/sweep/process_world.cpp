@@ -30,6 +30,7 @@ ProcessWorld::ProcessWorld(const SweepSettings& settings, const Cell& cell,
                             " is free");
         }
     }
+    if (cell.clients != "plain") keys_.emplace(settings, cell);
     if (cell.fault == Fault::cut) {
         lan_.emplace(static_cast<int>(cell.brokers) + 1);
         if (!lan_->why_not().empty()) throw RunFailed("fault `cut`: " + lan_->why_not());
@@ -45,6 +46,10 @@ BrokerAddress ProcessWorld::address_of(std::size_t broker) const {
 
 void ProcessWorld::start(std::size_t broker, const BrokerLife& life) {
     std::vector<std::string> arguments = life.arguments;
+    if (keys_) {
+        const auto more = keys_->broker_arguments(life.name);
+        arguments.insert(arguments.end(), more.begin(), more.end());
+    }
     if (domain_) {
         arguments.insert(arguments.end(), {"--domain", std::to_string(domain_->domain),
                                            "--interface", lan_ ? "eth0" : "lo"});
@@ -73,10 +78,12 @@ std::optional<ProcessUsage> ProcessWorld::usage_of(std::size_t broker) const {
 }
 
 std::unique_ptr<Port> ProcessWorld::RobotSockets::open_port(const BrokerAddress& broker,
+                                                            const std::string& client_id,
                                                             Port::OnDatagram on_datagram) {
     std::optional<Lan::On> there;
     if (world_.lan_) there.emplace(*world_.lan_, host_of(world_.brokers_.size()));
-    return Sockets::open_port(broker, std::move(on_datagram));
+    return open_socket(broker, std::move(on_datagram),
+                       world_.keys_ ? world_.keys_->packets_of(client_id) : nullptr);
 }
 
 }  // namespace romano::experiments

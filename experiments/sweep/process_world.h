@@ -9,6 +9,7 @@
 #include "experiments/process/broker_process.h"
 #include "experiments/process/lan.h"
 #include "experiments/robots/sockets.h"
+#include "experiments/sweep/cell_keys.h"
 #include "experiments/sweep/place.h"
 #include "experiments/sweep/real_time_world.h"
 #include "experiments/sweep/sweep_file.h"
@@ -41,12 +42,13 @@ public:
     [[nodiscard]] std::optional<ProcessUsage> usage_of(std::size_t broker) const override;
 
 private:
-    /// On the robots' machine, if there is one.
+    /// On the robots' machine, if there is one; with keys, if there are some.
     class RobotSockets final : public Sockets {
     public:
         RobotSockets(ProcessWorld& world, boost::asio::io_context& io)
             : Sockets(io), world_(world) {}
         [[nodiscard]] std::unique_ptr<Port> open_port(const BrokerAddress& broker,
+                                                      const std::string& client_id,
                                                       Port::OnDatagram on_datagram) override;
 
     private:
@@ -59,6 +61,7 @@ private:
     std::string subnet_;  // of the brokers' addresses: "127.50.2."
     std::filesystem::path program_;
     RobotSockets robots_{*this, io()};
+    std::optional<CellKeys> keys_;
     std::optional<DomainPlace> domain_;  // one broker needs none
     std::optional<Lan> lan_;
     std::vector<std::unique_ptr<BrokerProcess>> brokers_;

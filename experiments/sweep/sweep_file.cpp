@@ -28,16 +28,20 @@ constexpr std::array<std::pair<World, std::string_view>, 3> world_names{{
     {World::radio, "radio"},
 }};
 
+/// How clients speak; with keys, real processes alone.
+constexpr std::array<std::string_view, 3> client_names{"plain", "protected", "dtls"};
+
 /// How large a cell may be.
 struct Most {
     std::uint32_t brokers;
     std::uint32_t robots;
     std::uint32_t payload_octets;  // one datagram holds them
+    std::size_t client_names = 1;  // how many of them
 };
 constexpr Most most_in(World world) {
     switch (world) {
         case World::processes:
-            return {32, 5000, 1400};
+            return {32, 5000, 1400, client_names.size()};
         case World::simulated:
             return {100, 2000, 1400};
         case World::radio:
@@ -61,6 +65,7 @@ struct Axes {
     std::vector<std::string> elector;
     std::vector<std::string> detector;
     std::vector<std::string> acks;
+    std::vector<std::string> clients;
     std::vector<Fault> fault;
     std::vector<std::uint64_t> seed;
 };
@@ -106,7 +111,7 @@ std::string read_acks(const TomlTable& table, const toml::node& node, std::uint3
 
 Axes read_axes(const TomlTable& table, const Most& most) {
     table.allow_only({"brokers", "robots", "rate", "payload", "qos", "elector", "detector", "acks",
-                      "fault", "seed"});
+                      "clients", "fault", "seed"});
     Axes axes;
     axes.brokers = counts(table, "brokers", 1, 1, most.brokers);
     axes.robots = counts(table, "robots", 10, 1, most.robots);
@@ -123,6 +128,8 @@ Axes read_axes(const TomlTable& table, const Most& most) {
     axes.acks = table.axis<std::string>("acks", "1", [&](const toml::node& node) {
         return read_acks(table, node, most.brokers - 1);
     });
+    axes.clients =
+        words(table, "clients", "plain", std::span{client_names}.first(most.client_names));
     axes.fault = table.axis<Fault>("fault", Fault::none, [&table](const toml::node& node) {
         const auto word = node.value_exact<std::string>();
         const auto fault = fault_named(word.value_or(""));
@@ -155,6 +162,7 @@ void append_cells(const Axes& axes, std::vector<Cell>& cells) {
     vary(axes.elector, [](Cell& cell, const std::string& name) { cell.elector = name; });
     vary(axes.detector, [](Cell& cell, const std::string& name) { cell.detector = name; });
     vary(axes.acks, [](Cell& cell, const std::string& acks) { cell.acks = acks; });
+    vary(axes.clients, [](Cell& cell, const std::string& speech) { cell.clients = speech; });
     vary(axes.fault, [](Cell& cell, Fault fault) { cell.fault = fault; });
     for (Cell& point : points) {
         if (point.brokers == 1) {

@@ -31,6 +31,8 @@ TestbedWorld::TestbedWorld(const SweepSettings& settings, const Cell& cell,
     : settings_(settings),
       domain_(settings.domain_base + (cell.number - 1) % domains_in_turn),
       brokers_(cell.brokers) {
+    if (cell.clients != "plain")
+        throw RunFailed("keys of clients stay on one machine: `clients` is plain here");
     for (std::size_t i = 0; i < brokers_.size(); ++i) brokers_[i].seat = place.seats()[i];
     for (const Broker& broker : brokers_) open(place, broker.seat.host);
     for (auto& [host, machine] : machines_) await_begin(place.connections()[host], machine);

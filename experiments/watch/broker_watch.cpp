@@ -11,8 +11,9 @@ BrokerWatch::BrokerWatch(Surroundings& surroundings, const BrokerAddress& broker
     : client_id_(client_id),
       on_change_(std::move(on_change)),
       qos_(qos),
-      client_(surroundings, broker, timing, std::hash<std::string>{}(client_id),
-              [this](const client::Event& event) { on_event(event); }) {
+      client_(
+          surroundings, broker, timing, std::hash<std::string>{}(client_id),
+          [this](const client::Event& event) { on_event(event); }, client_id) {
     connect();
 }
 

@@ -30,7 +30,7 @@ TEST(Port, KeepsItsOwnAddressWhenItTalksToAnotherBroker) {
     udp::socket one{io, anywhere};
     udp::socket other{io, anywhere};
     Sockets sockets{io};
-    const auto port = sockets.open_port(one.local_endpoint(), [](Bytes) {});
+    const auto port = sockets.open_port(one.local_endpoint(), {}, [](Bytes) {});
     const auto heard_from = [](udp::socket& broker) {
         std::array<std::uint8_t, 8> room{};
         udp::endpoint from;

@@ -18,6 +18,7 @@ TEST(RunRow, ReadsBackFromItsCsv) {
                 .elector = "component",
                 .detector = "fixed",
                 .acks = "all",
+                .clients = "protected",
                 .fault = Fault::kill_home,
                 .seed = 18446744073709551615U,
                 .repetition = 2};

@@ -55,6 +55,7 @@ TEST(SweepFile, ReadsEverySetting) {
         payload = 64
         qos = [1, "0+1+2"]
         acks = [0, "all"]
+        clients = "dtls"
         fault = "pause"
         seed = 42
     )",
@@ -69,6 +70,7 @@ TEST(SweepFile, ReadsEverySetting) {
     EXPECT_EQ(last.robots, 10u);
     EXPECT_EQ(last.qos.text(), "0+1+2");
     EXPECT_EQ(last.acks, "all");
+    EXPECT_EQ(last.clients, "dtls");
     EXPECT_EQ(last.fault, Fault::pause);
     EXPECT_EQ(last.seed, 42u);
     EXPECT_EQ(last.repetition, 2u);
@@ -165,7 +167,7 @@ INSTANTIATE_TEST_SUITE_P(
                 "port, output, axes"},
         Refusal{"[axes]\nbroker = 3",
                 "try.toml, line 2: unknown setting `axes.broker`; known are brokers, robots, "
-                "rate, payload, qos, elector, detector, acks, fault, seed"},
+                "rate, payload, qos, elector, detector, acks, clients, fault, seed"},
         Refusal{"[axes]\nbrokers = [1, 0]",
                 "try.toml, line 2: `axes.brokers = 0`: a whole number from 1 to 32 is allowed"},
         Refusal{"[axes]\nbrokers = \"two\"",
@@ -189,6 +191,10 @@ INSTANTIATE_TEST_SUITE_P(
         Refusal{"[axes]\nacks = \"some\"",
                 "try.toml, line 2: `axes.acks = \"some\"`: a number of peers from 0 to 31, or "
                 "\"all\""},
+        Refusal{"[axes]\nclients = \"tls\"",
+                "try.toml, line 2: `axes.clients = \"tls\"`: allowed are plain, protected, dtls"},
+        Refusal{"world = \"simulated\"\n[axes]\nclients = \"protected\"",
+                "try.toml, line 3: `axes.clients = \"protected\"`: allowed are plain"},
         Refusal{"duration = \"long\"\n[axes]",
                 "try.toml, line 1: `duration = \"long\"`: seconds from 0 to 86400 are allowed"},
         Refusal{"pattern = \"mesh\"\n[axes]",

@@ -117,6 +117,27 @@ TEST_F(SmallSweep, OfTwoBrokersOutlivesTheDeathOfEither) {
     EXPECT_THAT(read("report.html"), HasSubstr("Failover time against the number of brokers"));
 }
 
+TEST_F(SmallSweep, WithKeysOutlivesTheDeathOfABroker) {
+    write_sweep(
+        "probe = 100\nbroker_options = [\"--detection-timeout-ms\", \"300\"]\n"
+        "[axes]\nbrokers = 2\nrobots = 4\nrate = 10\nqos = \"0+1+2\"\n"
+        "clients = [\"protected\", \"dtls\"]\nfault = \"kill-home\"\n");
+    const Ran ran = sweep();
+    EXPECT_EQ(ran.exit_code, 0) << ran.output;
+    ASSERT_THAT(rows(), SizeIs(2));
+    for (const RunRow& row : rows()) {
+        EXPECT_EQ(row.status, "ok") << row.cell.clients;
+        EXPECT_EQ(row.broken_promises(), "") << row.cell.clients;
+        EXPECT_EQ(row.failover_recovered_clients, 2) << row.cell.clients;
+        EXPECT_GT(row.failover_probe_ms, 0) << row.cell.clients;
+        EXPECT_EQ(row.connects_after_fault, 0) << row.cell.clients;
+    }
+    EXPECT_EQ(rows()[0].cell.clients, "protected");
+    std::ifstream trace(folder_ / "out/traces/cell-0001-b1.txt");
+    const std::string said{std::istreambuf_iterator<char>(trace), {}};
+    EXPECT_THAT(said, HasSubstr("serving protected://127."));
+}
+
 TEST_F(SmallSweep, RunsWithEachElectorAndEachDetector) {
     write_sweep(
         "[[axes]]\nbrokers = 3\nrobots = 3\nrate = 10\nfault = \"kill-leader\"\n"
