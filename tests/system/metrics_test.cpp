@@ -92,7 +92,8 @@ TEST_F(Metrics, CountWhatALoneBrokerDoes) {
     EXPECT_THAT(page, HasSubstr("romano_subscriptions 1\n"));
     EXPECT_THAT(page, HasSubstr("romano_datagram_handling_seconds_count "));
     EXPECT_THAT(page, HasSubstr("romano_wakeup_delay_seconds_count "));
-    EXPECT_THAT(page, HasSubstr("romano_longest_turn_seconds 0.0"));
+    EXPECT_THAT(page, HasSubstr("romano_longest_turn_seconds "));
+    EXPECT_THAT(page, Not(HasSubstr("romano_longest_turn_seconds 0\n")));
     EXPECT_THAT(page, Not(HasSubstr("romano_cluster_")));
 }
 
