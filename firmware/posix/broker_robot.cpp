@@ -8,6 +8,7 @@
 #include <csignal>
 #include <cstdio>
 #include <memory>
+#include <optional>
 #include <stdexcept>
 #include <utility>
 
@@ -23,6 +24,7 @@
 #include "broker/net/service_manager.h"
 #include "broker/net/socket_address.h"
 #include "firmware/posix/simulated_robot.h"
+#include "firmware/robot/address.h"
 #include "overlay/daemon/cluster_broker.h"
 #include "romano/cli/real_number.h"
 
@@ -35,7 +37,8 @@ constexpr const char* examples = R"(Examples:
       a robot that is one broker of the cluster on DDS domain 7
   romano-broker-robot --id 00000002 --listen 127.0.0.2:1883 --domain 7 --interface lo --telemetry pose
 
-All options of romano-broker are options here too (romano-broker --help).
+All options of romano-broker are options here too (romano-broker --help). With --cell-group the robot
+listens to the cell, as its broker's other listeners do.
 Exit code: 0 after SIGTERM or SIGINT, 2 when a setting is not possible.)";
 
 struct Settings {
@@ -63,6 +66,13 @@ firmware::SimulatedRobotOptions robot_options(const Settings& settings) {
     options.robot.node.id = *id;
     options.robot.broker = net::as_reached_here(settings.broker.listen.front());
     options.robot.timing.t_retry = std::chrono::seconds{1};
+    const std::optional<Endpoint>& group = settings.broker.cell_group;
+    if (group && group->family == options.robot.broker.family) {
+        options.local = firmware::address_of(options.robot.broker);
+        options.local.port = 0;
+        options.cell_group = firmware::address_of(*group);
+        options.robot.node.listens_to_cell = true;
+    }
     options.telemetry_topic = settings.telemetry;
     options.telemetry_every =
         std::chrono::duration_cast<Duration>(std::chrono::duration<double>{settings.every_s});

@@ -84,6 +84,25 @@ TEST_F(CellOfRobots, HearsOneDatagramAndUnmodifiedClientsBesideItUnicasts) {
     EXPECT_TRUE(says(2, "romano_cell_publishes_total", 2, 2)) << "QoS 2 stays unicast";
 }
 
+TEST_F(CellOfRobots, IsWhereARobotThatIsTheBrokerListensToo) {
+    Process carrier(ROMANO_BROKER_ROBOT,
+                    {"--id", "0000000a", "--listen", addresses.service(1), "--cell-group", group,
+                     "--metrics", addresses.service(2)});
+    ASSERT_NE(carrier.wait_for("0000000a established"), "");
+    Process& guest = start_robot("00000001", {"--cell-group", group});
+    ASSERT_NE(guest.wait_for("established"), "");
+    TestClient publisher(addresses.client(), addresses.service_endpoint(1), "publisher");
+    ASSERT_TRUE(publisher.connect());
+    ASSERT_TRUE(says(2, "romano_subscriptions", 2 * 3));
+    const auto common = publisher.register_topic("common");
+    ASSERT_TRUE(common);
+    ASSERT_TRUE(publisher.publish(*common, normal_data("both"), mqttsn::Qos::at_least_once));
+    EXPECT_NE(carrier.wait_for("`both` on `common`"), "");
+    EXPECT_NE(guest.wait_for("`both` on `common`"), "");
+    EXPECT_TRUE(says(2, "romano_cell_deliveries_total", 2, 2));
+    EXPECT_TRUE(says(2, "romano_queued_messages", 0, 0)) << "both have answered";
+}
+
 struct BadGroup {
     std::string name;
     std::vector<std::string> options;
