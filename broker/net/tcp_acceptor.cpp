@@ -1,10 +1,9 @@
 #include "broker/net/tcp_acceptor.h"
 
 #include <chrono>
-#include <cstring>
 #include <utility>
 
-#include "broker/net/socket_address.h"
+#include "broker/net/asio_endpoint.h"
 
 namespace romano::net {
 
@@ -15,10 +14,7 @@ TcpAcceptor::TcpAcceptor(boost::asio::io_context& io, OnConnection on_connection
     : on_connection_(std::move(on_connection)), acceptor_(io), pause_(io) {}
 
 error_code TcpAcceptor::open(const Endpoint& address, std::size_t most_waiting) {
-    const SocketAddress socket_address = to_socket_address(address);
-    tcp::endpoint at;
-    at.resize(socket_address.size);
-    std::memcpy(at.data(), &socket_address.any, socket_address.size);
+    tcp::endpoint at = to_asio<tcp>(address);
     error_code error;
     acceptor_.open(at.protocol(), error);
     if (!error) acceptor_.set_option(tcp::acceptor::reuse_address(true), error);

@@ -5,8 +5,8 @@
 #include <fstream>
 #include <stdexcept>
 
+#include "broker/net/asio_endpoint.h"
 #include "broker/net/clock.h"
-#include "broker/net/socket_address.h"
 
 namespace romano::experiments {
 namespace {
@@ -14,19 +14,6 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr double point_every_mm = 10;
-
-Endpoint endpoint_of(const BrokerAddress& broker) {
-    if (broker.address().is_v4()) {
-        const auto octets = broker.address().to_v4().to_bytes();
-        Endpoint out{.port = broker.port(), .family = Endpoint::Family::ipv4};
-        std::ranges::copy(octets, out.address.begin());
-        return out;
-    }
-    return {.address = broker.address().to_v6().to_bytes(),
-            .scope = static_cast<std::uint32_t>(broker.address().to_v6().scope_id()),
-            .port = broker.port(),
-            .family = Endpoint::Family::ipv6};
-}
 
 bool is_elsewhere(const firmware::Pose& a, const firmware::Pose& b) {
     return a.x_mm != b.x_mm || a.y_mm != b.y_mm || a.heading_deg != b.heading_deg;
@@ -41,7 +28,7 @@ Field::Field(const std::string& host, std::uint16_t port)
 void Field::add(const Placing& placing) {
     firmware::SimulatedRobotOptions options;
     options.robot.node.id = message::RomanoId::parse(placing.id).value();
-    options.robot.broker = endpoint_of(broker_);
+    options.robot.broker = net::to_endpoint(broker_);
     options.robot.timing.t_retry = 1s;
     options.robot.seed = robots_.size();
     options.telemetry_topic = placing.telemetry;

@@ -7,10 +7,10 @@
 #include <chrono>
 #include <csignal>
 #include <cstdio>
-#include <cstring>
 #include <memory>
 #include <string>
 
+#include "broker/net/asio_endpoint.h"
 #include "broker/net/endpoint_text.h"
 #include "broker/net/socket_address.h"
 #include "experiments/cli/broker_options.h"
@@ -85,10 +85,7 @@ std::vector<Endpoint> brokers_of(const LoadOptions& options) {
     hosts.insert(hosts.end(), options.also.begin(), options.also.end());
     std::vector<Endpoint> brokers;
     for (const std::string& host : hosts) {
-        const BrokerAddress found = resolve_broker(io, host, options.broker.port);
-        net::SocketAddress address;
-        std::memcpy(&address.any, found.data(), found.size());
-        brokers.push_back(net::to_endpoint(address));
+        brokers.push_back(net::to_endpoint(resolve_broker(io, host, options.broker.port)));
     }
     return brokers;
 }

@@ -3,15 +3,10 @@
 #include <algorithm>
 #include <utility>
 
+#include "broker/net/asio_endpoint.h"
+
 namespace romano::experiments {
 namespace {
-
-/// An IPv4 address.
-Endpoint endpoint_of(const BrokerAddress& broker) {
-    Endpoint at{.port = broker.port(), .family = Endpoint::Family::ipv4};
-    std::ranges::copy(broker.address().to_v4().to_bytes(), at.address.begin());
-    return at;
-}
 
 class SimulatedPort final : public Port {
 public:
@@ -28,7 +23,7 @@ public:
     ~SimulatedPort() override { network_.unbind(binding_); }
 
     void send(Bytes datagram) override { network_.send(node_, own_, broker_, datagram); }
-    void talk_to(const BrokerAddress& broker) override { broker_ = endpoint_of(broker); }
+    void talk_to(const BrokerAddress& broker) override { broker_ = net::to_endpoint(broker); }
     [[nodiscard]] bool was_refused() const override { return false; }
 
 private:
@@ -92,8 +87,8 @@ std::unique_ptr<Port> SimulatedSurroundings::open_port(const BrokerAddress& brok
                                                        const std::string& /*client_id*/,
                                                        Port::OnDatagram on_datagram) {
     return std::make_unique<SimulatedPort>(world_.clients(), node_,
-                                           address_of_port(ports_++, network_), endpoint_of(broker),
-                                           std::move(on_datagram));
+                                           address_of_port(ports_++, network_),
+                                           net::to_endpoint(broker), std::move(on_datagram));
 }
 
 std::unique_ptr<Alarm> SimulatedSurroundings::make_alarm(std::function<void()> on_ring) {
@@ -101,10 +96,7 @@ std::unique_ptr<Alarm> SimulatedSurroundings::make_alarm(std::function<void()> o
 }
 
 BrokerAddress simulated_broker_address(std::size_t broker) {
-    const Endpoint at = sim::World::service_address(broker);
-    boost::asio::ip::address_v4::bytes_type octets;
-    std::copy_n(at.address.begin(), octets.size(), octets.begin());
-    return {boost::asio::ip::address_v4(octets), at.port};
+    return net::to_asio<boost::asio::ip::udp>(sim::World::service_address(broker));
 }
 
 }  // namespace romano::experiments

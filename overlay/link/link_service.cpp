@@ -4,25 +4,14 @@
 #include <chrono>
 #include <utility>
 
+#include "broker/net/asio_endpoint.h"
 #include "overlay/link/guest.h"
 #include "overlay/link/watch.h"
 
 namespace romano::link {
-namespace {
 
 using boost::asio::ip::tcp;
 using boost::system::error_code;
-
-tcp::endpoint to_tcp(const Endpoint& endpoint) {
-    if (endpoint.family == Endpoint::Family::ipv6) {
-        return {boost::asio::ip::address_v6(endpoint.address, endpoint.scope), endpoint.port};
-    }
-    boost::asio::ip::address_v4::bytes_type octets{};
-    std::copy_n(endpoint.address.begin(), octets.size(), octets.begin());
-    return {boost::asio::ip::address_v4(octets), endpoint.port};
-}
-
-}  // namespace
 
 LinkService::LinkService(boost::asio::io_context& io, const broker::LogId& self, OnLink on_link)
     : io_(io), self_(self), on_link_(std::move(on_link)), acceptor_(io), pause_(io) {}
@@ -35,7 +24,7 @@ LinkService::~LinkService() {
 error_code LinkService::open(const Endpoint& host) {
     Endpoint wanted = host;
     wanted.port = 0;
-    const tcp::endpoint endpoint = to_tcp(wanted);
+    const tcp::endpoint endpoint = net::to_asio<tcp>(wanted);
     error_code error;
     acceptor_.open(endpoint.protocol(), error);
     if (!error) acceptor_.bind(endpoint, error);
@@ -89,7 +78,7 @@ void LinkService::on_address(const broker::LogId& process, const Endpoint& addre
         std::erase_if(watches_, [](const auto& entry) { return entry.second->is_idle(); });
         if (watches_.size() == most_peers) return;
     }
-    const auto watch = std::make_shared<Watch>(*this, process, to_tcp(address));
+    const auto watch = std::make_shared<Watch>(*this, process, net::to_asio<tcp>(address));
     watches_.emplace(process.broker, watch);
     watch->keep_up();
 }

@@ -66,7 +66,7 @@ const std::map<std::string, Folders>& allowed() {
         {"broker/store", {"romano/base", "romano/mqttsn", "broker/core", "broker/net"}},
         {"overlay/dds",
          {"romano/base", "romano/mqttsn", "election", "broker/core", "overlay", "overlay/cluster"}},
-        {"overlay/link", {"romano/base", "election", "broker/core"}},
+        {"overlay/link", {"romano/base", "election", "broker/core", "broker/net"}},
         {"overlay/ros2/dds",
          {"romano/base", "romano/mqttsn", "broker/core", "broker/uplink", "broker/net",
           "overlay/dds", "overlay/ros2"}},
