@@ -4,6 +4,10 @@
 // A robot talks to its cell's address as to its broker. Who speaks there first takes the next free
 // place around the cell's router; its datagrams come to the broker from a socket of its own, so
 // that the broker tells robots apart by their addresses.
+//
+// What a broker sends to its multicast group (romano/mqttsn/cell.md) is one broadcast frame in its
+// cell. A robot's radio passes it on when the robot has subscribed to `$cell`, which is seen as it
+// goes by, as a switch sees IGMP; it comes to the robot's own socket, as its radio heard it.
 #pragma once
 
 #include <array>
@@ -35,7 +39,8 @@ struct BridgedCell {
 
 struct RadioBridgeOptions {
     std::vector<BridgedCell> cells;
-    std::size_t robots = 10;  // places around each router
+    std::optional<Endpoint> group;  // the brokers' --cell-group
+    std::size_t robots = 10;        // places around each router
     std::size_t channels = 16;
     std::optional<std::uint32_t> router_baud = 115'200;
     std::optional<std::uint32_t> robot_baud = 115'200;
@@ -51,6 +56,7 @@ struct RadioBridgeOptions {
 struct RadioBridgeFigures {
     std::uint64_t to_brokers = 0;  // datagrams handed over
     std::uint64_t to_robots = 0;
+    std::uint64_t to_cells = 0;       // datagrams to the group, each once on the air
     std::uint64_t too_large = 0;      // for 6LoWPAN
     std::uint64_t without_place = 0;  // of robots that found no place free
     std::uint64_t lost_in_queues = 0;
@@ -77,7 +83,7 @@ private:
     using Udp = boost::asio::ip::udp;
     static constexpr std::size_t room = 65'536;
 
-    /// A place at a router, and the robot that has it.
+    /// A place at a router, and the robot that has it. In the group while that listens.
     struct Place {
         Place(boost::asio::io_context& io, std::size_t in_cell, const Endpoint& own)
             : cell(in_cell), address(own), to_broker(io) {}
@@ -86,6 +92,7 @@ private:
         Endpoint address;  // in the world
         Udp::socket to_broker;
         std::optional<Udp::endpoint> robot;
+        bool listens = false;
         Instant heard{};
     };
     struct Cell {
@@ -97,8 +104,12 @@ private:
     };
 
     void open_place(std::size_t cell, std::size_t number);
+    void open_group(const Endpoint& group);
+    void hand_to_broker(const Endpoint& from, Bytes datagram);
     void hear_robots(std::size_t cell);
     void hear_broker(Place& place);
+    void hear_group();
+    void let_listen(Place& place, bool listens);
     [[nodiscard]] Place* place_of(std::size_t cell, const Udp::endpoint& robot);
     void send(const Endpoint& from, const Endpoint& to, Bytes datagram);
     void on_handed_over();
@@ -112,6 +123,8 @@ private:
     radio::RadioNetwork network_;
     std::vector<std::unique_ptr<Cell>> cells_;
     std::deque<Place> places_;  // cell after cell
+    std::map<Endpoint, Place*> place_at_;
+    std::optional<Udp::socket> group_;
     std::array<std::uint8_t, room> octets_{};
     RadioBridgeFigures figures_;
     boost::asio::io_context& io_;

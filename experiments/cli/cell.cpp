@@ -27,6 +27,8 @@ constexpr const char* cell_examples = R"(Examples:
   romano load -h 127.0.0.1 --also 127.0.1.1 --rate 100                      (from the wire to a robot)
   romano cell --listen 127.0.1.1:1883 --broker 127.0.0.1:1883 \\
               --listen 127.0.1.2:1883 --broker 127.0.0.2:1883 --channels 1  (two that hear each other)
+  romano cell --listen 127.0.1.1:1883 --broker 127.0.0.1:1883 --cell-group 239.18.83.1:1884
+      (one datagram for many: the broker and the robots have that --cell-group as well)
 Robots talk to --listen as to a broker: UART, IEEE 802.15.4 with 6LoWPAN on ns-3, border router and its
 UART lie between (overlay/radio), in real time. Ctrl-C ends it and prints what the channel did. Whoever
 measures should look at its exit code.
@@ -38,6 +40,7 @@ struct CellOptions {
     RadioBridgeOptions bridge;
     std::vector<std::string> listen;
     std::vector<std::string> brokers;
+    std::string cell_group;
     std::string router_baud = "115200";
     std::string robot_baud = "115200";
     double most_lag_ms = 5;
@@ -75,6 +78,9 @@ RadioBridgeOptions bridge_options(const CellOptions& options) {
         bridge.cells.push_back({address_in("--listen", options.listen[i]),
                                 address_in("--broker", options.brokers[i])});
     }
+    if (!options.cell_group.empty()) {
+        bridge.group = address_in("--cell-group", options.cell_group);
+    }
     bridge.router_baud = baud_in("--router-baud", options.router_baud);
     bridge.robot_baud = baud_in("--robot-baud", options.robot_baud);
     bridge.most_lag = std::chrono::duration_cast<std::chrono::microseconds>(
@@ -90,6 +96,7 @@ double ms(Duration duration) {
 std::string json_of(const RadioBridgeFigures& figures) {
     const nlohmann::ordered_json json{{"datagrams_to_brokers", figures.to_brokers},
                                       {"datagrams_to_robots", figures.to_robots},
+                                      {"datagrams_to_cells", figures.to_cells},
                                       {"lost_in_queues", figures.lost_in_queues},
                                       {"frames_given_up", figures.given_up_on_air},
                                       {"busiest_cell_air_share", figures.air_share},
@@ -110,6 +117,10 @@ std::string text_of(const RadioBridgeFigures& figures) {
                        " frames given up on the air, which was taken " +
                        std::to_string(static_cast<int>(100 * figures.air_share + 0.5)) +
                        " % of the time in the busiest cell\n";
+    if (figures.to_cells > 0) {
+        text += std::to_string(figures.to_cells) +
+                " datagrams went once to a whole cell, to the robots that listen there\n";
+    }
     if (figures.too_large > 0) {
         text += std::to_string(figures.too_large) +
                 " datagrams were larger than the 1,000 octets that 6LoWPAN carries here\n";
@@ -129,7 +140,9 @@ int run(const CellOptions& options) {
         bridge = std::make_unique<RadioBridge>(
             io, chosen, [] { std::fputs("romano: the cell lags behind its channel\n", stderr); });
     } catch (const boost::system::system_error& error) {
-        throw std::invalid_argument("--listen or --broker: " + error.code().message());
+        const std::string options_of_sockets =
+            chosen.group ? "--listen, --broker or --cell-group: " : "--listen or --broker: ";
+        throw std::invalid_argument(options_of_sockets + error.code().message());
     }
     const Interrupt interrupt{io};
     for (const std::string& listen : options.listen) {
@@ -173,6 +186,10 @@ void add_cell(CLI::App& program, int& exit_code) {
         ->type_name("ADDR:PORT");
     command.add_option("--broker", options->brokers, "The broker behind the cell (repeatable)")
         ->required()
+        ->type_name("ADDR:PORT");
+    command
+        .add_option("--cell-group", options->cell_group,
+                    "The brokers' --cell-group: what they send there goes once on the air")
         ->type_name("ADDR:PORT");
     command.add_option("--robots", bridge.robots, "Places in each cell")
         ->check(CLI::Range(1, 200))

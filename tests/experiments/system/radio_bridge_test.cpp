@@ -36,9 +36,12 @@ protected:
         }
     }
 
+    explicit RadioBridge(const std::vector<std::string>& broker_options = {})
+        : broker_(wire_, broker_options) {}
+
     const std::string wire_ = "127.40.250.11";
     const std::string air_ = "127.40.250.12";
-    ServingBroker broker_{wire_};
+    ServingBroker broker_;
     tests::TemporaryFolder folder_;
     std::filesystem::path trace_ = folder_ / "trace";
     std::unique_ptr<BrokerProcess> cell_;
@@ -72,6 +75,32 @@ TEST_F(RadioBridge, WhoFindsNoPlaceIsCounted) {
     EXPECT_GT(nlohmann::json::parse(told.substr(told.find('{'))).at("without_place"), 0);
 }
 
+class RadioBridgeWithAGroup : public RadioBridge {
+protected:
+    explicit RadioBridgeWithAGroup() : RadioBridge({"--cell-group", group()}) {}
+    static std::string group() { return "239.18.83.2:" + own_port(); }
+};
+
+TEST_F(RadioBridgeWithAGroup, OneDatagramForManyIsOnceOnTheAir) {
+    start_cell({"--json", "--most-lag-ms", "1000", "--cell-group", group()});
+    const std::string common =
+        " -p " + own_port() + " -q 0 --rate 5 --warm-up 0.2 --duration 1 --json";
+    // The publisher is on the wire, of the subscribers, who all listen, two are there and three on
+    // the air.
+    const Ran load = run_romano("load -h " + wire_ + " --also " + air_ + " --subscribers 5" +
+                                common + " --cell-group " + group());
+    ASSERT_EQ(load.exit_code, 0) << load.output;
+    const auto figures = nlohmann::json::parse(load.output);
+    EXPECT_GT(figures.at("delivered"), 0);
+    EXPECT_EQ(figures.at("lost"), 0);
+    cell_->stop(5s);
+    const std::string told = said();
+    const auto cell = nlohmann::json::parse(told.substr(told.find('{')));
+    EXPECT_GT(cell.at("datagrams_to_cells"), 0);
+    const int to_robots = cell.at("datagrams_to_robots");
+    EXPECT_GE(5 * to_robots, 2 * figures.at("delivered").get<int>());
+}
+
 class RefusedCells : public ::testing::TestWithParam<std::pair<const char*, const char*>> {};
 
 TEST_P(RefusedCells, SayOneSentenceAndExitWith2) {
@@ -97,6 +126,8 @@ INSTANTIATE_TEST_SUITE_P(
                   "--robot-baud `slow`: must be a baud, or none"},
         std::pair{"--listen 127.0.1.1:1883 --broker 127.0.0.1:1 --channels 17",
                   "--channels: Value 17 not in range 1 to 16"},
+        std::pair{"--listen 127.0.1.1:1883 --broker 127.0.0.1:1 --cell-group 127.0.0.1:1884",
+                  "--cell-group is no multicast group and port"},
         std::pair{"--listen 127.0.1.1:1883 --broker 127.0.0.1:1 --most-lag-ms nan",
                   "--most-lag-ms: Value nan not in range 0.1 to 1000"}));
 
