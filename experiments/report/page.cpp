@@ -26,6 +26,7 @@ table { border-collapse: collapse; font-size: .9rem; font-variant-numeric: tabul
 th, td { padding: .32rem .45rem; text-align: right; border-bottom: 1px solid var(--line);
          white-space: nowrap; } th { vertical-align: bottom; } th small { color: var(--soft);
          font-weight: normal; } tbody tr:hover { background: #f5f7fa; }
+.words td:last-child { white-space: normal; } .wide + .wide { margin-top: 1.2rem; }
 pre { background: #f5f7fa; border: 1px solid var(--line); border-radius: 8px; padding: .8rem 1rem;
       overflow-x: auto; font-size: .86rem; } code { font-size: .92em; }
 dl { display: grid; grid-template-columns: max-content 1fr; gap: .2rem 1.2rem; }
@@ -34,11 +35,11 @@ dt { color: var(--soft); } dd { margin: 0; }
 
 }  // namespace
 
-std::string page_begin(std::string_view title) {
+std::string page_begin(std::string_view title, std::string_view heading) {
     return "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
            "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>" +
-           html_text(title) + ": ROMANO without a central broker</title>\n<style>" + page_style +
-           "</style>\n</head>\n<body>\n<h1>ROMANO without a central broker</h1>\n";
+           html_text(title) + ": " + std::string{project_title} + "</title>\n<style>" + page_style +
+           "</style>\n</head>\n<body>\n<h1>" + html_text(heading) + "</h1>\n";
 }
 
 std::string to_html(const Figure& figure, const std::filesystem::path& scripts) {

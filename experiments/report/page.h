@@ -9,8 +9,10 @@
 
 namespace romano::experiments {
 
+inline constexpr std::string_view project_title = "ROMANO without a central broker";
 /// Up to and with the page's heading; `title` is what the browser calls it.
-[[nodiscard]] std::string page_begin(std::string_view title);
+[[nodiscard]] std::string page_begin(std::string_view title,
+                                     std::string_view heading = project_title);
 inline constexpr std::string_view page_end = "</body>\n</html>\n";
 
 /// The drawn panels with their words; the plots' scripts are left in `scripts`.

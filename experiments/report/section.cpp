@@ -3,6 +3,7 @@
 #include <fstream>
 #include <stdexcept>
 
+#include "experiments/report/page.h"
 #include "experiments/sweep/csv.h"
 
 namespace romano::experiments {
@@ -38,23 +39,20 @@ std::string to_text(const std::vector<Section>& sections) {
 
 void write_report(const ReportHead& head, const std::vector<Section>& sections,
                   const std::filesystem::path& folder) {
-    std::string html = "<!doctype html><html lang=\"en\"><meta charset=\"utf-8\"><title>" +
-                       html_text(head.title) +
-                       "</title><body style=\"font: 16px/1.5 sans-serif; max-width: 80rem; margin: "
-                       "2rem auto\"><h1>" +
-                       html_text(head.heading) + "</h1>";
+    std::string html = page_begin(head.title, head.heading);
     for (const Section& section : sections) {
-        html += "<h2>" + html_text(section.title) + "</h2><p>" + html_text(section.words) + "</p>";
+        html +=
+            "<h2>" + html_text(section.title) + "</h2>\n<p>" + html_text(section.words) + "</p>\n";
         if (const auto svg = draw(section.figure, folder)) {
             write(folder / (section.figure.name + ".svg"), *svg + '\n');
-            html += *svg;
+            html += "<div class=\"wide\">\n" + *svg + "</div>\n";
         }
         for (const auto& [name, table, is_only_csv] : section.tables) {
             write(folder / (name + ".csv"), to_csv(table));
-            if (!is_only_csv) html += to_html(table);
+            if (!is_only_csv) html += "<div class=\"wide words\">\n" + to_html(table) + "</div>\n";
         }
     }
-    write(folder / "report.html", html + "</body></html>\n");
+    write(folder / "report.html", html.append(page_end));
 }
 
 }  // namespace romano::experiments

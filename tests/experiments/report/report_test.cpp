@@ -15,6 +15,8 @@
 
 #include "experiments/report/configuration.h"
 #include "experiments/report/figures.h"
+#include "experiments/report/page.h"
+#include "experiments/report/section.h"
 #include "experiments/report/summary_table.h"
 #include "experiments/sweep/results_folder.h"
 
@@ -101,6 +103,16 @@ protected:
                        .sweep_file = "/some/where/synthetic.toml",
                        .broker_version = "romano-broker"};
 };
+
+TEST_F(Reports, OfSectionsHaveTheStyleOfAllPages) {  // and so its margins
+    fs::create_directories(folder_);
+    write_report({.title = "Paper", .heading = "The <paper>"}, {}, folder_);
+    std::ifstream file(folder_ / "report.html");
+    const std::string html{std::istreambuf_iterator<char>(file), {}};
+    EXPECT_TRUE(html.starts_with(page_begin("Paper", "The <paper>")));
+    EXPECT_THAT(html, HasSubstr("padding: 2rem"));
+    EXPECT_THAT(html, HasSubstr("<h1>The &lt;paper&gt;</h1>"));
+}
 
 TEST_F(Reports, StandAloneWithTheirFigures) {
     const std::string html = report();
