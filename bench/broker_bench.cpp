@@ -58,7 +58,9 @@ Row run(const Scenario& scenario, const Entrant& entrant, unsigned repetition) {
     row.sessions = scenario.plan.clients();
     double cpu_before = 0;
     double cpu_after = 0;
-    const auto clients = contestant.clients(scenario.plan);
+    const auto clients =
+        contestant.clients(scenario.plan, scenario.is_for_cells ? experiments::SocketUse::one_each
+                                                                : experiments::SocketUse::shared);
     std::optional<Flood> flood;
     if (entrant.forged_per_s > 0) {
         flood.emplace(dynamic_cast<experiments::MqttsnClients&>(*clients), scenario.plan.clients(),
@@ -125,6 +127,7 @@ std::vector<Entrant> entrants(const Options& options) {
             all.push_back(entrant);
         }
     }
+    all.push_back({.kind = Kind::broker, .name = "cell", .has_cell = true});
     if (!options.without_mosquitto) all.push_back({Kind::mosquitto, "mosquitto"});
     for (const std::string& other : options.others) {
         const std::size_t equals = std::min(other.find('='), other.size());
@@ -145,6 +148,7 @@ bool takes_part(const Entrant& entrant, const Scenario& scenario) {
     if (entrant.forged_per_s > 0) return scenario.is_about_latency() && scenario.with_others;
     const bool is_plain_broker =
         entrant.kind == Kind::broker && entrant.packets == Endpoint::Packets::plain;
+    if (entrant.has_cell || scenario.is_for_cells) return is_plain_broker && scenario.is_for_cells;
     return entrant.kind == Kind::reflector || is_plain_broker || scenario.with_others;
 }
 
@@ -175,8 +179,8 @@ int report(const Options& options, const std::vector<Row>& rows) {
     if (!options.json.empty()) std::ofstream(options.json) << json_of(rows, targets);
     for (const Row& row : rows) {
         const bool lossless = row.scenario.starts_with("rate_") || row.lost == 0;
-        const bool is_ours =
-            row.contestant == "broker" || row.contestant == "protected" || row.contestant == "dtls";
+        const bool is_ours = row.contestant == "broker" || row.contestant == "cell" ||
+                             row.contestant == "protected" || row.contestant == "dtls";
         if (is_ours && !lossless) return 1;
     }
     return 0;

@@ -89,6 +89,7 @@ Contestant::Contestant(Entrant entrant, std::uint32_t clients) : entrant_(std::m
     if (entrant_.kind == Kind::broker) {
         program = own_folder() / "romano-broker";
         arguments = {"--listen", scheme_of(entrant_.packets) + address, "--name", "bench"};
+        if (entrant_.has_cell) arguments.insert(arguments.end(), {"--cell-group", cell_group()});
         if (entrant_.packets != Endpoint::Packets::plain) {
             fleet_.emplace(scratch("fleet"), std::vector<std::string>{"bench"}, clients);
             const auto with_keys = fleet_->broker_arguments("bench");
@@ -121,16 +122,22 @@ Contestant::~Contestant() {
     fs::remove_all(scratch("fleet"), ignored);
 }
 
+/// Of this run alone.
+std::string Contestant::cell_group() const {
+    return "239.40." + std::to_string(::getpid() % 250) + ".1:" + std::to_string(port_);
+}
+
 std::unique_ptr<experiments::LoadClients> Contestant::clients(
-    const experiments::LoadPlan& plan) const {
+    const experiments::LoadPlan& plan, experiments::SocketUse sockets) const {
     if (entrant_.kind == Kind::mosquitto) {
         return std::make_unique<MosquittoClients>(plan, host_, port_);
     }
     experiments::MqttsnOptions options{
         .brokers = {entrant_.address ? *entrant_.address
                                      : *net::parse_endpoint(host_ + ":" + std::to_string(port_))},
-        .sockets = experiments::SocketUse::shared,
+        .sockets = sockets,
         .timing = {.t_retry = 500ms, .t_wait = 500ms, .n_retry = 20}};
+    if (entrant_.has_cell) options.cell_group = *net::parse_endpoint(cell_group());
     if (fleet_) {
         options.keyed = [this](std::uint32_t client, keys::ClientSpeech::Put put) {
             return fleet_->client(client, entrant_.packets, std::move(put));

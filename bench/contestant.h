@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "bench/fleet.h"
+#include "experiments/load/client_sockets.h"
 #include "experiments/load/load_clients.h"
 #include "experiments/load/load_plan.h"
 #include "experiments/process/broker_process.h"
@@ -24,6 +25,7 @@ struct Entrant {
     std::optional<Endpoint> address = {};  // of another MQTT-SN broker, which runs already
     Endpoint::Packets packets = Endpoint::Packets::plain;  // of our broker's listener
     double forged_per_s = 0;  // datagrams of a stranger, while the load goes on
+    bool has_cell = false;    // subscribers listen to a multicast group (romano/mqttsn/cell.md)
 };
 
 class Contestant {
@@ -35,7 +37,7 @@ public:
     ~Contestant();
 
     [[nodiscard]] std::unique_ptr<experiments::LoadClients> clients(
-        const experiments::LoadPlan& plan) const;
+        const experiments::LoadPlan& plan, experiments::SocketUse sockets) const;
 
     /// CPU time in seconds that it has used so far, all threads. NaN of another broker.
     [[nodiscard]] double cpu_s() const;
@@ -45,6 +47,8 @@ public:
     void check();
 
 private:
+    [[nodiscard]] std::string cell_group() const;
+
     Entrant entrant_;
     std::string host_;
     int port_ = 0;
