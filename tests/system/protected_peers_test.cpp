@@ -3,10 +3,19 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <linux/if_ether.h>
+#include <linux/if_packet.h>
+#include <net/if.h>
 #include <signal.h>
+#include <sys/socket.h>
+#include <unistd.h>
 
+#include <algorithm>
 #include <filesystem>
+#include <random>
+#include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "romano/keys/peer_papers.h"
@@ -167,6 +176,105 @@ TEST_F(ProtectedPeers, CertificatesAreReplacedOneBrokerAfterTheOtherUnderLoadAnd
     }
     EXPECT_EQ(robot->sessions_begun + anna->sessions_begun, begun) << "a client noticed";
     EXPECT_EQ(romano({"keys", "check", machine("r1").string()}), 0) << said;
+}
+
+/// Whoever reaches the brokers' network: all that they say on loopback, heard and sent again.
+class Eavesdropper {
+public:
+    Eavesdropper()
+        : socket_(socket(AF_PACKET, SOCK_RAW | SOCK_CLOEXEC | SOCK_NONBLOCK, htons(ETH_P_IP))) {
+        sockaddr_ll loopback{};
+        loopback.sll_family = AF_PACKET;
+        loopback.sll_protocol = htons(ETH_P_IP);
+        loopback.sll_ifindex = static_cast<int>(if_nametoindex("lo"));
+        is_listening_ = socket_ >= 0 &&
+                        bind(socket_, reinterpret_cast<sockaddr*>(&loopback), sizeof loopback) == 0;
+    }
+    ~Eavesdropper() { close(socket_); }
+    Eavesdropper(const Eavesdropper&) = delete;
+    Eavesdropper& operator=(const Eavesdropper&) = delete;
+
+    /// False without the right to.
+    [[nodiscard]] bool is_listening() const { return is_listening_; }
+    void hear() {
+        std::vector<std::uint8_t> frame(65536);
+        for (;;) {
+            const auto size = recv(socket_, frame.data(), frame.size(), 0);
+            if (size <= 0) return;
+            const Octets one(frame.begin(), frame.begin() + size);
+            if (is_between_brokers(one)) frames.push_back(one);
+        }
+    }
+    /// As it was, or bent, in a random order.
+    void send_again(std::size_t times) {
+        for (std::size_t i = 0; i < times; ++i) {
+            Octets frame = frames[random_() % frames.size()];
+            if (i % 2 == 1) frame[header + random_() % (frame.size() - header)] ^= 1U << i % 8;
+            frame[checksum] = frame[checksum + 1] = 0;  // none
+            (void)!send(socket_, frame.data(), frame.size(), 0);
+            if (i % 256 == 0) usleep(1'000);
+        }
+    }
+
+    using Octets = std::vector<std::uint8_t>;
+    std::vector<Octets> frames;
+
+private:
+    static constexpr std::size_t checksum = 14 + 20 + 6;  // Ethernet, IPv4, UDP
+    static constexpr std::size_t header = 14 + 20 + 8;
+
+    [[nodiscard]] static bool is_between_brokers(const Octets& frame) {
+        if (frame.size() < header + 4 || frame[14] != 0x45 || frame[23] != IPPROTO_UDP)
+            return false;
+        return std::ranges::equal(std::span{frame}.subspan(header, 4), std::string_view{"RTPS"});
+    }
+
+    int socket_;
+    bool is_listening_ = false;
+    std::mt19937 random_{1};
+};
+
+TEST_F(ProtectedPeers, WhatBrokersSaidIsNotReadAndChangesNothingWhenItIsPlayedBack) {
+    Eavesdropper stranger;
+    if (!stranger.is_listening()) GTEST_SKIP() << "without CAP_NET_RAW";
+    start_both();
+    const auto robot = client_of(1, "abcd1234");
+    const auto anna = client_of(2, "anna");
+    ASSERT_TRUE(robot->connect());
+    ASSERT_TRUE(robot->subscribe("robots/abcd1234/pose", mqttsn::Qos::exactly_once));
+    ASSERT_TRUE(anna->connect());
+    const auto topic = anna->register_topic("robots/abcd1234/pose");
+    ASSERT_TRUE(topic);
+    const std::string secret = "the pose of a robot";
+    const auto publish = [&] {
+        ASSERT_TRUE(anna->publish(*topic, secret, mqttsn::Qos::exactly_once));
+    };
+    for (int i = 0; i < 20; ++i) {
+        publish();
+        stranger.hear();
+    }
+    ASSERT_TRUE(robot->run_until([&] { return robot->received.size() == 20; }));
+    ASSERT_GT(stranger.frames.size(), 20U);
+    for (const auto& frame : stranger.frames) {
+        EXPECT_EQ(std::ranges::search(frame, secret).begin(), frame.end());
+    }
+    const auto views = [&](int broker) {
+        return metrics_come_to_say(addresses.service_endpoint(broker), "romano_cluster_views_total",
+                                   0, 1);
+    };
+    ASSERT_TRUE(views(1) && views(2));
+    stranger.send_again(50'000);
+    publish();
+    ASSERT_TRUE(robot->run_until([&] { return robot->received.size() == 21; }));
+    for (int broker = 1; broker <= 2; ++broker) {
+        EXPECT_TRUE(views(broker)) << "nobody was taken for dead";
+        EXPECT_TRUE(view_has(broker, 2));
+        EXPECT_TRUE(metrics_come_to_say(
+            addresses.service_endpoint(broker),
+            "romano_cluster_transport_refusals_total{reason=\"malformed\"}", 0, 0));
+    }
+    EXPECT_TRUE(robot->ping());
+    EXPECT_EQ(robot->received.size(), 21U);
 }
 
 TEST_F(ProtectedPeers, AClientsCertificateIsNoBrokers) {
