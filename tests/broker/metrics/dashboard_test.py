@@ -75,6 +75,13 @@ class Dashboard(unittest.IsolatedAsyncioTestCase):
         for query in (v["definition"] for v in self.board["templating"]["list"] if v["type"] == "query"):
             self.assertIn(METRIC.findall(query)[0], exported)
 
+    async def test_load_and_condition_of_each_broker_are_shown(self) -> None:
+        by_broker = [
+            t["expr"] for panel in self.panels for t in panel["targets"] if "{{instance}}" in t["legendFormat"]
+        ]
+        for metric in ("romano_cluster_condition", "process_cpu_seconds_total", "romano_longest_turn_seconds"):
+            self.assertTrue(any(metric in expr for expr in by_broker), metric)
+
     async def test_every_panel_has_a_title_and_a_unit(self) -> None:
         self.assertGreater(len(self.panels), 10)
         for panel in self.panels:
