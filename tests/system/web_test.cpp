@@ -575,6 +575,21 @@ TEST_F(Web, ThePageInARealBrowser) {
     ASSERT_NE(page.wait_for("the page says that it is alone"), "") << page.errors();
     EXPECT_EQ(page.wait_for_exit(), 0) << page.errors();
 }
+
+TEST_F(Web, AFrameOfThePageWithTwoHundredRobotsNeedsLessThan16Ms) {
+    start_broker(1);
+    start_web(1);
+    Process fleet(ROMANO_ROBOT,
+                  {"--id", "00000001", "--count", "200", "--broker", addresses.service(1),
+                   "--telemetry", "robots/{id}/pose", "--every", "0.1", "--quiet"});
+    ASSERT_TRUE(comes([&] { return state().at("robots").size() == 200; }, 60s))
+        << state().at("robots").size();
+    ::setenv("PAGE_TEST_MODULES", PAGE_TEST_MODULES, 1);
+    ::setenv("CHROMIUM", CHROMIUM_PROGRAM, 1);
+    Process page(NODE_PROGRAM, {FRAMES_TEST, url, "200"});
+    std::printf("%s\n", page.wait_for("frames of", 120s).c_str());
+    EXPECT_EQ(page.wait_for_exit(), 0) << page.errors();
+}
 #endif
 
 }  // namespace
