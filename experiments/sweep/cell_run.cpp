@@ -53,7 +53,7 @@ RunRow CellRun::run() {
     } catch (const RunFailed& failed) {
         row.status = failed.what();
     } catch (const Interrupted&) {
-        stop();
+        stop(row);
         throw;
     }
     if (swarm_ && swarm_->account().by_publisher().empty()) swarm_.reset();
@@ -64,7 +64,7 @@ RunRow CellRun::run() {
         surroundings_.results.write_samples(cell_, swarm_->account());
         surroundings_.results.write_memory(cell_, memory_);
     }
-    stop();
+    stop(row);
     if (world_) row.run_s = in_ms(world_->now() - begun_) / 1e3;
     return row;
 }
@@ -165,14 +165,18 @@ void CellRun::check_schedule() const {
                     "busy");
 }
 
-void CellRun::stop() {
+void CellRun::stop(RunRow& row) {
     doing_ = "stopping";
     if (swarm_) swarm_->leave();
     if (probe_) probe_->leave();
     if (world_) world_->finish_moment();
     swarm_.reset();
     probe_.reset();
-    if (brokers_) brokers_->stop_all();
+    try {
+        if (brokers_) brokers_->stop_all();
+    } catch (const RunFailed& failed) {
+        if (row.ok()) row.status = failed.what();
+    }
 }
 
 void CellRun::measure_deliveries(RunRow& row) const {

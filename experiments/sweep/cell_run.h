@@ -50,7 +50,8 @@ private:
     void load();
     void drain();
     void check_schedule() const;
-    void stop();
+    /// What goes wrong then is the row's status, unless it has one.
+    void stop(RunRow& row);
 
     void measure_deliveries(RunRow& row) const;
     void measure_failover(RunRow& row) const;

@@ -61,7 +61,8 @@ public:
     virtual void resume(std::size_t broker) = 0;       // SIGCONT
     virtual void cut(std::size_t broker) = 0;          // the network of its machine
     virtual void mend(std::size_t broker) = 0;
-    /// All are asked before anybody is waited for.
+    /// All are asked before anybody is waited for. Throws RunFailed when one cannot be stopped,
+    /// because its machine is gone.
     virtual void stop_all() = 0;
 
     [[nodiscard]] virtual bool has_ended(std::size_t broker) = 0;

@@ -136,6 +136,17 @@ void TestbedWorld::stop_all() {
     };
     run_until(
         now() + stops_within, [&] { return std::ranges::all_of(machines_, is_over); }, [] {});
+    for (const auto& [number, machine] : machines_) {
+        if (machine.has_stopped || !machine.channel) continue;
+        check_presence(machine);
+        throw RunFailed(machine.host->name + " did not stop its brokers within " +
+                        std::to_string(stops_within.count()) + " s");
+    }
+}
+
+void TestbedWorld::check_presence(const Machine& machine) {
+    if (!machine.channel->is_gone()) return;
+    throw RunFailed(machine.host->name + " vanished: " + machine.channel->why_gone());
 }
 
 bool TestbedWorld::has_ended(std::size_t broker) {
@@ -143,9 +154,7 @@ bool TestbedWorld::has_ended(std::size_t broker) {
     if (!machine.trouble.empty()) {
         throw RunFailed(machine.host->name + ": " + machine.trouble);
     }
-    if (machine.channel->is_gone()) {
-        throw RunFailed(machine.host->name + " vanished: " + machine.channel->why_gone());
-    }
+    check_presence(machine);
     return brokers_[broker].how_it_ended.has_value();
 }
 

@@ -35,7 +35,8 @@ public:
     /// Of all brokers on that machine.
     void cut(std::size_t broker) override;
     void mend(std::size_t broker) override;
-    /// What they have printed, and their last metrics, are in the results when it returns.
+    /// What they have printed, and their last metrics, are in the results when it returns. A
+    /// machine whose cable was pulled in the cell's last seconds is missed here.
     void stop_all() override;
 
     /// Throws RunFailed when its machine is gone.
@@ -60,6 +61,8 @@ private:
 
     void open(const TestbedPlace& place, std::size_t host);
     void await_begin(const Ssh& ssh, Machine& machine);
+    /// Throws RunFailed when it is gone.
+    static void check_presence(const Machine& machine);
     [[nodiscard]] Machine& machine_of(std::size_t broker) {
         return machines_.at(brokers_[broker].seat.host);
     }

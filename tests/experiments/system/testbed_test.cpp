@@ -403,6 +403,25 @@ TEST_F(Sweep, GoesOnWithoutAMachineThatVanishedAndRunsItsCellAgainLater) {
     EXPECT_EQ(rows()[0].status, "ok") << again.output;
 }
 
+// No connection ends when a cable is pulled: either side must notice the silence.
+TEST_F(Sweep, GoesOnWithoutAMachineWhoseCableIsPulled) {
+    write_sweep("[axes]\nbrokers = [3, 1]\nrobots = 4\nrate = 10\n");
+    const auto running = begin_sweep();
+    ASSERT_TRUE(eventually([this] { return is_loading(); }));
+    lan_.cut(3);
+    ASSERT_TRUE(eventually([&] { return running->has_ended(); }));
+    ASSERT_THAT(rows(), SizeIs(2)) << read(folder_ / "sweep.txt");
+    EXPECT_THAT(rows()[0].status, HasSubstr("pi3 vanished"));
+    EXPECT_EQ(rows()[1].status, "ok") << "it needs pi1 alone";
+    EXPECT_TRUE(eventually([this] { return programs_left().empty(); })) << programs_left();
+    EXPECT_FALSE(has_any_service_address()) << "pi3, which nobody could tell, has cleaned up too";
+
+    lan_.mend(3);
+    const Ran again = sweep("--retry-failed");
+    ASSERT_THAT(rows(), SizeIs(2));
+    EXPECT_EQ(rows()[0].status, "ok") << again.output;
+}
+
 // Nobody is left to clean up: the machines do it themselves.
 TEST_F(Sweep, LeavesNothingBehindWhenItIsKilled) {
     write_sweep("[axes]\nbrokers = 3\nrobots = 4\nrate = 10\n");
