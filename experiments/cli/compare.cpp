@@ -21,6 +21,8 @@ A and B are folders that `romano sweep` wrote. Configurations that both have are
 Exit code: 0; 2 when there is nothing to compare.
 )";
 
+constexpr std::size_t most_told_differences = 60;  // what somebody scrolls through
+
 struct CompareOptions {
     std::filesystem::path a, b;
     std::filesystem::path output;
@@ -62,7 +64,12 @@ void compare_results(const CompareOptions& options) {
         return;
     }
     const SummaryTable table = table_of(compared, options.all);
-    if (!table.rows.empty()) std::printf("%s\n", to_text(table).c_str());
+    const SummaryTable told = options.all ? table : first_rows(table, most_told_differences);
+    if (!told.rows.empty()) std::printf("%s\n", to_text(told).c_str());
+    if (told.rows.size() < table.rows.size()) {
+        std::printf("The first %zu of %zu differences; --all or --output has the others\n",
+                    told.rows.size(), table.rows.size());
+    }
     std::printf("%s\n", verdict_of(compared).c_str());
     if (!options.output.empty()) {
         std::printf("Report: %s\n",

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
+#include <iterator>
 #include <memory>
 #include <string>
 #include <vector>
@@ -44,18 +45,23 @@ bool is_wanted(const RunRow& row, const RunRow* present) {
 }
 
 int merge(const fs::path& into, const std::vector<fs::path>& shards) {
-    const Results first = read_results(shards.front());
+    std::vector<Results> parts;
     for (const fs::path& shard : shards) {
-        if (is_same_experiment(read_results(shard).sweep, first.sweep)) continue;
+        parts.push_back(read_results(shard));
+        if (is_same_experiment(parts.back().sweep, parts.front().sweep)) continue;
         throw SweepError("`" + shard.string() + "` and `" + shards.front().string() +
                          "` are results of different sweeps");
     }
+    const Results& first = parts.front();
     ResultsFolder merged{into, first.sweep, false};
-    for (const fs::path& shard : shards) {
-        for (const RunRow& row : read_results(shard).rows) {
-            if (is_wanted(row, merged.row_of(row.cell))) merged.take(row, shard);
-        }
+    for (std::size_t i = 0; i < parts.size(); ++i) {
+        std::vector<RunRow> wanted;
+        std::ranges::copy_if(parts[i].rows, std::back_inserter(wanted), [&](const RunRow& row) {
+            return is_wanted(row, merged.row_of(row.cell));
+        });
+        merged.take(wanted, shards[i]);
     }
+    merged.set_in_order();
     const Manifest manifest = manifest_in(shards.front());
     write_text(into / "manifest.json", to_json(manifest, first.sweep));
     const int exit_code = tell(first.sweep, manifest, merged.rows(), into);

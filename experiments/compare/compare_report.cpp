@@ -13,6 +13,8 @@ namespace {
 
 // More would not be looked at.
 constexpr std::size_t most_panels = 12;
+constexpr std::size_t most_differences = 500;
+constexpr std::size_t most_names = 10;
 
 /// An axis of numbers, to draw against.
 struct Across {
@@ -63,19 +65,17 @@ void set_aside(PlotPanel& panel) {
     for (PlotPoint& point : panel.series[1].points) point.x += aside;
 }
 
-const Configuration& at_point(std::span<const Configuration> among, const Cell& cell) {
-    return *std::ranges::find_if(
-        among, [&](const Configuration& each) { return is_same_point(each.cell(), cell); });
-}
-
 /// One panel for each combination of the other axes, with A and B in it.
 Plot overlay(const Compared& compared, const Metric& metric, std::size_t number) {
     const Across& across = widest_axis(compared.comparison);
     const std::array given = {across.axis};
+    const AxisLabels labels{compared.a};
+    const ByPoint in_a = by_point(compared.a);
+    const ByPoint in_b = by_point(compared.b);
     Plot plot{.name = "compare_" + std::to_string(number), .panels = {}};
     for (const Difference& each : compared.comparison.differences) {
         if (each.metric != &metric) continue;
-        const std::string title = label_of(each.cell, compared.a, given);
+        const std::string title = labels.of(each.cell, given);
         auto panel = std::ranges::find(plot.panels, title, &PlotPanel::title);
         if (panel == plot.panels.end()) {
             if (plot.panels.size() == most_panels) continue;
@@ -86,8 +86,8 @@ Plot overlay(const Compared& compared, const Metric& metric, std::size_t number)
                                  .series = {}});
         }
         const double x = across.value(each.cell);
-        const auto of_a = values_of(at_point(compared.a, each.cell), metric);
-        const auto of_b = values_of(at_point(compared.b, each.cell), metric);
+        const auto of_a = values_of(*in_a.at(point_of(each.cell)), metric);
+        const auto of_b = values_of(*in_b.at(point_of(each.cell)), metric);
         add_point(*panel, 0, "A", point_at(x, of_a, compared.confidence));
         add_point(*panel, 1, "B", point_at(x, of_b, compared.confidence));
     }
@@ -108,8 +108,11 @@ std::string percent_text(const Difference& each) {
 
 std::string listed(const std::vector<std::string>& names) {
     std::string text;
-    for (const std::string& name : names) text += (text.empty() ? "" : "; ") + name;
-    return text;
+    for (std::size_t i = 0; i < std::min(names.size(), most_names); ++i) {
+        text += (text.empty() ? "" : "; ") + names[i];
+    }
+    if (names.size() <= most_names) return text;
+    return text + "; and " + std::to_string(names.size() - most_names) + " more";
 }
 
 }  // namespace
@@ -214,9 +217,14 @@ std::string page_of(const Compared& compared, const std::filesystem::path& scrip
         if (figure.plot.panels.empty()) continue;
         html += "<h2>" + html_text(figure.title) + "</h2>\n" + to_html(figure, scripts);
     }
+    const SummaryTable table = table_of(compared, true);
     return html + "<h2>All differences</h2>\n<div class=\"wide\">\n" +
-           to_html(table_of(compared, true)) +
-           "</div>\n<p class=\"how\">The interval is that of B - A at a confidence of " +
+           to_html(first_rows(table, most_differences)) + "</div>\n<p class=\"how\">" +
+           (table.rows.size() > most_differences
+                ? "The first " + std::to_string(most_differences) + " of " +
+                      std::to_string(table.rows.size()) + "; <code>differences.csv</code> has all. "
+                : "") +
+           "The interval is that of B - A at a confidence of " +
            number_text(Measured{compared.confidence * 100}, 1) +
            " %, by bootstrap over the runs. B is better or worse when it does not contain "
            "0.</p>\n" +

@@ -28,8 +28,8 @@ Verdict verdict_on(const Difference& difference) {
     return is_higher == difference.metric->is_better_higher ? Verdict::better : Verdict::worse;
 }
 
-std::string name_in(const Cell& cell, std::span<const Configuration> among) {
-    const std::string label = label_of(cell, among, {});
+std::string name_in(const Cell& cell, const AxisLabels& labels) {
+    const std::string label = labels.of(cell, {});
     return label.empty() ? describe(cell) : label;
 }
 
@@ -62,19 +62,22 @@ std::string_view name_of(Verdict verdict) {
 Comparison compare(std::span<const Configuration> a, std::span<const Configuration> b,
                    double confidence) {
     Comparison comparison;
+    const AxisLabels labels_a{a};
+    const AxisLabels labels_b{b};
+    const ByPoint in_a = by_point(a);
+    const ByPoint in_b = by_point(b);
     for (const Configuration& one : a) {
-        const auto other = std::ranges::find_if(
-            b, [&](const Configuration& each) { return is_same_point(each.cell(), one.cell()); });
-        if (other == b.end()) {
-            comparison.only_a.push_back(name_in(one.cell(), a));
+        const auto other = in_b.find(point_of(one.cell()));
+        if (other == in_b.end()) {
+            comparison.only_a.push_back(name_in(one.cell(), labels_a));
             continue;
         }
         for (const Metric& metric : metrics) {
             const auto of_a = values_of(one, metric);
-            const auto of_b = values_of(*other, metric);
+            const auto of_b = values_of(*other->second, metric);
             if (of_a.empty() || of_b.empty()) continue;
             Difference difference{.cell = one.cell(),
-                                  .configuration = name_in(one.cell(), a),
+                                  .configuration = name_in(one.cell(), labels_a),
                                   .metric = &metric,
                                   .runs_a = of_a.size(),
                                   .runs_b = of_b.size(),
@@ -87,9 +90,8 @@ Comparison compare(std::span<const Configuration> a, std::span<const Configurati
         }
     }
     for (const Configuration& one : b) {
-        const bool is_in_a = std::ranges::any_of(
-            a, [&](const Configuration& each) { return is_same_point(each.cell(), one.cell()); });
-        if (!is_in_a) comparison.only_b.push_back(name_in(one.cell(), b));
+        if (in_a.contains(point_of(one.cell()))) continue;
+        comparison.only_b.push_back(name_in(one.cell(), labels_b));
     }
     return comparison;
 }

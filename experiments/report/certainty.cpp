@@ -23,15 +23,17 @@ void append(std::vector<std::string>& row, const std::vector<double>& values, in
 
 }  // namespace
 
-SummaryTable certainty_of(std::span<const Configuration> configurations) {
+SummaryTable certainty_of(std::span<const Configuration> configurations, std::size_t most) {
     SummaryTable table{.head = {"configuration", "runs", "delay p99", "interval", "runs for ±10 %",
                                 "failover", "interval", "runs for ±10 %"},
                        .units = {"", "", "ms", "ms", "", "ms", "ms", ""},
                        .rows = {}};
+    const AxisLabels labels{configurations};
     for (const Configuration& each : configurations) {
         if (each.runs.size() < 2) continue;
+        if (table.rows.size() == most) break;
         const auto probed = each.values(&RunRow::failover_probe_ms);
-        const std::string label = label_of(each.cell(), configurations, {});
+        const std::string label = labels.of(each.cell(), {});
         std::vector<std::string> row = {label.empty() ? describe(each.cell()) : label,
                                         std::to_string(each.runs.size())};
         append(row, each.values(&RunRow::delay_p99_ms), 1);

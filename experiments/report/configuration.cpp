@@ -41,17 +41,13 @@ constexpr std::array all_axes = {Axis::brokers, Axis::robots,  Axis::rate,     A
                                  Axis::qos,     Axis::elector, Axis::detector, Axis::acks,
                                  Axis::clients, Axis::fault};
 
-Cell without_repetition(Cell cell) {
+}  // namespace
+
+Cell point_of(Cell cell) {
     cell.number = 0;
     cell.repetition = 0;
     cell.seed = 0;
     return cell;
-}
-
-}  // namespace
-
-bool is_same_point(const Cell& a, const Cell& b) {
-    return without_repetition(a) == without_repetition(b);
 }
 
 std::vector<double> Configuration::values(Measured RunRow::*measured) const {
@@ -78,29 +74,37 @@ std::vector<Configuration> configurations_of(std::span<const RunRow> rows) {
     std::vector<Configuration> configurations;
     std::vector<RunRow> ordered(rows.begin(), rows.end());
     std::ranges::stable_sort(ordered, {}, [](const RunRow& row) { return row.cell.number; });
+    std::map<Cell, std::size_t> places;
     for (const RunRow& row : ordered) {
-        auto found = std::ranges::find_if(configurations, [&](const Configuration& each) {
-            return is_same_point(each.cell(), row.cell);
-        });
-        if (found == configurations.end()) {
-            found = configurations.insert(found, Configuration{});
-        }
-        (row.ok() ? found->runs : found->failed).push_back(row);
+        const auto [place, is_new] = places.try_emplace(point_of(row.cell), configurations.size());
+        if (is_new) configurations.emplace_back();
+        Configuration& found = configurations[place->second];
+        (row.ok() ? found.runs : found.failed).push_back(row);
     }
     return configurations;
 }
 
-std::string label_of(const Cell& cell, std::span<const Configuration> among,
-                     std::span<const Axis> given) {
+ByPoint by_point(std::span<const Configuration> configurations) {
+    ByPoint found;
+    for (const Configuration& each : configurations) found.emplace(point_of(each.cell()), &each);
+    return found;
+}
+
+AxisLabels::AxisLabels(std::span<const Configuration> among) {
+    for (const Configuration& each : among) {
+        for (const Axis axis : all_axes) {
+            std::string text = text_of(each.cell(), axis);
+            if (!text.empty()) texts_[axis].insert(std::move(text));
+        }
+    }
+}
+
+std::string AxisLabels::of(const Cell& cell, std::span<const Axis> given) const {
     std::string label;
-    for (const Axis axis : all_axes) {
-        if (std::ranges::find(given, axis) != given.end()) continue;
+    for (const auto& [axis, texts] : texts_) {
+        if (texts.size() < 2 || std::ranges::find(given, axis) != given.end()) continue;
         const std::string text = text_of(cell, axis);
-        const bool varies = std::ranges::any_of(among, [&](const Configuration& other) {
-            const std::string others = text_of(other.cell(), axis);
-            return !others.empty() && others != text;
-        });
-        if (!varies || text.empty()) continue;
+        if (text.empty()) continue;
         if (!label.empty()) label += ", ";
         label += text;
     }

@@ -3,7 +3,9 @@
 #pragma once
 
 #include <functional>
+#include <map>
 #include <optional>
+#include <set>
 #include <span>
 #include <string>
 #include <vector>
@@ -27,13 +29,15 @@ struct Configuration {
     [[nodiscard]] std::optional<double> sum(Measured RunRow::*measured) const;
 };
 
-/// The cells differ in nothing but number, repetition and seed.
-[[nodiscard]] bool is_same_point(const Cell& a, const Cell& b);
+/// The cell without what tells runs of one configuration apart: number, repetition and seed.
+[[nodiscard]] Cell point_of(Cell cell);
 /// In the order of their first runs.
 [[nodiscard]] std::vector<Configuration> configurations_of(std::span<const RunRow> rows);
 
-/// What differs between the configurations of a sweep, for labels: "3 brokers, acks 2". Axes in
-/// `given` are left out, as are those that have one value in all of `among`.
+/// The configurations by their points.
+using ByPoint = std::map<Cell, const Configuration*>;
+[[nodiscard]] ByPoint by_point(std::span<const Configuration> configurations);
+
 enum class Axis : std::uint8_t {
     brokers,
     robots,
@@ -46,7 +50,16 @@ enum class Axis : std::uint8_t {
     clients,
     fault
 };
-[[nodiscard]] std::string label_of(const Cell& cell, std::span<const Configuration> among,
-                                   std::span<const Axis> given);
+/// What differs between configurations, for labels: "3 brokers, acks 2". An axis that has one value
+/// in all of `among` is left out.
+class AxisLabels {
+public:
+    explicit AxisLabels(std::span<const Configuration> among);
+    /// Without the axes in `given`.
+    [[nodiscard]] std::string of(const Cell& cell, std::span<const Axis> given) const;
+
+private:
+    std::map<Axis, std::set<std::string>> texts_;  // without those that do not apply
+};
 
 }  // namespace romano::experiments

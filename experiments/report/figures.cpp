@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <functional>
+#include <map>
 #include <set>
 #include <utility>
 
+#include "experiments/report/crowd.h"
 #include "experiments/sweep/results_folder.h"
 
 namespace romano::experiments {
@@ -48,14 +50,15 @@ std::size_t distinct(Configurations all, const Number& number) {
 std::vector<PlotSeries> series_over(const Number& x, Configurations all, Value y,
                                     std::span<const Axis> given, double scale = 1) {
     std::vector<PlotSeries> series;
+    const AxisLabels labels{all};
+    std::map<std::string, std::size_t> places;
     for (const Configuration& each : all) {
-        const std::string label = label_of(each.cell(), all, given);
-        auto found = std::ranges::find(series, label, &PlotSeries::label);
-        if (found == series.end()) {
-            found = series.insert(found, PlotSeries{.label = label, .points = {}});
-        }
+        const std::string label = labels.of(each.cell(), given);
+        const auto [place, is_new] = places.try_emplace(label, series.size());
+        if (is_new) series.push_back({.label = label, .points = {}});
+        PlotSeries& found = series[place->second];
         for (const RunRow& run : each.runs) {
-            if (run.*y) found->points.push_back({.x = x(run.cell), .y = *(run.*y) * scale});
+            if (run.*y) found.points.push_back({.x = x(run.cell), .y = *(run.*y) * scale});
         }
     }
     const auto reaches = [](const PlotSeries& one) {
@@ -95,18 +98,19 @@ void set_beside_each_other(std::vector<PlotSeries>& series) {
 std::vector<PlotSeries> marks_over_brokers(Configurations struck, Value y, Value low, Value high) {
     constexpr std::array given = {Axis::brokers};
     std::vector<PlotSeries> series;
+    const AxisLabels labels{struck};
+    std::map<std::string, std::size_t> places;
     for (const Configuration& each : struck) {
-        const std::string label = label_of(each.cell(), struck, given);
-        auto found = std::ranges::find(series, label, &PlotSeries::label);
-        if (found == series.end()) {
-            found = series.insert(found, {.label = label, .points = {}, .line = false});
-        }
+        const std::string label = labels.of(each.cell(), given);
+        const auto [place, is_new] = places.try_emplace(label, series.size());
+        if (is_new) series.push_back({.label = label, .points = {}, .line = false});
+        PlotSeries& found = series[place->second];
         for (const RunRow& run : each.runs) {
             if (!(run.*y)) continue;
-            found->points.push_back({.x = brokers_of(run.cell),
-                                     .y = *(run.*y),
-                                     .low = low == nullptr ? std::nullopt : run.*low,
-                                     .high = high == nullptr ? std::nullopt : run.*high});
+            found.points.push_back({.x = brokers_of(run.cell),
+                                    .y = *(run.*y),
+                                    .low = low == nullptr ? std::nullopt : run.*low,
+                                    .high = high == nullptr ? std::nullopt : run.*high});
         }
     }
     set_beside_each_other(series);
@@ -427,6 +431,7 @@ std::vector<Figure> figures_of(Configurations configurations, const SweepSetting
     std::vector<Figure> figures;
     const auto add = [&figures](std::optional<Figure> figure) {
         if (!figure || one_by_one(figure->plot).empty()) return;
+        figure->shows += thin_out(figure->plot);
         figures.push_back(std::move(*figure));
     };
     add(failover_figure(configurations, settings.probe_per_s));

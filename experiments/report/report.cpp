@@ -86,13 +86,21 @@ std::string tiles_of(std::span<const RunRow> rows, double probe_per_s) {
     return html + "</div>\n";
 }
 
+/// Nobody reads more, and browsers get slow.
+constexpr std::size_t most_rows = 500;
+
 std::string failures_of(std::span<const RunRow> rows) {
     std::string html;
+    std::size_t failed = 0;
     for (const RunRow& row : rows) {
         const std::string why = row.ok() ? row.broken_promises() : row.status;
-        if (why.empty()) continue;
+        if (why.empty() || ++failed > most_rows) continue;
         html += "<li>Cell " + std::to_string(row.cell.number) + " (" +
                 html_text(describe(row.cell)) + "): " + html_text(why) + "</li>\n";
+    }
+    if (failed > most_rows) {
+        html += "<li>and " + std::to_string(failed - most_rows) +
+                " more, in <code>runs.csv</code></li>\n";
     }
     return html.empty() ? html : "<h2>Runs that failed</h2>\n<ul>\n" + html + "</ul>\n";
 }
@@ -108,7 +116,7 @@ std::string worst_lag_of(std::span<const RunRow> rows) {
 
 /// Says nothing when no configuration was run twice.
 std::string certainty_section(std::span<const Configuration> configurations) {
-    const SummaryTable table = certainty_of(configurations);
+    const SummaryTable table = certainty_of(configurations, most_rows);
     if (table.rows.empty()) return "";
     return "<h2>How sure the numbers are</h2>\n<div class=\"wide\">\n" + to_html(table) +
            "</div>\n<p class=\"how\">Means over the runs of a configuration, with the interval "
@@ -116,8 +124,11 @@ std::string certainty_section(std::span<const Configuration> configurations) {
            "covers the true mean in 95 of 100 such sweeps (bootstrap), and the runs that an "
            "interval of 10 % to either side takes (<code>repetitions</code> in the sweep "
            "file). With fewer than " +
-           std::to_string(runs_for_an_interval) +
-           " runs the intervals are rough. <code>romano compare</code> sets two results beside "
+           std::to_string(runs_for_an_interval) + " runs the intervals are rough. " +
+           (table.rows.size() == most_rows
+                ? "The table ends after " + std::to_string(most_rows) + " configurations. "
+                : "") +
+           "<code>romano compare</code> sets two results beside "
            "each "
            "other.</p>\n";
 }
@@ -205,8 +216,14 @@ std::string report_of(const Sweep& sweep, const Manifest& manifest, std::span<co
     }
 
     html << "<h2>Summary</h2>\n<div class=\"wide\">\n"
-         << to_html(summary_of(configurations))
-         << "</div>\n<p class=\"how\">Medians over the runs of a configuration; losses, duplicates "
+         << to_html(first_rows(summary_of(configurations), most_rows))
+         << "</div>\n<p class=\"how\">"
+         << (configurations.size() > most_rows
+                 ? "The first " + std::to_string(most_rows) + " of " +
+                       std::to_string(configurations.size()) +
+                       " configurations; <code>summary.csv</code> has all. "
+                 : "")
+         << "Medians over the runs of a configuration; losses, duplicates "
             "and <em>again</em> are sums. <em>lost, acked</em>: QoS 1 and 2 messages that were "
             "acknowledged to their publisher and did not reach a subscriber. <em>failover</em>: "
             "by the probe, from the quickest run to the slowest, if there was one; of robots: from "
@@ -231,7 +248,8 @@ std::string report_of(const Sweep& sweep, const Manifest& manifest, std::span<co
          << html_text(run_command(manifest)) << " --fresh\n"
          << html_text(rerun_command(manifest, sweep.cells.front()))
          << "</pre>\n<p>Beside this file: <code>runs.csv</code> (one row a run), "
-            "<code>samples/</code> (every message), <code>traces/</code> (what the brokers said), "
+            "<code>summary.csv</code> (one row a configuration), <code>samples/</code> (every "
+            "message), <code>traces/</code> (what the brokers said), "
             "<code>plots/</code> (gnuplot scripts with their numbers), "
             "<code>manifest.json</code>.</p>\n<p>The sweep file:</p>\n<pre>"
          << html_text(sweep.text) << "</pre>\n"

@@ -4,7 +4,6 @@
 #include <stdexcept>
 
 #include "experiments/report/page.h"
-#include "experiments/sweep/csv.h"
 
 namespace romano::experiments {
 namespace {
@@ -12,16 +11,6 @@ namespace {
 void write(const std::filesystem::path& file, const std::string& text) {
     std::ofstream out(file);
     if (!(out << text).flush()) throw std::runtime_error("cannot write `" + file.string() + "`");
-}
-
-std::string to_csv(const SummaryTable& table) {
-    CsvRow head = table.head;
-    for (std::size_t i = 0; i < table.units.size(); ++i) {
-        if (!table.units[i].empty()) head[i] += " (" + table.units[i] + ")";
-    }
-    std::string csv = csv_line(head);
-    for (const auto& row : table.rows) csv += csv_line(row);
-    return csv;
 }
 
 }  // namespace

@@ -40,8 +40,9 @@ std::string number_text(const Measured& number, int decimals) {
 SummaryTable summary_of(std::span<const Configuration> configurations) {
     SummaryTable table;
     constexpr std::array own_columns = {Axis::brokers, Axis::robots, Axis::fault};
+    const AxisLabels labels{configurations};
     const bool extra = std::ranges::any_of(configurations, [&](const Configuration& each) {
-        return !label_of(each.cell(), configurations, own_columns).empty();
+        return !labels.of(each.cell(), own_columns).empty();
     });
     const auto column = [&table](const char* head, const char* unit) {
         table.head.emplace_back(head);
@@ -72,7 +73,7 @@ SummaryTable summary_of(std::span<const Configuration> configurations) {
         const Cell& cell = each.cell();
         std::vector<std::string> row = {std::to_string(cell.brokers), std::to_string(cell.robots),
                                         std::string{name_of(cell.fault)}};
-        if (extra) row.push_back(label_of(cell, configurations, own_columns));
+        if (extra) row.push_back(labels.of(cell, own_columns));
         const std::size_t all = each.runs.size() + each.failed.size();
         row.push_back(std::to_string(each.runs.size()) + "/" + std::to_string(all));
         const auto sum = [](const Measured& a, const Measured& b) -> Measured {
@@ -149,6 +150,21 @@ std::string to_html(const SummaryTable& table) {
         html += "</tr>\n";
     }
     return html + "</tbody></table>\n";
+}
+
+std::string to_csv(const SummaryTable& table) {
+    CsvRow head = table.head;
+    for (std::size_t i = 0; i < table.units.size(); ++i) {
+        if (!table.units[i].empty()) head[i] += " (" + table.units[i] + ")";
+    }
+    std::string csv = csv_line(head);
+    for (const auto& row : table.rows) csv += csv_line(row);
+    return csv;
+}
+
+SummaryTable first_rows(SummaryTable table, std::size_t most) {
+    if (table.rows.size() > most) table.rows.resize(most);
+    return table;
 }
 
 std::string html_text(std::string_view text) {

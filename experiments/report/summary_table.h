@@ -21,6 +21,10 @@ struct SummaryTable {
 /// Columns aligned with blanks, every line ended.
 [[nodiscard]] std::string to_text(const SummaryTable& table);
 [[nodiscard]] std::string to_html(const SummaryTable& table);
+[[nodiscard]] std::string to_csv(const SummaryTable& table);
+
+/// Without the rows behind the first `most`.
+[[nodiscard]] SummaryTable first_rows(SummaryTable table, std::size_t most);
 
 /// The characters that HTML gives a meaning, as text.
 [[nodiscard]] std::string html_text(std::string_view text);

@@ -22,7 +22,7 @@ public:
     [[nodiscard]] std::uint32_t size() const { return static_cast<std::uint32_t>(levels_.size()); }
     /// As in the sweep file: "1", "0+1+2".
     [[nodiscard]] std::string text() const;
-    friend bool operator==(const QosMix&, const QosMix&) = default;
+    friend auto operator<=>(const QosMix&, const QosMix&) = default;
 
 private:
     std::vector<std::uint8_t> levels_;  // never empty
@@ -45,7 +45,8 @@ struct Cell {
     std::uint64_t seed = 1;
     std::uint32_t repetition = 1;
 
-    friend bool operator==(const Cell&, const Cell&) = default;
+    /// By number first: the order of a sweep.
+    friend auto operator<=>(const Cell&, const Cell&) = default;
 };
 
 /// For people: "3 brokers, 20 robots, 5/s, QoS 0+1+2, kill-leader".

@@ -1,6 +1,8 @@
 #include "experiments/sweep/results_folder.h"
 
-#include <algorithm>
+#include <set>
+#include <span>
+#include <string_view>
 
 #include "experiments/sweep/text_file.h"
 
@@ -19,18 +21,34 @@ bool means(const std::string& text, const Sweep& sweep) {
     }
 }
 
+using Rows = std::map<Cell, RunRow>;
+
 /// Without a last row that was cut off. Throws SweepError on columns of another version.
-std::vector<RunRow> read_rows(const fs::path& file, const char* advice) {
-    std::vector<RunRow> runs;
+Rows read_rows(const fs::path& file, const char* advice) {
+    Rows runs;
     const auto rows = parse_csv(read_text(file));
     if (rows.empty()) return runs;
     if (rows.front() != run_columns()) {
         throw SweepError("`" + file.string() + "` has the columns of another version" + advice);
     }
     for (const CsvRow& fields : std::span{rows}.subspan(1)) {
-        if (auto row = run_from_csv(fields)) runs.push_back(std::move(*row));
+        if (auto row = run_from_csv(fields)) runs.insert_or_assign(row->cell, *row);
     }
     return runs;
+}
+
+std::vector<RunRow> in_order(const Rows& rows) {
+    std::vector<RunRow> ordered;
+    ordered.reserve(rows.size());
+    for (const auto& [cell, row] : rows) ordered.push_back(row);
+    return ordered;
+}
+
+/// "cell-0012" of "cell-0012.csv" and "cell-0012-b1.txt".
+std::string_view stem_in(std::string_view name) {
+    constexpr std::string_view word = "cell-";
+    if (!name.starts_with(word)) return {};
+    return name.substr(0, name.find_first_not_of("0123456789", word.size()));
 }
 
 const CsvRow& sample_columns() {
@@ -62,8 +80,8 @@ ResultsFolder::ResultsFolder(fs::path folder, const Sweep& sweep, bool fresh)
                          "`; wait for its end, or set another `output`");
     }
     if (fresh) {
-        for (const char* ours :
-             {sweep_copy, "runs.csv", "samples", "traces", "manifest.json", "report.html"}) {
+        for (const char* ours : {sweep_copy, "runs.csv", "summary.csv", "samples", "traces",
+                                 "manifest.json", "report.html"}) {
             fs::remove_all(folder_ / ours, failed);
         }
     }
@@ -81,38 +99,43 @@ ResultsFolder::ResultsFolder(fs::path folder, const Sweep& sweep, bool fresh)
     }
     write_text(folder_ / sweep_copy, sweep.text);
     rows_ = read_rows(folder_ / "runs.csv", "; use --fresh to start anew");
-    write_rows();
+    set_in_order();
 }
 
-void ResultsFolder::write_rows() const {
+void ResultsFolder::set_in_order() {
     std::string whole = csv_line(run_columns());
-    for (const RunRow& each : rows_) whole += csv_line(to_csv(each));
+    for (const auto& [cell, row] : rows_) whole += csv_line(to_csv(row));
     // Under another name first: whoever reads, and whoever goes on after a power cut, finds a
     // whole.
     write_text(folder_ / "runs.csv.new", whole);
     fs::rename(folder_ / "runs.csv.new", folder_ / "runs.csv");
+    runs_ = std::ofstream(folder_ / "runs.csv", std::ios::binary | std::ios::app);
+}
+
+std::vector<RunRow> ResultsFolder::rows() const {
+    return in_order(rows_);
 }
 
 const RunRow* ResultsFolder::row_of(const Cell& cell) const {
-    const auto found = std::ranges::find(rows_, cell, &RunRow::cell);
-    return found == rows_.end() ? nullptr : &*found;
+    const auto found = rows_.find(cell);
+    return found == rows_.end() ? nullptr : &found->second;
 }
 
 void ResultsFolder::put(const RunRow& row) {
-    std::erase_if(rows_, [&](const RunRow& other) { return other.cell == row.cell; });
-    const auto behind = std::ranges::find_if(
-        rows_, [&](const RunRow& other) { return other.cell.number > row.cell.number; });
-    rows_.insert(behind, row);
-    write_rows();
+    rows_.insert_or_assign(row.cell, row);
+    if (!(runs_ << csv_line(to_csv(row))).flush()) {
+        throw SweepError("cannot write `" + (folder_ / "runs.csv").string() + "`");
+    }
 }
 
-void ResultsFolder::take(const RunRow& row, const fs::path& from) {
+void ResultsFolder::take(std::span<const RunRow> rows, const fs::path& from) {
+    std::set<std::string, std::less<>> stems;
+    for (const RunRow& row : rows) stems.insert(file_stem(row.cell));
     for (const char* part : {"samples", "traces"}) {
         std::error_code none;
         for (const auto& file : fs::directory_iterator(from / part, none)) {
             const std::string name = file.path().filename().string();
-            const std::string stem = file_stem(row.cell);
-            if (!name.starts_with(stem + '.') && !name.starts_with(stem + '-')) continue;
+            if (!stems.contains(stem_in(name))) continue;
             std::error_code failed;
             fs::copy_file(file.path(), folder_ / part / name, fs::copy_options::overwrite_existing,
                           failed);
@@ -121,7 +144,7 @@ void ResultsFolder::take(const RunRow& row, const fs::path& from) {
             }
         }
     }
-    put(row);
+    for (const RunRow& row : rows) put(row);
 }
 
 Results read_results(const fs::path& folder) {
@@ -131,7 +154,7 @@ Results read_results(const fs::path& folder) {
                          " and runs.csv are missing)");
     }
     return {.sweep = parse_sweep(read_text(copy), copy.string()),
-            .rows = read_rows(folder / "runs.csv", "")};
+            .rows = in_order(read_rows(folder / "runs.csv", ""))};
 }
 
 void ResultsFolder::write_samples(const Cell& cell, const DeliveryAccount& account) const {

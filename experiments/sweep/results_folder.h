@@ -1,9 +1,15 @@
 // The folder a sweep writes: runs.csv, samples/, traces/, manifest.json, report.html. It is also
 // the sweep's memory: rows that stand in runs.csv are done, and a sweep goes on behind them. Who
 // has opened it has it alone.
+//
+// Each run's row is appended to runs.csv as it ends, whatever else there is. In the order of their
+// cells, one row a cell, they stand once the folder is opened again or set_in_order() is called.
+// Until then the last row of a cell counts.
 #pragma once
 
 #include <filesystem>
+#include <fstream>
+#include <map>
 #include <optional>
 #include <span>
 #include <string>
@@ -30,15 +36,16 @@ public:
     ResultsFolder(std::filesystem::path folder, const Sweep& sweep, bool fresh);
 
     [[nodiscard]] const std::filesystem::path& path() const { return folder_; }
-    [[nodiscard]] const std::vector<RunRow>& rows() const { return rows_; }
+    /// In the order of their cells.
+    [[nodiscard]] std::vector<RunRow> rows() const;
     /// Null when it was not run yet.
     [[nodiscard]] const RunRow* row_of(const Cell& cell) const;
 
-    /// Rows stand in the order of their cells. In the place of an earlier row of that cell, if
-    /// there is one.
+    /// In the place of an earlier row of that cell, if there is one.
     void put(const RunRow& row);
-    /// Takes the cell's row, samples and traces over from another folder of the same experiment.
-    void take(const RunRow& row, const std::filesystem::path& from);
+    void set_in_order();
+    /// Takes these cells' rows, samples and traces over from another folder of the same experiment.
+    void take(std::span<const RunRow> rows, const std::filesystem::path& from);
     /// Raw samples: one line a (message, receiver) pair.
     void write_samples(const Cell& cell, const DeliveryAccount& account) const;
     /// What the brokers' memory was at times within the load.
@@ -47,11 +54,10 @@ public:
     [[nodiscard]] std::filesystem::path trace_file(const Cell& cell, const std::string& name) const;
 
 private:
-    void write_rows() const;
-
     std::filesystem::path folder_;
     std::optional<Claim> claim_;
-    std::vector<RunRow> rows_;
+    std::map<Cell, RunRow> rows_;
+    std::ofstream runs_;  // appends to runs.csv
 };
 
 /// What a folder holds, to be read only: a sweep may be going on in it.

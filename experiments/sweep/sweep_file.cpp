@@ -4,6 +4,7 @@
 #include <array>
 #include <fstream>
 #include <optional>
+#include <set>
 #include <span>
 #include <sstream>
 
@@ -164,12 +165,13 @@ void append_cells(const Axes& axes, std::vector<Cell>& cells) {
     vary(axes.acks, [](Cell& cell, const std::string& acks) { cell.acks = acks; });
     vary(axes.clients, [](Cell& cell, const std::string& speech) { cell.clients = speech; });
     vary(axes.fault, [](Cell& cell, Fault fault) { cell.fault = fault; });
+    std::set<Cell> known(cells.begin(), cells.end());
     for (Cell& point : points) {
         if (point.brokers == 1) {
             if (point.fault != Fault::none) continue;
             point.elector = point.detector = point.acks = "";
         }
-        if (std::ranges::count(cells, point) == 0) cells.push_back(point);
+        if (known.insert(point).second) cells.push_back(point);
     }
 }
 

@@ -10,6 +10,7 @@
 #include <functional>
 #include <iterator>
 #include <memory>
+#include <set>
 #include <utility>
 #include <vector>
 
@@ -96,21 +97,21 @@ std::vector<Cell> cells_in_question(const Sweep& sweep, const SweepRequest& requ
 }
 
 /// The cells that a merged result of earlier shards has already; they may have been others.
-std::vector<Cell> done_elsewhere(const Sweep& sweep, const SweepRequest& request) {
-    std::vector<Cell> done;
+std::set<Cell> done_elsewhere(const Sweep& sweep, const SweepRequest& request) {
+    std::set<Cell> done;
     if (!request.shard || !std::filesystem::exists(sweep.settings.output / "runs.csv")) return done;
     const Results whole = read_results(sweep.settings.output);
     if (!is_same_experiment(whole.sweep, sweep)) return done;
     for (const RunRow& row : whole.rows) {
-        if (row.ok()) done.push_back(row.cell);
+        if (row.ok()) done.insert(row.cell);
     }
     return done;
 }
 
 bool is_to_run(const Cell& cell, const SweepRequest& request, const ResultsFolder& results,
-               const std::vector<Cell>& done) {
+               const std::set<Cell>& done) {
     if (request.only_cell) return true;
-    if (std::ranges::find(done, cell) != done.end()) return false;
+    if (done.contains(cell)) return false;
     const RunRow* row = results.row_of(cell);
     return row == nullptr || (request.retry_failed && !row->ok());
 }
@@ -199,7 +200,7 @@ bool run_at_once(const Sweep& sweep, const std::vector<Cell>& cells, const MakeW
 int run_sweep(const SweepRequest& request) {
     Sweep sweep = read_sweep(request.file);
     const std::vector<Cell> cells = cells_in_question(sweep, request);
-    const std::vector<Cell> done = done_elsewhere(sweep, request);
+    const std::set<Cell> done = done_elsewhere(sweep, request);
     if (request.only_cell && !request.replace) sweep.cells = cells;
     sweep.settings.output = output_of(sweep, request);
     const bool is_simulated = sweep.settings.world != World::processes;
@@ -273,6 +274,7 @@ int run_sweep(const SweepRequest& request) {
                       : !run_in_turn(sweep, to_run, make_world, results, bar);
     }
 
+    results.set_in_order();
     const int exit_code = tell(sweep, manifest, results.rows(), results.path());
     if (!stopped) return exit_code;
     std::printf("Interrupted: the same command goes on where it stopped.\n");

@@ -82,6 +82,21 @@ TEST(Comparison, ConfigurationsOfOneSideAreNamed) {
     EXPECT_THAT(result.comparison.only_b, ElementsAre("5 brokers"));
 }
 
+TEST(Comparison, OfVeryManyConfigurationsIsStillRead) {
+    std::vector<RunRow> a;
+    for (std::uint32_t brokers = 1; brokers <= 300; ++brokers) {
+        for (const RunRow& row : runs(brokers, 5, 2.0)) a.push_back(row);
+    }
+    auto b = a;
+    for (std::uint32_t brokers = 301; brokers <= 312; ++brokers) {
+        for (const RunRow& row : runs(brokers, 5, 2.0)) b.push_back(row);
+    }
+    const tests::TemporaryFolder folder;
+    const auto result = compared(a, b);
+    EXPECT_THAT(verdict_of(result), HasSubstr("310 brokers; and 2 more."));
+    EXPECT_THAT(page_of(result, folder / "plots"), HasSubstr("The first 500 of 600; "));
+}
+
 TEST(Comparison, RunsThatFailedDoNotCount) {
     auto b = runs(3, 5, 2.0);
     for (std::uint32_t i = 6; i <= 9; ++i) {

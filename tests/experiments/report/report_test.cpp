@@ -14,6 +14,7 @@
 #include <set>
 
 #include "experiments/report/configuration.h"
+#include "experiments/report/crowd.h"
 #include "experiments/report/figures.h"
 #include "experiments/report/page.h"
 #include "experiments/report/section.h"
@@ -317,6 +318,56 @@ TEST_F(Reports, TellOfBrokenPromises) {
     EXPECT_THAT(report(), HasSubstr("<div class=\"tile bad\"><b>3</b><span>acknowledged messages"));
 }
 
+TEST_F(Reports, OfTenThousandRunsCanBeOpened) {
+    std::string rates = "1";
+    for (int rate = 2; rate <= 1250; ++rate) rates += ", " + std::to_string(rate);
+    sweep_ = parse_sweep("repetitions = 4\n[axes]\nbrokers = [1, 3]\nrate = [" + rates + "]\n",
+                         "try.toml");
+    rows_.clear();
+    for (const Cell& cell : sweep_.cells) rows_.push_back(made_up(cell));
+    ASSERT_EQ(rows_.size(), 10'000U);
+    for (std::size_t i = 0; i < 600; ++i) rows_[i].status = "no luck";
+    const std::string html = report();
+    EXPECT_LT(html.size(), 4U << 20U);
+    for (const char* part :
+         {"The first 500 of 2500 configurations; <code>summary.csv</code> has all",
+          "<li>and 100 more, in <code>runs.csv</code></li>",
+          "The first 24 of 1250 series are drawn", "a mark is their median"}) {
+        EXPECT_NE(html.find(part), std::string::npos) << part;
+    }
+    const auto configurations = configurations_of(rows_);
+    for (const Figure& figure : figures_of(configurations, sweep_.settings, folder_)) {
+        for (const PlotPanel& panel : figure.plot.panels) {
+            EXPECT_LE(panel.series.size(), most_series) << figure.title;
+        }
+    }
+}
+
+TEST(CrowdedPlots, HaveAMarkForManyRunsFromTheLeastToTheMost) {
+    Plot plot{.name = "p",
+              .panels = {{.title = "t", .x_label = "x", .y_label = "y", .series = {}},
+                         {.title = "t", .x_label = "x", .y_label = "y", .series = {}}}};
+    plot.panels[0].series = {{.label = "a", .points = {}}};
+    plot.panels[1].series = {{.label = "a", .points = {{.x = 1, .y = 5}, {.x = 1, .y = 7}}}};
+    for (int run = 0; run <= 1000; ++run) {
+        for (const double x : {1.0, 3.0}) {
+            plot.panels[0].series[0].points.push_back({.x = x, .y = x + run});
+        }
+    }
+    plot.panels[0].series[0].points[0].low = -4;
+    EXPECT_THAT(thin_out(plot), HasSubstr("a mark is their median"));
+    const std::vector<PlotPoint>& drawn = plot.panels[0].series[0].points;
+    ASSERT_EQ(drawn.size(), 2U);
+    EXPECT_EQ(drawn[0].y, 501);
+    EXPECT_EQ(drawn[0].low, -4);
+    EXPECT_EQ(drawn[1].x, 3);
+    EXPECT_EQ(drawn[1].low, 3);
+    EXPECT_EQ(drawn[1].high, 1003);
+    EXPECT_EQ(plot.panels[1].series[0].points.size(), 2U)
+        << "each run is a mark where they are few";
+    EXPECT_EQ(thin_out(plot), "");
+}
+
 TEST_F(Reports, OfNoRunAtAllAreStillReports) {
     rows_.clear();
     EXPECT_THAT(report(), HasSubstr("0 of 26 cells"));
@@ -344,8 +395,9 @@ TEST(Labels, NameWhatVariesAndIsNotGiven) {
     for (const Cell& cell : sweep.cells) rows.push_back(made_up(cell));
     const auto configurations = configurations_of(rows);
     const std::vector<Axis> given = {Axis::brokers};
-    EXPECT_EQ(label_of(sweep.cells[0], configurations, given), "1 robot, acks 1");
-    EXPECT_EQ(label_of(sweep.cells.back(), configurations, given), "5 robots, acks 2");
+    const AxisLabels labels{configurations};
+    EXPECT_EQ(labels.of(sweep.cells[0], given), "1 robot, acks 1");
+    EXPECT_EQ(labels.of(sweep.cells.back(), given), "5 robots, acks 2");
 }
 
 TEST(SummaryTables, AlignTheirColumns) {

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
+#include <vector>
 
 #include "tests/temporary_folder.h"
 
@@ -13,6 +14,7 @@ namespace romano::experiments::results_folder_test {
 namespace {
 
 namespace fs = std::filesystem;
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
 class ResultsFolders : public ::testing::Test {
@@ -71,7 +73,7 @@ TEST_F(ResultsFolders, TakeACellWithItsFilesAndNoOthers) {
     }
     {
         ResultsFolder whole{folder_, sweep_, false};
-        whole.take(row, from);
+        whole.take(std::vector{row}, from);
     }
     EXPECT_TRUE(fs::exists(folder_ / "samples/cell-1000.csv"));
     EXPECT_TRUE(fs::exists(folder_ / "samples/cell-1000-memory.csv"));
@@ -140,6 +142,35 @@ TEST_F(ResultsFolders, TakeANewRunOfACellInThePlaceOfTheEarlierOne) {
     const ResultsFolder again{folder_, sweep_, false};
     EXPECT_EQ(again.rows().size(), 2u);
     EXPECT_TRUE(again.row_of(sweep_.cells[0])->ok());
+}
+
+// Ten thousand cells must not cost ten thousand rewritings: a run adds its row, and no more.
+TEST_F(ResultsFolders, HaveEachRowAtOnceAndInOrderInTheEnd) {
+    const auto numbers = [this] {
+        std::vector<std::string> found;
+        std::ifstream stream(folder_ / "runs.csv");
+        std::string line;
+        std::getline(stream, line);
+        while (std::getline(stream, line)) found.push_back(line.substr(0, line.find(',')));
+        return found;
+    };
+    RunRow failed = made_up(sweep_.cells[1]);
+    failed.status = "no luck";
+    ResultsFolder results{folder_, sweep_, false};
+    for (const RunRow& row :
+         {made_up(sweep_.cells[2]), failed, made_up(sweep_.cells[0]), made_up(sweep_.cells[1])}) {
+        results.put(row);
+    }
+    EXPECT_THAT(numbers(), ElementsAre("3", "2", "1", "2"));
+    // So it is found after a kill -9: a cell's last row counts.
+    const std::vector<RunRow> read = read_results(folder_).rows;
+    ASSERT_EQ(read.size(), 3u);
+    EXPECT_EQ(read[1].cell, sweep_.cells[1]);
+    EXPECT_TRUE(read[1].ok());
+    results.set_in_order();
+    EXPECT_THAT(numbers(), ElementsAre("1", "2", "3"));
+    results.put(made_up(sweep_.cells[0]));
+    EXPECT_THAT(numbers(), ElementsAre("1", "2", "3", "1")) << "it goes on behind them";
 }
 
 TEST_F(ResultsFolders, AFreshStartLeavesOtherFilesAlone) {

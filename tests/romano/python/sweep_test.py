@@ -53,6 +53,13 @@ class Sweeps(unittest.TestCase):
         (self.folder / "runs.csv").write_text(RUNS[:-5])
         self.assertEqual(len(Sweep(self.folder).runs), 2)
 
+    def test_of_a_running_sweep_the_last_row_of_a_cell_counts(self) -> None:
+        head, *rows = RUNS.splitlines(keepends=True)
+        (self.folder / "runs.csv").write_text(head + rows[2] + rows[0] + rows[1] + "3,3,10,1,1,ok,2,4\n")
+        runs = Sweep(self.folder).runs
+        self.assertEqual((runs["cell"], runs["status"]), ([1, 2, 3], ["ok", "ok", "ok"]))
+        self.assertEqual(runs["delay_p50_ms"], [2.0, 1.25, 4.0])
+
     def test_a_table_without_rows_has_its_columns(self) -> None:
         (self.folder / "runs.csv").write_text(RUNS.splitlines(keepends=True)[0])
         self.assertEqual((len(Sweep(self.folder).runs), Sweep(self.folder).runs["cell"]), (0, []))

@@ -89,8 +89,8 @@ class Sweep:
         path = self.folder / "runs.csv"
         if not path.is_file():
             raise NoSweep(f"{self.folder}: is no results folder of romano sweep, for it has no runs.csv")
-        self.runs = Table.read(path)
-        """One row a run."""
+        self.runs = _in_order(Table.read(path))
+        """One row a cell, in the cells' order."""
 
     @property
     def manifest(self) -> dict[str, Any]:
@@ -118,6 +118,15 @@ class Sweep:
         if not path.is_file():
             raise NoSweep(f"{self.folder}: has no {path.name}; runs.csv lists cells {self.runs['cell']}")
         return Table.read(path)
+
+
+def _in_order(runs: Table) -> Table:
+    """Of a running sweep, rows stand in the order in which runs ended, and the last row of a cell counts."""
+    if "cell" not in runs.columns:
+        return runs
+    last = {cell: at for at, cell in enumerate(runs["cell"])}
+    cells = sorted(last, key=lambda cell: cell if isinstance(cell, int) else 0)
+    return Table({name: [column[last[cell]] for cell in cells] for name, column in runs.columns.items()})
 
 
 def _typed(fields: list[str]) -> list[Value]:
