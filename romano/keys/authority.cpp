@@ -161,6 +161,11 @@ std::string Authority::issue(std::string_view name, Holder holder, int days) con
     extend(made.get(), certificate_.get(), NID_ext_key_usage,
            holder == Holder::broker ? "serverAuth" : "clientAuth");
     extend(made.get(), certificate_.get(), NID_authority_key_identifier, "keyid");
+    if (holder == Holder::broker) {
+        // Clients of HTTPS look for a server's name there alone.
+        extend(made.get(), certificate_.get(), NID_subject_alt_name,
+               ("DNS:" + std::string{name}).c_str());
+    }
     insist(X509_sign(made.get(), key_.get(), EVP_sha256()) != 0);
     return pem_of(made.get()) + pem_of(key.get());
 }

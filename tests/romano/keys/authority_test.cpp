@@ -60,6 +60,7 @@ TEST_F(AnAuthority, SignsWhoIsAClientAndWhoIsABrokerAndNobodyIsBoth) {
     EXPECT_FALSE(is_believed(client, own, X509_PURPOSE_SSL_SERVER)) << "no broker";
     EXPECT_TRUE(is_believed(broker, own, X509_PURPOSE_SSL_SERVER));
     EXPECT_FALSE(is_believed(broker, own, X509_PURPOSE_SSL_CLIENT));
+    EXPECT_EQ(X509_check_host(certificate_in(broker).get(), "b1", 0, 0, nullptr), 1);
     tests::TemporaryFolder elsewhere;
     const Authority other(elsewhere.path());
     EXPECT_FALSE(is_believed(client, other.certificate(), X509_PURPOSE_SSL_CLIENT));
