@@ -209,7 +209,10 @@ public:
     void send_again(std::size_t times) {
         for (std::size_t i = 0; i < times; ++i) {
             Octets frame = frames[random_() % frames.size()];
-            if (i % 2 == 1) frame[header + random_() % (frame.size() - header)] ^= 1U << i % 8;
+            if (i % 2 == 1) {
+                std::uint8_t& octet = frame[header + random_() % (frame.size() - header)];
+                octet = static_cast<std::uint8_t>(octet ^ (1U << i % 8));
+            }
             frame[checksum] = frame[checksum + 1] = 0;  // none
             (void)!send(socket_, frame.data(), frame.size(), 0);
             if (i % 256 == 0) usleep(1'000);
