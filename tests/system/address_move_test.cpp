@@ -214,6 +214,9 @@ TEST_P(AddressMove, AnAddressThatMovedIsAnnouncedOftenInItsFirstSecond) {
     const auto r2 = start(2);
     const auto r3 = start(3);
     ASSERT_TRUE(are_one_cluster({r1.get(), r2.get(), r3.get()}));
+    // Its session is held by a peer before it is answered: so they know that r1 serves there.
+    const auto observer = client_of(1, "observer");
+    ASSERT_TRUE(observer->connect());
     const Lan::On on(lan, client_host);
     r1->kill_9();
     const Announcements announcements(address(1));
