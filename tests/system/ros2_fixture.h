@@ -8,13 +8,12 @@
 #include <chrono>
 #include <fstream>
 #include <functional>
-#include <map>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
-#include "tests/system/broker_process.h"
-#include "tests/system/test_addresses.h"
+#include "tests/system/broker_fixture.h"
 #include "tests/system/test_client.h"
 #include "tests/temporary_folder.h"
 
@@ -84,29 +83,13 @@ private:
     Lines lines_;
 };
 
-struct Ros2 : testing::Test {
+struct Ros2 : BrokerFixture {
+    /// A member of the cluster that bridges by these rules.
     BrokerProcess& start(int n, const std::string& rules, Lines more = {}) {
         std::ofstream(folder / "rules") << rules;
-        Lines arguments{"--listen",
-                        addresses.service(n),
-                        "--name",
-                        "r" + std::to_string(n),
-                        "--domain",
-                        std::to_string(addresses.domain()),
-                        "--interface",
-                        "lo",
-                        "--rank",
-                        std::to_string(n),
-                        "--detection-timeout-ms",
-                        "300",
-                        "--ros2-domain",
-                        std::to_string(ros.id()),
-                        "--ros2-rules",
-                        (folder / "rules").string()};
-        arguments.insert(arguments.end(), more.begin(), more.end());
-        brokers[n] = std::make_unique<BrokerProcess>(arguments);
-        brokers[n]->wait_until_serving();
-        return *brokers[n];
+        more.insert(more.end(), {"--ros2-domain", std::to_string(ros.id()), "--ros2-rules",
+                                 (folder / "rules").string()});
+        return start_member(n, std::move(more));
     }
     std::unique_ptr<RosPeer> peer(const Lines& more, const std::string& release = "iron") {
         Lines arguments{std::to_string(ros.id()), release};
@@ -150,10 +133,8 @@ struct Ros2 : testing::Test {
         return "127.77." + std::to_string(addresses.domain()) + ".1:19830";
     }
 
-    TestAddresses addresses;
     dds::TestDomain ros;
     tests::TemporaryFolder folder;
-    std::map<int, std::unique_ptr<BrokerProcess>> brokers;
 };
 
 }  // namespace romano::system::ros2

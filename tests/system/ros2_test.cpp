@@ -12,6 +12,7 @@
 #include <map>
 #include <sstream>
 
+#include "romano/keys/key_folder.h"
 #include "tests/system/metrics_page.h"
 #include "tests/system/ros2_fixture.h"
 
@@ -215,13 +216,15 @@ TEST_F(Ros2, RetainedHereIsTransientLocalThere) {
 }
 
 TEST_F(Ros2, LateSubscriptionsGetWhatIsRetainedFromTheNextLeaderToo) {
-    for (const int n : {1, 2}) start(n, "out site /site std_msgs/msg/String retained=yes");
-    ASSERT_TRUE(wait_for_trace(*brokers[2], "ros2: bridged here")) << brokers[2]->errors();
+    const std::string rules = "out site /site std_msgs/msg/String retained=yes";
+    BrokerProcess& next = start(1, rules);
+    BrokerProcess& leader = start(2, rules);
+    ASSERT_TRUE(wait_for_trace(leader, "ros2: bridged here")) << leader.errors();
     publish(*client("robot"), "site", "kept", Qos::exactly_once, true);
     EXPECT_EQ(peer({"sub", "String", "/site", "latched"})->wait_for("got /site")[0],
               "got /site kept");
-    brokers[2]->kill_9();
-    ASSERT_TRUE(wait_for_trace(*brokers[1], "ros2: bridged here")) << brokers[1]->errors();
+    leader.kill_9();
+    ASSERT_TRUE(wait_for_trace(next, "ros2: bridged here")) << next.errors();
     EXPECT_EQ(peer({"sub", "String", "/site", "latched"})->wait_for("got /site")[0],
               "got /site kept");
 }
@@ -309,12 +312,29 @@ out robots/+/telemetry /robot_+/odom  nav_msgs/msg/Odometry
                                     "romano_ros2_drops_total{reason=\"unfit\"}", 1));
 }
 
+/// Three brokers, of which the third leads. Those that prove themselves to each other are in two
+/// DDS domains each: their own, which DDS Security protects, and ROS 2's, which is plain.
+struct NextLeader : Ros2, testing::WithParamInterface<bool> {
+    void start_all(const std::string& rules) {
+        keys::KeyFolder fleet(folder / "fleet");
+        fleet.add({.brokers = {"r1", "r2", "r3"}, .robots = {}, .operators = {}});
+        for (const int n : {1, 2, 3}) {
+            const std::string own = fleet.broker_folder("r" + std::to_string(n));
+            start(n, rules, GetParam() ? Lines{"--keys", own} : Lines{});
+        }
+        ASSERT_TRUE(wait_for_trace(*brokers[2], "ros2: bridged here")) << brokers[2]->errors();
+    }
+    [[nodiscard]] BrokerProcess& leader() { return *brokers[2]; }
+    [[nodiscard]] BrokerProcess& next() { return *brokers[1]; }
+};
+INSTANTIATE_TEST_SUITE_P(Brokers, NextLeader, testing::Bool(), [](const auto& test) {
+    return test.param ? "ThatProveThemselves" : "Plain";
+});
+
 /// Numbered messages both ways while the leader is killed.
-TEST_F(Ros2, TheNextLeaderGoesOnAndDoublesNothing) {
-    const std::string rules =
-        std::string(robots) + "in robots/+/say /robot_+/say std_msgs/msg/String\n";
-    for (const int n : {1, 2, 3}) start(n, rules);
-    ASSERT_TRUE(wait_for_trace(*brokers[3], "ros2: bridged here")) << brokers[3]->errors();
+TEST_P(NextLeader, GoesOnAndDoublesNothing) {
+    ASSERT_NO_FATAL_FAILURE(
+        start_all(std::string(robots) + "in robots/+/say /robot_+/say std_msgs/msg/String\n"));
     const auto robot = client("robot");
     ASSERT_TRUE(robot->subscribe("robots/a1/say", Qos::exactly_once));
     publish(*robot, "robots/a1/text", "hi");
@@ -331,12 +351,12 @@ TEST_F(Ros2, TheNextLeaderGoesOnAndDoublesNothing) {
     ASSERT_TRUE(text && telemetry);
     constexpr int messages = 80;
     for (int i = 1; i <= messages; ++i) {
-        if (i == messages / 3) brokers[3]->kill_9();
+        if (i == messages / 3) leader().kill_9();
         ASSERT_TRUE(robot->publish(*telemetry, location, Qos::at_most_once));
         ASSERT_TRUE(robot->publish(*text, std::to_string(i), Qos::exactly_once));
         robot->run_until([] { return false; }, 20ms);
     }
-    EXPECT_TRUE(wait_for_trace(*brokers[2], "ros2: bridged here")) << brokers[2]->errors();
+    EXPECT_TRUE(wait_for_trace(next(), "ros2: bridged here")) << next().errors();
     seen->wait_for("got /robot_a1/text " + std::to_string(messages));
     int arrived = 0;
     for (int i = 1; i <= messages; ++i) {
@@ -359,9 +379,8 @@ TEST_F(Ros2, TheNextLeaderGoesOnAndDoublesNothing) {
 }
 
 /// Its longest gap is what a robot's navigation sees of the leader's death; it is printed.
-TEST_F(Ros2, OdometryAt50HzFlowsOnWithTheNextLeader) {
-    for (const int n : {1, 2, 3}) start(n, robots);
-    ASSERT_TRUE(wait_for_trace(*brokers[3], "ros2: bridged here")) << brokers[3]->errors();
+TEST_P(NextLeader, LetsOdometryAt50HzFlowOn) {
+    ASSERT_NO_FATAL_FAILURE(start_all(robots));
     const auto robot = client("robot");
     const auto telemetry = robot->register_topic("robots/a1/telemetry");
     ASSERT_TRUE(telemetry);
@@ -369,7 +388,7 @@ TEST_F(Ros2, OdometryAt50HzFlowsOnWithTheNextLeader) {
     const auto seen = peer({"sub", "Odometry", "/robot_a1/odom", "reliable"});
     publish_until(*robot, *seen, "robots/a1/telemetry", location, "got /robot_a1/odom");
     for (int i = 0; i < 200; ++i) {
-        if (i == 100) brokers[3]->kill_9();
+        if (i == 100) leader().kill_9();
         ASSERT_TRUE(robot->publish(*telemetry, location, Qos::at_most_once));
         robot->run_until([] { return false; }, 20ms);
     }
