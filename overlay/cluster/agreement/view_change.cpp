@@ -115,7 +115,7 @@ void ViewChange::lead(Instant now, Surroundings around, Outbox& out) {
     }
     if (proposal_) {
         give_up_on_silent(now, around.membership);
-        auto desired = desired_members(around.membership);
+        auto desired = desired_members(now, around.membership);
         if (desired != proposal_->message.view.members || is_outnumbered(around.membership)) {
             propose(now, std::move(desired), around, out);
         } else if (now >= proposal_->asked_at + around.membership.times().proposal_asked_every()) {
@@ -123,7 +123,7 @@ void ViewChange::lead(Instant now, Surroundings around, Outbox& out) {
         }
         return;
     }
-    auto desired = desired_members(around.membership);
+    auto desired = desired_members(now, around.membership);
     if (needs_change(now, desired, around)) {
         propose(now, std::move(desired), around, out);
     }
@@ -192,18 +192,33 @@ bool ViewChange::misses_home(const Membership& membership) const {
 
 /// All that are alive, also followers of another leader: to leave one out means to take over its
 /// clients, so it is asked first.
-std::vector<LogId> ViewChange::desired_members(const Membership& membership) {
+std::vector<LogId> ViewChange::desired_members(Instant now, const Membership& membership) {
+    std::erase_if(newcomers_, [&](const auto& entry) { return !membership.is_alive(entry.first); });
     std::vector<LogId> members{self_};
     for (const auto& [id, peer] : membership.peers()) {
         if (!peer.alive) continue;
         const auto& leader = peer.beacon.claim.leader;
         if (leader == node_of(self_.broker)) refusing_.erase(id);
         // One that has just started follows nobody yet: it is not ready, and not refusing.
-        const bool ready = leader.has_value() || contains(peer.beacon.log);
+        const bool ready = contains(peer.beacon.log) ||
+                           (leader.has_value() && !must_meet_others(now, peer, membership));
         if (ready && !refusing_.contains(id)) members.push_back(peer.beacon.log);
     }
     std::ranges::sort(members);
     return members;
+}
+
+/// In a view with somebody who never heard it a member has no lease (Lease): its clients would wait
+/// until the two have found each other. Who has a view of its own has clients that wait, too.
+bool ViewChange::must_meet_others(Instant now, const Peer& newcomer, const Membership& membership) {
+    if (!newcomer.beacon.view.members.empty()) return false;
+    const LogId& log = newcomer.beacon.log;
+    const Instant since = newcomers_.try_emplace(log, now).first->second;
+    if (now >= since + membership.times().unmet_peer_waited_for()) return false;
+    return std::ranges::any_of(view_.members, [&](const LogId& member) {
+        if (member == self_ || !membership.is_alive(member)) return false;
+        return !newcomer.hears(member.broker) || !membership.find(member.broker)->hears(log.broker);
+    });
 }
 
 bool ViewChange::needs_change(Instant now, const std::vector<LogId>& desired,

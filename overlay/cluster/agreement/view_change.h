@@ -7,6 +7,9 @@
 // the same world; one that stays silent and follows somebody else is left out. Whatever a broker
 // asks for with the number of an old view is ignored.
 //
+// A newcomer is asked into the view when it and each member hear each other, or have not found each
+// other for long.
+//
 // A promise is given up for a higher number only, and no clock takes it back (invariant I4): its
 // view may be announced at any time. Heartbeats say what was promised, and a leader goes beyond it.
 #pragma once
@@ -78,7 +81,9 @@ private:
     [[nodiscard]] bool waits_for_company(Instant now, Surroundings around);
     [[nodiscard]] bool misses_company(const Membership& membership) const;
     [[nodiscard]] bool misses_home(const Membership& membership) const;
-    [[nodiscard]] std::vector<LogId> desired_members(const Membership& membership);
+    [[nodiscard]] std::vector<LogId> desired_members(Instant now, const Membership& membership);
+    [[nodiscard]] bool must_meet_others(Instant now, const Peer& newcomer,
+                                        const Membership& membership);
     [[nodiscard]] bool needs_change(Instant now, const std::vector<LogId>& desired,
                                     Surroundings around) const;
     [[nodiscard]] bool is_newer(const View& view) const;
@@ -118,8 +123,9 @@ private:
     ViewNumber promised_before_;  // the last standstill
 
     Instant led_since_ = never;
-    std::optional<Proposal> proposal_;  // while leading
-    std::set<BrokerId> refusing_;       // alive, but followers of somebody else
+    std::optional<Proposal> proposal_;    // while leading
+    std::set<BrokerId> refusing_;         // alive, but followers of somebody else
+    std::map<LogId, Instant> newcomers_;  // in no view: since when they are known
 };
 
 }  // namespace romano::cluster

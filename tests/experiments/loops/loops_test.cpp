@@ -99,6 +99,19 @@ TEST(Deviation, OnRadioAPoleFallsWithItsOnlyBrokerAndNotWithOneOfThreeNorWhenItR
     EXPECT_LE(alone.age_ms, deadline_ms_for(LoopWorld::radio, 20) + 0.001);
 }
 
+/// In this run the heir of its robots finds it 87 ms after the leader has. It was in the view by
+/// then, and the heir silent: the cell's queues filled, and the pole fell.
+TEST(Deviation, OnRadioABrokerThatComesBackInterruptsNoLoop) {
+    if (!has_radio) GTEST_SKIP() << "no ns-3";
+    const DeviationRun back = deviate(body, {.ground = {.world = LoopWorld::radio},
+                                             .brokers = 5,
+                                             .fault = BrokerFault::crash,
+                                             .seed = sim::seed_of(1, "deviation", 2)});
+    EXPECT_TRUE(back.angle_deg);
+    EXPECT_EQ(back.falls_back, 0U);
+    EXPECT_LT(back.wait_ms.value_or(1'000), 100);
+}
+
 /// In this run all answers to the plant's invitations come too late, and it gives the loop up.
 TEST(Deviation, ALoopThatWasGivenUpAtItsBeginningIsOpenedAgain) {
     if (!has_radio) GTEST_SKIP() << "no ns-3";
