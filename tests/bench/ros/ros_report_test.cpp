@@ -3,6 +3,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <string>
+
+#include "bench/ros/client_sizes.h"
 #include "bench/ros/samples.h"
 #include "tests/temporary_folder.h"
 
@@ -86,6 +90,25 @@ TEST_F(Verdict, LeavesOutWhoLostMessages) {
     figures.set("lost", 11);
     results.add("romano_3", "delay_100_32", figures);
     EXPECT_EQ(words(), "ROS is better, 2.00 times");
+}
+
+/// The numbers of a table that somebody typed in were those of an older client.
+TEST(SmallestClient, IsAsLargeAsTheImageOfThisBuild) {
+    const auto sections = sections_of(Plan{}, Results{});
+    const auto found =
+        std::ranges::find(sections, "The smallest client", &experiments::Section::title);
+    ASSERT_NE(found, sections.end());
+    const auto& client = found->tables.front().table.rows.front();
+    if (!size_of_client) {
+        EXPECT_EQ(client.at(1), "–");
+        EXPECT_EQ(client.at(3), "not built: there is no arm-none-eabi-g++");
+        return;
+    }
+    std::string flash = client.at(1);
+    std::erase(flash, ',');
+    EXPECT_EQ(flash, std::to_string(size_of_client->flash_octets));
+    EXPECT_GT(size_of_client->flash_octets, 1'000);
+    EXPECT_GT(size_of_client->ram_octets, 500);
 }
 
 TEST(Tasks, AreNotDoneByWhomTheyDoNotConcern) {
