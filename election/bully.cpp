@@ -62,13 +62,19 @@ void BullyElector::on_suspect(Instant now, NodeId node) {
 void BullyElector::on_tick(Instant now) {
     if (now < deadline_) return;
     if (phase_ == Phase::starting) {
-        phase_ = Phase::waiting;
-        deadline_ = now + options_.detection_time;
+        phase_ = Phase::listening;
+        started_at_ = now;
+        deadline_ = now + options_.listens_alone_for;
+        return;
+    }
+    const Instant heard_all_at = started_at_ + options_.detection_time;
+    if (phase_ == Phase::listening && !alive_.empty() && now < heard_all_at) {
+        deadline_ = heard_all_at;
         return;
     }
     if (phase_ == Phase::asking)
         declare_victory(now);
-    else if (phase_ == Phase::waiting)
+    else if (phase_ == Phase::listening || phase_ == Phase::waiting)
         start_election(now);
 }
 

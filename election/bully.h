@@ -35,7 +35,8 @@ public:
 
 private:
     enum class Phase : std::uint8_t {
-        starting,  // listens for one detection time: the others are unknown to it
+        starting,
+        listening,  // the others are unknown to it
         settled,
         asking,   // waits for an answer of a higher node; none by the deadline: victory
         waiting,  // a higher node answered; no victory by the deadline: ask again
@@ -48,6 +49,7 @@ private:
 
     ElectorOptions options_;
     Phase phase_ = Phase::starting;
+    Instant started_at_{};
     Term term_ = 0;
     std::optional<NodeId> leader_;
     std::map<NodeId, Rank> alive_;  // peers, by id

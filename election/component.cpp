@@ -5,7 +5,9 @@
 namespace romano::election {
 
 ComponentElector::ComponentElector(const ElectorOptions& options)
-    : self_(options.self), patience_(options.detection_time) {}
+    : self_(options.self),
+      patience_(options.detection_time),
+      listens_alone_for_(options.listens_alone_for) {}
 
 void ComponentElector::on_claim(Instant now, const Claim& claim) {
     const NodeId node = claim.rank.id;
@@ -55,7 +57,7 @@ Claim ComponentElector::claim() const {
 }
 
 void ComponentElector::settle(Instant now) {
-    if (listen_until_ == never) listen_until_ = now + patience_;
+    if (started_at_ == never) started_at_ = now;
     wakeup_ = never;
 
     for (auto above = heard_.rbegin(); above != heard_.rend() && above->first > self_; ++above) {
@@ -79,8 +81,9 @@ void ComponentElector::settle(Instant now) {
             return;
         }
     }
-    if (now < listen_until_) {
-        wakeup_ = listen_until_;
+    const Instant listens_until = started_at_ + (heard_.empty() ? listens_alone_for_ : patience_);
+    if (now < listens_until) {
+        wakeup_ = listens_until;
         return;
     }
     lead();

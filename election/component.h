@@ -44,11 +44,12 @@ private:
 
     Rank self_;
     Duration patience_;  // how long a node that should lead is waited for
+    Duration listens_alone_for_;
     std::map<Rank, Heard> heard_;
     std::map<NodeId, Rank> rank_of_;
     Leadership leadership_;
-    Term highest_term_ = 0;         // of all claims that were ever heard
-    Instant listen_until_ = never;  // a starting node first learns who is there
+    Term highest_term_ = 0;       // of all claims that were ever heard
+    Instant started_at_ = never;  // a starting node first learns who is there
     Instant wakeup_ = Instant::min();
 };
 

@@ -85,6 +85,7 @@ public:
 struct ElectorOptions {
     Rank self{};
     Duration detection_time{};     // the detector's; sets the scale of time-outs
+    Duration listens_alone_for{};  // then who hears nobody leads; not in raft
     std::vector<NodeId> voters{};  // raft only
     std::uint64_t seed = 0;
 };

@@ -6,6 +6,8 @@
 // beacons.
 #pragma once
 
+#include <algorithm>
+
 #include "romano/base/time.h"
 
 namespace romano::cluster {
@@ -45,8 +47,16 @@ struct Times {
     /// leader to hear again whom it hears itself.
     [[nodiscard]] Duration disagreement_lasts() const { return 2 * detection; }
     [[nodiscard]] Duration announcement_arrives_within() const { return 2 * detection; }
-    /// A newcomer listens before it opens a view.
-    [[nodiscard]] Duration newcomer_listens_for() const { return found_within + 2 * detection; }
+    /// A newcomer listens for a detection time before it leads, unless it hears nobody: who is
+    /// there says something in one of three beacons.
+    [[nodiscard]] Duration lone_newcomer_leads_after() const {
+        return std::min(3 * beacon_every, detection);
+    }
+    /// And then, before it opens a view. Alone is who never heard of anybody.
+    [[nodiscard]] Duration newcomer_listens_for(bool is_alone) const {
+        const Duration listens = found_within + 2 * detection;
+        return is_alone ? std::min(listens, found_within + 2 * found_again_within) : listens;
+    }
     /// On a busy machine it takes some detection times until two processes hear each other.
     [[nodiscard]] Duration unmet_peer_waited_for() const { return found_within + 20 * detection; }
     /// Its process may stand still, and is found again after that.

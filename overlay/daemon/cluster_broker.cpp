@@ -51,6 +51,21 @@ bool contains(const std::vector<Endpoint>& list, const Endpoint& address) {
     return std::ranges::find(list, address) != list.end();
 }
 
+/// Empty for the profiles that listen for less than a second.
+std::string listening(const cluster::ClusterOptions& options) {
+    const cluster::Times times{options.beacon_every, options.detection_timeout,
+                               options.found_within, options.found_again_within};
+    const bool is_voted =
+        options.elector == "raft";  // a term's first election is a random time away
+    const Duration leads_after =
+        is_voted ? 2 * options.detection_timeout : times.lone_newcomer_leads_after();
+    const auto most =
+        std::chrono::ceil<std::chrono::seconds>(leads_after + times.newcomer_listens_for(true));
+    if (most <= 1s) return {};
+    return ", listens for other brokers first: " + std::to_string(most.count()) +
+           " s when there are none";
+}
+
 }  // namespace
 
 ClusterBroker::ClusterBroker(boost::asio::io_context& io, const Settings& settings,
@@ -479,11 +494,11 @@ void ClusterBroker::on_home_address_returned() {
 void ClusterBroker::say_when_serving() {
     if (!held_.empty() || !on_serving_) return;
     const ClusterSettings& cluster = *settings_.cluster;
-    std::exchange(on_serving_,
-                  {})({.addresses = listen_,
-                       .cluster = "domain " + std::to_string(cluster.domain) +
-                                  (cluster.interface.empty() ? "" : " on " + cluster.interface) +
-                                  (cluster.is_protected ? ", protected" : "")});
+    std::exchange(on_serving_, {})(
+        {.addresses = listen_,
+         .cluster = "domain " + std::to_string(cluster.domain) +
+                    (cluster.interface.empty() ? "" : " on " + cluster.interface) +
+                    (cluster.is_protected ? ", protected" : "") + listening(options_.cluster)});
 }
 
 void ClusterBroker::add_metrics(metrics::Page& page) const {

@@ -23,8 +23,10 @@ public:
         terms_.erase(rank);
         const NodeId id{static_cast<std::uint64_t>(rank)};
         const Rank self{.capability = static_cast<std::uint32_t>(rank), .id = id};
-        nodes_.emplace(rank,
-                       Node{ComponentElector{{.self = self, .detection_time = detection}}, {}});
+        nodes_.emplace(rank, Node{ComponentElector{{.self = self,
+                                                    .detection_time = detection,
+                                                    .listens_alone_for = detection}},
+                                  {}});
     }
     void kill(int rank) { nodes_.erase(rank); }
     void cut(int a, int b) { cut_.insert(std::minmax(a, b)); }

@@ -38,6 +38,7 @@ public:
         ElectorOptions options;
         options.self = rank_of(node);
         options.detection_time = detection_time;
+        options.listens_alone_for = detection_time;
         options.voters = voters_;
         options.seed = random_.next();
         nodes_[node] = {make_(options), {}};

@@ -38,13 +38,14 @@ Membership::Membership(const ClusterOptions& options, BrokerId self, std::uint64
 void Membership::restart() {
     std::vector<election::NodeId> voters;
     for (const auto& name : options_.voters) voters.push_back(node_of(broker::broker_id_of(name)));
-    elector_ =
-        election::make_elector(options_.elector, {.self = {.capability = options_.rank,
-                                                           .condition = condition_.told(),
-                                                           .id = node_of(self_)},
-                                                  .detection_time = linked_->detection_time(),
-                                                  .voters = std::move(voters),
-                                                  .seed = ++seed_});
+    elector_ = election::make_elector(options_.elector,
+                                      {.self = {.capability = options_.rank,
+                                                .condition = condition_.told(),
+                                                .id = node_of(self_)},
+                                       .detection_time = linked_->detection_time(),
+                                       .listens_alone_for = times().lone_newcomer_leads_after(),
+                                       .voters = std::move(voters),
+                                       .seed = ++seed_});
     assert(elector_ != nullptr && "the shell checks the elector's name");
 }
 

@@ -149,7 +149,7 @@ bool ViewChange::waits_for_company(Instant now, Surroundings around) {
         return true;
     }
     if (now < led_since_ + times.silent_home_waited_for() && misses_home(membership)) return true;
-    if (now >= led_since_ + times.newcomer_listens_for()) return false;
+    if (now >= led_since_ + times.newcomer_listens_for(membership.peers().empty())) return false;
     bool are_newcomers = true;
     for (const auto& [id, peer] : membership.peers()) {
         if (!peer.alive) continue;
