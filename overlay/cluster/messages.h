@@ -5,6 +5,7 @@
 // everything that matters, so that a transport that loses silently is noticed.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -50,6 +51,7 @@ struct View {
 struct LinkAddress {
     Endpoint endpoint{};
     std::uint64_t process = 0;  // its incarnation at its start; its log may be of a later life
+    std::array<std::uint8_t, 16> secret{};  // by which both ends of a link prove that they may
 
     friend bool operator==(const LinkAddress&, const LinkAddress&) = default;
 };

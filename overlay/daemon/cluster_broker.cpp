@@ -182,6 +182,7 @@ void ClusterBroker::open_links() {
                       "); choose another --interface or --detector");
     }
     options_.link = links_->address();
+    options_.link_secret = links_->secret();
 }
 
 void ClusterBroker::open_uplink(MakeUplink make_uplink) {
@@ -291,7 +292,8 @@ void ClusterBroker::on_peer_message(const overlay::Envelope& envelope) {
 
 void ClusterBroker::on_particulars(const cluster::Beacon& beacon) {
     if (links_) {
-        links_->on_address({beacon.log.broker, beacon.link.process}, beacon.link.endpoint);
+        links_->on_address({beacon.log.broker, beacon.link.process}, beacon.link.endpoint,
+                           beacon.link.secret);
     }
     warn_of_missing_keys(beacon);
     if (member_) {

@@ -1,5 +1,7 @@
 #include "overlay/dds/cluster_message_proto.h"
 
+#include <algorithm>
+
 #include "overlay/dds/log_event_proto.h"
 #include "overlay/dds/session_proto.h"
 
@@ -146,6 +148,7 @@ struct MessageWriter {
         to.set_leaving(m.leaving);
         to_proto(m.link.endpoint, *to.mutable_link());
         to.set_link_process(m.link.process);
+        to.set_link_secret(m.link.secret.data(), m.link.secret.size());
         to.set_settings(m.settings);
         to.set_predefined(m.predefined);
     }
@@ -295,9 +298,11 @@ MaybeMessage read_particulars(const Particulars& all) {
     const auto log = from_proto(in.log());
     auto view = from_proto(in.view());
     const auto link = from_proto(in.link());
-    if (!log || !view || !link) return std::nullopt;
+    const std::string& secret = in.link_secret();
     cluster::Beacon out;
-    out.link = {*link, in.link_process()};
+    if (!log || !view || !link || secret.size() != out.link.secret.size()) return std::nullopt;
+    out.link = {.endpoint = *link, .process = in.link_process()};
+    std::ranges::copy(secret, out.link.secret.begin());
     out.name = in.name();
     out.log = *log;
     out.last_seq = in.last_seq();

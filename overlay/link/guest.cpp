@@ -37,12 +37,13 @@ void LinkService::Guest::receive() {
 }
 
 void LinkService::Guest::on_hello() {
-    const auto hello = decode(incoming_);
+    const auto hello = decode(incoming_, service_->secret_);
     if (!hello || hello->to != service_->self_ || !service_->knows(hello->from)) {
         ++service_->counters_.strangers;
         return leave();
     }
-    outgoing_ = encode({.from = service_->self_, .to = hello->from});
+    outgoing_ = encode({.from = service_->self_, .to = hello->from, .nonce = hello->nonce},
+                       service_->secret_);
     boost::asio::async_write(socket_, boost::asio::buffer(outgoing_),
                              [self = shared_from_this()](const error_code& error, std::size_t) {
                                  if (self->service_ == nullptr) return;

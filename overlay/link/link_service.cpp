@@ -65,7 +65,8 @@ bool LinkService::knows(const broker::LogId& process) const {
     return watch != watches_.end() && watch->second->process() == process;
 }
 
-void LinkService::on_address(const broker::LogId& process, const Endpoint& address) {
+void LinkService::on_address(const broker::LogId& process, const Endpoint& address,
+                             const Secret& secret) {
     if (address.family == Endpoint::Family::none || process.broker == self_.broker) return;
     const auto known = watches_.find(process.broker);
     if (known != watches_.end()) {
@@ -78,7 +79,7 @@ void LinkService::on_address(const broker::LogId& process, const Endpoint& addre
         std::erase_if(watches_, [](const auto& entry) { return entry.second->is_idle(); });
         if (watches_.size() == most_peers) return;
     }
-    const auto watch = std::make_shared<Watch>(*this, process, net::to_asio<tcp>(address));
+    const auto watch = std::make_shared<Watch>(*this, process, net::to_asio<tcp>(address), secret);
     watches_.emplace(process.broker, watch);
     watch->keep_up();
 }

@@ -7,9 +7,10 @@
 // refuses, the process is gone and the link is lost; if it answers, the connection alone was cut,
 // and nothing is said; if nothing comes back, beacons must tell, and it is tried again later.
 //
-// Whoever dials must say a Hello from a broker that we know, to this very process; anything else,
-// and anything after it, is dropped and counted. Connections are bounded. One thread: that of the
-// io_context.
+// Whoever dials must say a Hello from a broker that we know, to this very process, and prove that
+// it knows our secret; anything else, and anything after it, is dropped and counted. So is whoever
+// answers in a peer's name without that one's secret. Connections are bounded. One thread: that of
+// the io_context.
 #pragma once
 
 #include <boost/asio/io_context.hpp>
@@ -24,6 +25,7 @@
 
 #include "broker/core/log_position.h"
 #include "election/failure_detector.h"
+#include "overlay/link/hello.h"
 #include "overlay/link/memory_keeper.h"
 #include "romano/base/endpoint.h"
 
@@ -33,8 +35,9 @@ struct LinkCounters {
     std::uint64_t dialled = 0;
     std::uint64_t up = 0;
     std::uint64_t lost = 0;
-    std::uint64_t strangers = 0;  // dropped: no Hello in time, garbage, unknown, not to us
-    std::uint64_t too_many = 0;   // dropped: beyond the bound
+    std::uint64_t strangers =
+        0;                       // dropped: no Hello in time, garbage, unknown, unproven, not to us
+    std::uint64_t too_many = 0;  // dropped: beyond the bound
 };
 
 class LinkService {
@@ -54,10 +57,12 @@ public:
     /// then.
     [[nodiscard]] boost::system::error_code open(const Endpoint& host);
     [[nodiscard]] const Endpoint& address() const { return address_; }
+    /// For the own particulars: peers prove with it that they may dial.
+    [[nodiscard]] const Secret& secret() const { return secret_; }
 
-    /// The particulars of `process` name this address. Dials it unless it is dialled already; an
-    /// older process of the same broker is forgotten.
-    void on_address(const broker::LogId& process, const Endpoint& address);
+    /// The particulars of `process` name this address and secret. Dials it unless it is dialled
+    /// already; an older process of the same broker is forgotten.
+    void on_address(const broker::LogId& process, const Endpoint& address, const Secret& secret);
     /// The broker was heard. Dials it, where on_address() named it and it is not dialled already:
     /// an attempt that failed is made again as long as the broker is heard.
     void on_heartbeat(broker::BrokerId broker);
@@ -78,6 +83,7 @@ private:
     broker::LogId self_;
     OnLink on_link_;
     Endpoint address_;
+    Secret secret_ = sixteen_random_octets();
     boost::asio::ip::tcp::acceptor acceptor_;
     boost::asio::steady_timer pause_;
     std::map<broker::BrokerId, std::shared_ptr<Watch>> watches_;

@@ -26,10 +26,11 @@ constexpr auto longest_rest = 160ms;
 }  // namespace
 
 LinkService::Watch::Watch(LinkService& service, const broker::LogId& process,
-                          const boost::asio::ip::tcp::endpoint& address)
+                          const boost::asio::ip::tcp::endpoint& address, const Secret& secret)
     : service_(service),
       process_(process),
       address_(address),
+      secret_(secret),
       socket_(service.io_),
       timer_(service.io_),
       next_rest_(first_rest) {}
@@ -56,7 +57,8 @@ void LinkService::Watch::dial() {
 }
 
 void LinkService::Watch::greet(std::uint64_t attempt) {
-    outgoing_ = encode({.from = service_.self_, .to = process_});
+    nonce_ = sixteen_random_octets();
+    outgoing_ = encode({.from = service_.self_, .to = process_, .nonce = nonce_}, secret_);
     boost::asio::async_write(socket_, boost::asio::buffer(outgoing_),
                              [self = shared_from_this()](const error_code&, std::size_t) {});
     boost::asio::async_read(
@@ -68,8 +70,12 @@ void LinkService::Watch::greet(std::uint64_t attempt) {
 }
 
 void LinkService::Watch::on_greeted() {
-    const auto hello = decode(incoming_);
-    if (!hello || hello->from != process_) return rest();  // another program has the port by now
+    const auto hello = decode(incoming_, secret_);
+    const Hello expected{.from = process_, .to = service_.self_, .nonce = nonce_};
+    if (hello != expected) {  // another program has the port by now
+        ++service_.counters_.strangers;
+        return rest();
+    }
     state_ = State::up;
     was_up_ = true;
     dialled_in_a_row_ = 0;

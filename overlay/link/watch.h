@@ -16,7 +16,7 @@ namespace romano::link {
 class LinkService::Watch : public std::enable_shared_from_this<Watch> {
 public:
     Watch(LinkService& service, const broker::LogId& process,
-          const boost::asio::ip::tcp::endpoint& address);
+          const boost::asio::ip::tcp::endpoint& address, const Secret& secret);
 
     /// Dials unless that is under way, done, or was tried a moment ago.
     void keep_up();
@@ -42,6 +42,8 @@ private:
     LinkService& service_;
     broker::LogId process_;
     boost::asio::ip::tcp::endpoint address_;
+    Secret secret_;  // of the process
+    Nonce nonce_{};  // of this attempt
     boost::asio::ip::tcp::socket socket_;
     boost::asio::steady_timer timer_;
     std::chrono::milliseconds next_rest_;  // after an attempt that failed

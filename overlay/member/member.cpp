@@ -23,7 +23,7 @@ Member::Member(const MemberOptions& options, std::uint64_t seed)
                {.name = options.name,
                 .log = log_,
                 .home_addresses = options.home_addresses,
-                .link = {options.link, options.incarnation},
+                .link = {options.link, options.incarnation, options.link_secret},
                 .predefined = options.broker.predefined_topics},
                seed + 1) {
     broker_.set_audience(cluster_.audience());

@@ -6,6 +6,7 @@
 // sessions and addresses. The shell owns sockets, the transport and one timer.
 #pragma once
 
+#include <array>
 #include <chrono>
 #include <cstdint>
 #include <optional>
@@ -63,6 +64,7 @@ struct MemberOptions {
     bool romano = true;  // carries the ROMANO server
     std::optional<uplink::UplinkOptions> uplink = {};
     Endpoint link = {};  // where the process takes links from peers; family none: it takes none
+    std::array<std::uint8_t, 16> link_secret = {};  // for them alone
 };
 
 class Member {

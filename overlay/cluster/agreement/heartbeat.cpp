@@ -58,6 +58,7 @@ std::uint32_t digest_of_particulars(const Beacon& beacon) {
     add(digest, beacon.serving);
     add(digest, beacon.link.endpoint);
     digest.add(beacon.link.process);
+    digest.add(as_text(beacon.link.secret));
     digest.add(std::uint64_t{beacon.cannot_take});
     digest.add(std::uint64_t{beacon.settings});
     digest.add(std::uint64_t{beacon.predefined});

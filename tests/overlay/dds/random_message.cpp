@@ -222,6 +222,7 @@ cluster::Beacon beacon(Random& r) {
     out.cpu_percent = r.next();
     out.leaving = flag(r);
     out.link = {endpoint(r), wide(r)};
+    for (auto& octet : out.link.secret) octet = static_cast<std::uint8_t>(r.next());
     out.settings = r.next();
     out.predefined = r.next();
     return out;

@@ -10,6 +10,7 @@
 #include <boost/asio/read.hpp>
 #include <boost/asio/write.hpp>
 #include <functional>
+#include <list>
 #include <memory>
 #include <vector>
 
@@ -57,8 +58,8 @@ protected:
     }
     /// Particulars are said once; heartbeats go on.
     void name_each_other() {
-        a->on_address(two, b->address());
-        b->on_address(one, a->address());
+        a->on_address(two, b->address(), b->secret());
+        b->on_address(one, a->address(), a->secret());
     }
     void heartbeats() {
         a->on_heartbeat(two.broker);
@@ -77,6 +78,18 @@ protected:
         tcp::socket socket(io);
         socket.connect({boost::asio::ip::address_v4::loopback(), address.port});
         return socket;
+    }
+    /// As `two` does that has this secret.
+    static void answer(tcp::socket& socket, const Secret& secret) {
+        const auto octets = std::make_shared<std::array<std::uint8_t, Hello::octets>>();
+        boost::asio::async_read(socket, boost::asio::buffer(*octets),
+                                [&socket, secret, octets](const auto& error, std::size_t) {
+                                    if (error) return;
+                                    const auto asked = decode(*octets, secret);
+                                    const Nonce nonce = asked ? asked->nonce : Nonce{};
+                                    *octets = encode({two, one, nonce}, secret);
+                                    boost::asio::write(socket, boost::asio::buffer(*octets));
+                                });
     }
     /// True when the other side closes the connection.
     bool is_closed(tcp::socket& socket) {
@@ -102,9 +115,9 @@ TEST_F(LinkServiceTest, BothSidesAreToldThatTheLinkIsUp) {
 TEST_F(LinkServiceTest, APeerThatDidNotKnowUsYetIsDialledAgainWhenItIsHeardAgain) {
     a = start(one, news_of_a);
     b = start(two, news_of_b);
-    a->on_address(two, b->address());
+    a->on_address(two, b->address(), b->secret());
     ASSERT_TRUE(run_until([&] { return b->counters().strangers == 1; }));
-    b->on_address(one, a->address());
+    b->on_address(one, a->address(), a->secret());
     ASSERT_TRUE(run_until([&] {
         a->on_heartbeat(two.broker);
         return !news_of_a.empty();
@@ -134,24 +147,41 @@ TEST_F(LinkServiceTest, AConnectionThatIsCutBetweenLivingProcessesIsNoLoss) {
     tcp::acceptor acceptor(io, {boost::asio::ip::address_v4::loopback(), 0});
     Endpoint address = loopback();
     address.port = acceptor.local_endpoint().port();
-    std::vector<tcp::socket> taken;
-    const auto answer = encode({.from = two, .to = one});
+    std::list<tcp::socket> taken;
+    const Secret secret = sixteen_random_octets();
     std::function<void()> accept = [&] {
         acceptor.async_accept([&](const auto& error, tcp::socket socket) {
             if (error) return;
             taken.push_back(std::move(socket));
-            boost::asio::write(taken.back(), boost::asio::buffer(answer));
+            answer(taken.back(), secret);
             accept();
         });
     };
     accept();
     a = start(one, news_of_a);
-    a->on_address(two, address);
+    a->on_address(two, address, secret);
     ASSERT_TRUE(run_until([&] { return news_of_a.size() == 1; }));
     taken.front().close();
     ASSERT_TRUE(run_until([&] { return news_of_a.size() == 2; }));
     EXPECT_THAT(news_of_a, ElementsAre(std::pair(two, Link::up), std::pair(two, Link::up)));
     acceptor.close();
+}
+
+// Who took the port of a dead broker, or stands between, does not make it live.
+TEST_F(LinkServiceTest, WhoeverAnswersWithoutThePeersSecretIsNotThePeer) {
+    tcp::acceptor acceptor(io, {boost::asio::ip::address_v4::loopback(), 0});
+    Endpoint address = loopback();
+    address.port = acceptor.local_endpoint().port();
+    a = start(one, news_of_a);
+    std::list<tcp::socket> taken;
+    acceptor.async_accept([&](const auto& error, tcp::socket socket) {
+        if (error) return;
+        taken.push_back(std::move(socket));
+        answer(taken.back(), sixteen_random_octets());
+    });
+    a->on_address(two, address, sixteen_random_octets());
+    ASSERT_TRUE(run_until([&] { return a->counters().strangers == 1; }));
+    EXPECT_THAT(news_of_a, testing::IsEmpty());
 }
 
 TEST_F(LinkServiceTest, ARestartedProcessIsANewLink) {
@@ -160,8 +190,8 @@ TEST_F(LinkServiceTest, ARestartedProcessIsANewLink) {
     ASSERT_TRUE(run_until([&] { return news_of_a.size() == 2; }));
     const LogId again{two.broker, two.incarnation + 1};
     b = start(again, news_of_b);
-    a->on_address(again, b->address());
-    b->on_address(one, a->address());
+    a->on_address(again, b->address(), b->secret());
+    b->on_address(one, a->address(), a->secret());
     ASSERT_TRUE(run_until([&] {
         heartbeats();
         return news_of_a.size() == 3;
@@ -172,18 +202,23 @@ TEST_F(LinkServiceTest, ARestartedProcessIsANewLink) {
 TEST_F(LinkServiceTest, AnEarlierLifeOfAPeerIsNotDialled) {
     link_both();
     const auto dialled = a->counters().dialled;
-    a->on_address({two.broker, two.incarnation - 1}, b->address());
+    a->on_address({two.broker, two.incarnation - 1}, b->address(), b->secret());
     EXPECT_EQ(a->counters().dialled, dialled);
 }
 
 TEST_F(LinkServiceTest, StrangersAreDroppedAndCounted) {
     link_both();
     const LogId stranger{BrokerId{9}, 1};
+    const Secret& secret = a->secret();
+    Secret guessed = secret;
+    guessed.front() ^= 1U;
     const std::vector<std::array<std::uint8_t, Hello::octets>> greetings = {
-        {},                                            // garbage
-        encode({.from = stranger, .to = one}),         // never heard
-        encode({.from = {two.broker, 1}, .to = one}),  // another process of a peer
-        encode({.from = two, .to = {one.broker, 1}}),  // to another process
+        {},                                                          // garbage
+        encode({.from = stranger, .to = one, .nonce = {}}, secret),  // never heard
+        encode({{two.broker, 1}, one, {}}, secret),                  // another process of a peer
+        encode({two, {one.broker, 1}, {}}, secret),                  // to another process
+        encode({.from = two, .to = one, .nonce = {}}, guessed),      // in a peer's name
+        encode({.from = two, .to = one, .nonce = {}}, b->secret()),  // with what others know
     };
     std::uint64_t expected = 0;
     for (const auto& greeting : greetings) {
@@ -204,13 +239,13 @@ TEST_F(LinkServiceTest, WhoeverSaysNothingIsDroppedAfterASecond) {
 TEST_F(LinkServiceTest, WhoeverBabblesAfterTheHelloIsDropped) {
     link_both();
     auto socket = dial(a->address());
-    auto hello = encode({.from = two, .to = one});
+    auto hello = encode({.from = two, .to = one, .nonce = {7}}, a->secret());
     boost::asio::write(socket, boost::asio::buffer(hello));
     bool answered = false;
     boost::asio::async_read(socket, boost::asio::buffer(hello),
                             [&](const auto& error, std::size_t) { answered = !error; });
     ASSERT_TRUE(run_until([&] { return answered; }));
-    EXPECT_EQ(decode(hello), (Hello{.from = one, .to = two}));
+    EXPECT_EQ(decode(hello, a->secret()), (Hello{.from = one, .to = two, .nonce = {7}}));
     boost::asio::write(socket, boost::asio::buffer("more", 4));
     EXPECT_TRUE(is_closed(socket));
     EXPECT_EQ(a->counters().strangers, 1u);
