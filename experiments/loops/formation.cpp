@@ -280,7 +280,8 @@ std::vector<SeparateRun> runs_of(const FormationPlan& plan, const LoopGround& gr
     std::vector<SeparateRun> runs;
     for (const Kind& kind : kinds_with(plan.brokers)) {
         runs.push_back({file_of(plan, ground.world, kind),
-                        [plan, ground, kind] { return outcome(plan, ground, kind); }});
+                        [plan, ground, kind] { return outcome(plan, ground, kind); },
+                        ground.world == LoopWorld::processes});
     }
     return runs;
 }

@@ -69,7 +69,9 @@ void do_runs(const std::vector<SeparateRun>& runs, const std::filesystem::path& 
     for (const SeparateRun& run : runs) {
         if (failed) break;
         if (is_done(run, folder)) continue;
-        if (running.size() >= jobs) await_one();
+        const bool is_one_alone =
+            run.is_in_real_time || (!running.empty() && running.begin()->second->is_in_real_time);
+        while (running.size() >= (is_one_alone ? 1 : jobs)) await_one();
         running.emplace(begin(run, folder), &run);
     }
     while (!running.empty()) await_one();

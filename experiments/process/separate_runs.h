@@ -13,6 +13,7 @@ namespace romano::experiments {
 struct SeparateRun {
     std::string name;                      // of its file: everything that the outcome depends on
     std::function<std::string()> outcome;  // called in the run's own process
+    bool is_in_real_time = false;          // it has the machine to itself
 };
 
 [[nodiscard]] bool is_done(const SeparateRun& run, const std::filesystem::path& folder);

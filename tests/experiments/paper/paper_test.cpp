@@ -3,6 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <chrono>
+#include <filesystem>
+#include <fstream>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -140,6 +143,26 @@ TEST(SeparateRuns, GoOnWhereTheyWereInterrupted) {
     do_runs({one, two}, folder.path(), 2, note);
     EXPECT_EQ(ran, (std::vector<std::string>{"one", "two"}));
     EXPECT_EQ(outcome_of("two", folder.path()), "2\n");
+}
+
+/// Two clusters on two cores make each other late.
+TEST(SeparateRuns, OneInRealTimeHasTheMachineToItself) {
+    const tests::TemporaryFolder folder;
+    /// Says that it is there, and waits for the other one.
+    const auto meets = [&](const std::string& self, const std::string& other) {
+        std::ofstream(folder / self).flush();
+        const auto limit = std::chrono::steady_clock::now() + std::chrono::milliseconds{300};
+        while (std::chrono::steady_clock::now() < limit) {
+            if (std::filesystem::exists(folder / other)) return std::string{"together"};
+        }
+        return std::string{"alone"};
+    };
+    const SeparateRun before{"before", [&] { return meets("a", "b"); }};
+    const SeparateRun real{"real", [&] { return meets("b", "c"); }, true};
+    const SeparateRun after{"after", [&] { return meets("c", "d"); }};
+    do_runs({before, real, after}, folder.path(), 2, [](const SeparateRun&) {});
+    EXPECT_EQ(outcome_of("before", folder.path()), "alone");
+    EXPECT_EQ(outcome_of("real", folder.path()), "alone");
 }
 
 TEST(PaperPlan, ImpossibleChannelsAndBaudRatesGetOneSentence) {
