@@ -38,10 +38,10 @@ constexpr Duration looked_at = 5s;
 constexpr Duration course_before = 1s;
 constexpr Duration course_each = 20ms;
 
-/// One channel of IEEE 802.15.4 carries some 200 datagrams a second, and a round of each of the
-/// four followers is four.
+/// A round takes 18.2 ms of a channel of IEEE 802.15.4 (experiments/README.md), and there is one of
+/// each of the four followers in a period.
 constexpr std::uint16_t period_ms_in(LoopWorld world) {
-    return world == LoopWorld::radio ? 200 : 20;
+    return world == LoopWorld::radio ? 100 : 20;
 }
 
 struct Vector {

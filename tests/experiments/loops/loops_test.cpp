@@ -143,6 +143,13 @@ TEST(Formation, ALawPutsAFollowerInItsPlaceAndKeepsItThere) {
     EXPECT_NEAR(follower.pose().y_mm, wanted.y_mm, 10);
 }
 
+TEST(Formation, OnRadioFourLoopsHaveRoomAndSurviveACrash) {
+    if (!has_radio) GTEST_SKIP() << "no ns-3";
+    const FormationRun run = formation({.world = LoopWorld::radio}, 3, BrokerFault::crash, 5);
+    EXPECT_EQ(run.falls_back, 0U);
+    EXPECT_LT(run.error_mm, 25);
+}
+
 TEST(Formation, BreaksUpWithItsOnlyBrokerAndNotWithOneOfThree) {
     const FormationRun whole = formation({}, 3, BrokerFault::crash, 5);
     EXPECT_EQ(whole.falls_back, 0U);
