@@ -13,13 +13,19 @@ namespace {
 constexpr std::size_t most_at_once = 400;  // 60,000 octets
 
 cluster::AssociationOfClient to_message(const dtls::AssociationTold& told) {
-    return {.id = static_cast<std::uint64_t>(told.id),
-            .client = told.client_id,
-            .via = told.path.via,
-            .from = told.path.from,
-            .keys = {told.keys.begin(), told.keys.end()},
-            .turn = told.progress.turn.value,
-            .floor = told.progress.floor};
+    cluster::AssociationOfClient out{.id = static_cast<std::uint64_t>(told.id),
+                                     .client = told.client_id,
+                                     .via = told.path.via,
+                                     .from = told.path.from,
+                                     .keys = {told.keys.begin(), told.keys.end()},
+                                     .turn = told.progress.turn.value,
+                                     .floor = told.progress.floor,
+                                     .roaming = {}};
+    if (told.roaming) {
+        const Bytes id = told.roaming->id.octets();
+        out.roaming = {{id.begin(), id.end()}, told.roaming->at};
+    }
+    return out;
 }
 
 cluster::ProgressOfAssociation to_message(const dtls::ProgressTold& told) {
@@ -61,7 +67,13 @@ void on_associations_told(const cluster::SecuredTold& told, dtls::DtlsClients& c
                                   .client_id = each.client,
                                   .path = {each.via, each.from},
                                   .keys = {},
-                                  .progress = {dtls::Turn{each.turn}, each.floor}};
+                                  .progress = {dtls::Turn{each.turn}, each.floor},
+                                  .roaming = {}};
+        if (each.roaming) {
+            const auto id = dtls::ConnectionId::of(each.roaming->id);
+            if (!id) continue;
+            one.roaming = {*id, each.roaming->at};
+        }
         std::ranges::copy(each.keys, one.keys.begin());
         out.associations.push_back(std::move(one));
     }

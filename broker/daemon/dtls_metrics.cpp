@@ -25,6 +25,9 @@ void add_dtls(metrics::Page& page, const dtls::Listener& listener) {
     records("out", counters.sealed);
     page.counter("romano_dtls_closed_total", "DTLS associations that their clients closed.",
                  counters.closed);
+    page.counter("romano_dtls_moved_total",
+                 "Times that a client with a Connection ID was heard from another address.",
+                 counters.moved);
     for (std::size_t kind = 0; kind < dtls::refusal_names.size(); ++kind) {
         page.counter("romano_dtls_refusals_total",
                      "DTLS records that were not taken, or not made, by reason.",

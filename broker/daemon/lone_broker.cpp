@@ -65,11 +65,13 @@ broker::BrokerOptions LoneBroker::options_of(const Settings& settings) {
 }
 
 void LoneBroker::on_datagram(const Endpoint& via, const Endpoint& from, Bytes octets) {
-    const auto take = [&](Bytes message) { on_message(via, from, message); };
     if (protection_) {
-        protection_->admit(net::now(), via, from, octets, actions_, std::ref(take));
+        const auto take = [this](const dtls::Message& admitted) {
+            on_message(admitted.path.via, admitted.path.from, admitted.octets);
+        };
+        protection_->admit(net::now(), via, from, octets, actions_, take);
     } else {
-        take(octets);
+        on_message(via, from, octets);
     }
     if (actions_.list().size() >= most_actions_held || actions_.octets_held() >= most_octets_held) {
         send();

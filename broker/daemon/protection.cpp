@@ -146,7 +146,7 @@ void Protection::admit(Instant now, const Endpoint& via, const Endpoint& from, B
         return;
     }
     const Bytes admitted = admit_sealed(via, from, datagram, out);
-    if (!admitted.empty()) deliver(admitted);
+    if (!admitted.empty()) deliver({{via, from}, admitted});
 }
 
 Bytes Protection::admit_sealed(const Endpoint& via, const Endpoint& from, Bytes datagram,

@@ -1,8 +1,10 @@
 #include "broker/dtls/dtls_clients.h"
 
 #include <algorithm>
+#include <array>
 #include <utility>
 
+#include "broker/dtls/own_id.h"
 #include "broker/protection/client_names.h"
 #include "broker/protection/protected_node.h"
 #include "romano/mqttsn/decode.h"
@@ -22,7 +24,15 @@ constexpr std::size_t room_in_front = 256;
 constexpr std::uint8_t warning = 1;
 constexpr std::uint8_t fatal = 2;
 constexpr std::uint8_t close_notify = 0;
-constexpr std::size_t alert_octets = 2;
+constexpr std::array<std::uint8_t, 2> goodbye{warning, close_notify};
+
+// PINGREQ: whoever is there answers it (MQTT-SN 1.2 section 6.11).
+constexpr std::array<std::uint8_t, 2> are_you_there{2, static_cast<std::uint8_t>(MsgType::pingreq)};
+
+bool is_pong(Bytes message) {
+    const auto frame = mqttsn::decode_frame(message);
+    return frame && frame->type == MsgType::pingresp;
+}
 
 }  // namespace
 
@@ -45,7 +55,15 @@ struct DtlsClients::Entry {
     bool is_known_to_peers = false;
 };
 
-DtlsClients::DtlsClients(const Speaker& self) : self_(self), room_(room_in_front + most_message) {}
+/// A record that was opened. The message lies in the room.
+struct DtlsClients::Taken {
+    Entry* entry;
+    Opened opened;
+    bool is_newest;
+};
+
+DtlsClients::DtlsClients(const Speaker& self)
+    : self_(self), room_(room_in_front + most_message + 1) {}
 DtlsClients::~DtlsClients() = default;
 
 void DtlsClients::set_clients(std::span<const broker::ProtectedClient> clients) {
@@ -77,7 +95,7 @@ void DtlsClients::add(const Agreed& agreed) {
     const auto found = clients_.find(agreed.client_id);
     if (found == clients_.end()) return;  // withdrawn meanwhile
     Client& client = *found->second;
-    note_to_tell(put(client, Association{agreed.id, agreed.path, agreed.keys}));
+    note_to_tell(put(client, Association{agreed.id, agreed.path, agreed.keys, agreed.clients_id}));
     has_news_ = true;
 }
 
@@ -88,7 +106,7 @@ DtlsClients::Entry& DtlsClients::put(Client& client, Association&& association) 
     auto entry = std::make_unique<Entry>(client, std::move(association));
     Entry& there = *entry;
     client.entries.insert(client.entries.begin(), &there);
-    by_path_.emplace(there.association.path(), &there);
+    if (!there.association.may_roam()) by_path_.emplace(there.association.path(), &there);
     by_id_.emplace(id, std::move(entry));
     return there;
 }
@@ -118,46 +136,82 @@ void DtlsClients::note_to_tell(Entry& entry) {
 
 // --- in
 
-Bytes DtlsClients::open(const Path& path, const Record& record, broker::Actions& out) {
-    std::size_t size = 0;
-    Entry* entry = opener_of(path, record, size);
-    if (entry == nullptr) return {};
+Message DtlsClients::open(const Path& path, const Record& record, broker::Actions& out) {
+    const auto taken = take(path, record);
+    if (!taken) return {};
+    Entry& entry = *taken->entry;
     ++counters_.opened;
-    note_to_tell(*entry);
-    auto& entries = entry->client.entries;
-    if (entries.front() != entry) std::swap(entries.front(), entries.back());
-    if (record.type == ContentType::application_data) return take_message(*entry, size, out);
-    take_alert(*entry, size, out);
+    note_to_tell(entry);
+    auto& entries = entry.client.entries;
+    if (entries.front() != &entry) std::swap(entries.front(), entries.back());
+    if (taken->is_newest && entry.association.may_roam()) {
+        follow(*taken, path, record.whole.size(), out);
+    }
+    if (taken->opened.type == ContentType::application_data) {
+        const Path known_at{path.via, entry.association.path().from};
+        return {known_at, take_message(*taken, known_at, out)};
+    }
+    if (taken->opened.type == ContentType::alert) take_alert(*taken, path.via, out);
     return {};
 }
 
-/// Clients behind one address, and a client that began anew from where it was, share a path.
-DtlsClients::Entry* DtlsClients::opener_of(const Path& path, const Record& record,
-                                           std::size_t& size) {
+/// RFC 9146 section 4: by its Connection ID, or by its addresses where none was agreed on.
+std::optional<DtlsClients::Taken> DtlsClients::take(const Path& path, const Record& record) {
     auto why = Refusal::unknown_sender;
-    const auto [begin, end] = by_path_.equal_range(path);
-    for (auto each = begin; each != end; ++each) {
-        const auto opened = each->second->association.open(
-            cipher_, record, MutableBytes{room_}.subspan(room_in_front));
-        if (opened) {
-            size = *opened;
-            return each->second;
+    std::optional<Taken> taken;
+    if (!record.id.empty()) {
+        const auto found = by_id_.find(static_cast<std::uint64_t>(own_id_of(record.id)));
+        if (found != by_id_.end() && found->second->association.may_roam()) {
+            taken = take_by(*found->second, record, why);
         }
-        why = opened.error();
+    } else {
+        // Clients behind one address, and a client that began anew from where it was, share a path.
+        const auto [begin, end] = by_path_.equal_range(path);
+        for (auto each = begin; each != end && !taken; ++each) {
+            taken = take_by(*each->second, record, why);
+        }
     }
-    count(why);
-    return nullptr;
+    if (!taken) count(why);
+    return taken;
 }
 
-Bytes DtlsClients::take_message(Entry& entry, std::size_t size, broker::Actions& out) {
-    const Client& client = entry.client;
+std::optional<DtlsClients::Taken> DtlsClients::take_by(Entry& entry, const Record& record,
+                                                       Refusal& why) {
+    const bool is_newest = entry.association.is_newest(record.number);
+    const auto opened =
+        entry.association.open(cipher_, record, MutableBytes{room_}.subspan(room_in_front));
+    if (opened) return Taken{&entry, *opened, is_newest};
+    why = opened.error();
+    return std::nullopt;
+}
+
+/// RFC 9146 section 6: where the newest record came from, there the client is; and until it has
+/// answered from there, little is sent.
+void DtlsClients::follow(const Taken& taken, const Path& path, std::size_t octets,
+                         broker::Actions& out) {
+    Association& association = taken.entry->association;
+    if (association.on_newest_from(path.from, octets)) {
+        ++counters_.moved;
+        taken.entry->is_known_to_peers = false;
+        has_news_ = true;
+    } else if (is_pong(Bytes{room_}.subspan(room_in_front, taken.opened.size))) {
+        association.on_answered();
+    }
+    const bool says_goodbye = taken.opened.type == ContentType::alert;
+    if (association.has_answered() || says_goodbye) return;
+    say(*taken.entry, ContentType::application_data, are_you_there, path.via, out);
+}
+
+Bytes DtlsClients::take_message(const Taken& taken, const Path& path, broker::Actions& out) {
+    const Client& client = taken.entry->client;
+    const std::size_t size = taken.opened.size;
     const Bytes message = Bytes{room_}.subspan(room_in_front, size);
+    if (message.empty()) return {};
     const auto frame = mqttsn::decode_frame(message);
     if (frame && frame->type == MsgType::encapsulated) {
         count(Refusal::forwarded);
         return {};
     }
-    const Path& path = entry.association.path();
     if (!broker::is_own_name(client.id, message)) {
         count(Refusal::foreign_client_id);
         if (frame->type == MsgType::connect) {
@@ -172,21 +226,23 @@ Bytes DtlsClients::take_message(Entry& entry, std::size_t size, broker::Actions&
 }
 
 /// RFC 5246 section 7.2.1: close_notify is answered by the same.
-void DtlsClients::take_alert(Entry& entry, std::size_t size, broker::Actions& out) {
-    if (size != alert_octets) return count(Refusal::malformed);
+void DtlsClients::take_alert(const Taken& taken, const Endpoint& via, broker::Actions& out) {
+    if (taken.opened.size != goodbye.size()) return count(Refusal::malformed);
     const std::uint8_t level = room_[room_in_front];
     const bool closes = room_[room_in_front + 1] == close_notify;
     if (!closes && level != fatal) return;
-    if (closes) {
-        const MutableBytes octets = out.reserve(alert_octets);
-        octets[0] = warning;
-        octets[1] = close_notify;
-        const Path path = entry.association.path();
-        // No node id: it is sealed already when the actions are.
-        Send answer{path.via, {path.from, {}}, 0, out.commit(alert_octets), alert_octets};
-        if (seal_in_place(entry, ContentType::alert, answer, 0, out)) out.push(std::move(answer));
-    }
-    close(entry);
+    if (closes) say(*taken.entry, ContentType::alert, goodbye, via, out);
+    close(*taken.entry);
+}
+
+/// At once.
+void DtlsClients::say(Entry& entry, ContentType type, Bytes what, const Endpoint& via,
+                      broker::Actions& out) {
+    std::copy(what.begin(), what.end(), out.reserve(what.size()).begin());
+    const auto size = static_cast<std::uint32_t>(what.size());
+    // No node id: it is sealed already when the actions are.
+    Send message{via, {entry.association.at(), {}}, 0, out.commit(size), size};
+    if (seal_in_place(entry, type, message, 0, out)) out.push(std::move(message));
 }
 
 // --- out
@@ -207,6 +263,7 @@ void DtlsClients::seal(broker::Actions& actions) {
         if (!seal_in_place(*entry, ContentType::application_data, *send, header, actions)) {
             send->via = {};
         }
+        send->to.endpoint = entry->association.at();
     }
 }
 
@@ -214,8 +271,10 @@ DtlsClients::Entry* DtlsClients::association_with(std::string_view client_id, co
     const auto found = clients_.find(client_id);
     if (found == clients_.end()) return nullptr;
     const auto& entries = found->second->entries;
-    const auto entry = std::ranges::find_if(
-        entries, [&](const Entry* each) { return each->association.path() == path; });
+    const auto entry = std::ranges::find_if(entries, [&](const Entry* each) {
+        const Association& with = each->association;
+        return with.may_roam() ? with.path().from == path.from : with.path() == path;
+    });
     return entry == entries.end() ? nullptr : *entry;
 }
 
@@ -253,7 +312,7 @@ Told DtlsClients::to_tell() {
             const Client& client = entry->client;
             told.associations.push_back({own.id(), client.id, own.path(),
                                          wrap(own.keys(), client.key, client.id, own.id()),
-                                         own.progress()});
+                                         own.progress(), own.roaming()});
         }
     }
     to_tell_.clear();
@@ -280,7 +339,7 @@ void DtlsClients::on_told(const Told& told) {
     for (const AssociationTold& each : told.associations) {
         const auto known = by_id_.find(static_cast<std::uint64_t>(each.id));
         if (known != by_id_.end()) {
-            known->second->association.on_told(each.progress);
+            known->second->association.on_told(each.progress, each.roaming);
             continue;
         }
         const auto found = clients_.find(each.client_id);
@@ -288,7 +347,7 @@ void DtlsClients::on_told(const Told& told) {
         Client& client = *found->second;
         const auto keys = unwrap(each.keys, client.key, client.id, each.id);
         if (!keys) continue;
-        put(client, Association{each.id, each.path, *keys, each.progress, self_})
+        put(client, Association{each.id, each.path, *keys, each.progress, self_, each.roaming})
             .is_known_to_peers = true;
     }
     for (const ProgressTold& each : told.progress) {

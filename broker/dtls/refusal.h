@@ -11,7 +11,7 @@ namespace romano::dtls {
 enum class Refusal : std::uint8_t {
     // not accepted
     malformed,          // no record of DTLS 1.2, or one that has no business in its epoch
-    unknown_sender,     // no association with that address
+    unknown_sender,     // no association with that address, or of that Connection ID
     replayed,           // a number that was there before, or is too old to tell
     bad_tag,            // forged, damaged, or by another key
     forwarded,          // a forwarder encapsulation inside: a client speaks for itself alone
@@ -22,10 +22,11 @@ enum class Refusal : std::uint8_t {
     unstored,        // no number may be used before the shell has stored the reserve
     used_up,         // too many brokers spoke, or this one has no place: a new handshake is due
     too_long,        // for a record
+    unanswered,      // more than may go to a new address that has answered nothing yet
 };
-inline constexpr std::array<std::string_view, 11> refusal_names = {
+inline constexpr std::array<std::string_view, 12> refusal_names = {
     "malformed",        "unknown_sender", "replayed", "bad_tag", "forwarded", "foreign_client_id",
-    "handshake_failed", "no_association", "unstored", "used_up", "too_long"};
+    "handshake_failed", "no_association", "unstored", "used_up", "too_long",  "unanswered"};
 
 class Refusals {
 public:

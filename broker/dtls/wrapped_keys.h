@@ -8,8 +8,8 @@
 #include <string_view>
 
 #include "broker/dtls/association.h"
-#include "broker/dtls/record_cipher.h"
 #include "romano/base/bytes.h"
+#include "romano/dtls/record/record_cipher.h"
 #include "romano/protection/keys.h"
 
 namespace romano::dtls {

@@ -294,6 +294,13 @@ struct AssociationOfClient {
     std::vector<std::uint8_t> keys{};  // wrapped: broker/dtls/wrapped_keys.h
     std::uint32_t turn = 0;
     std::uint64_t floor = 0;
+    struct Roaming {
+        std::vector<std::uint8_t> id{};  // what the client is sent
+        Endpoint at{};
+
+        friend bool operator==(const Roaming&, const Roaming&) = default;
+    };
+    std::optional<Roaming> roaming{};  // of a client with a Connection ID
 
     friend bool operator==(const AssociationOfClient&, const AssociationOfClient&) = default;
 };

@@ -251,11 +251,13 @@ void ClusterBroker::start_member() {
 
 void ClusterBroker::on_datagram(const Endpoint& via, const Endpoint& from, Bytes octets) {
     if (!member_) return;  // clients ask again
-    const auto take = [&](Bytes message) { on_message(via, from, message); };
     if (protection_) {
-        protection_->admit(net::now(), via, from, octets, actions_.clients, std::ref(take));
+        const auto take = [this](const dtls::Message& admitted) {
+            on_message(admitted.path.via, admitted.path.from, admitted.octets);
+        };
+        protection_->admit(net::now(), via, from, octets, actions_.clients, take);
     } else {
-        take(octets);
+        on_message(via, from, octets);
     }
     if (actions_.clients.list().size() >= most_actions_held ||
         actions_.clients.octets_held() >= most_octets_held) {

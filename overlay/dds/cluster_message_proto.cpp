@@ -254,6 +254,10 @@ struct MessageWriter {
             one.set_keys(association.keys.data(), association.keys.size());
             one.set_turn(association.turn);
             one.set_floor(association.floor);
+            if (!association.roaming) continue;
+            const auto& [id, at] = *association.roaming;
+            one.set_roaming_id(id.data(), id.size());
+            to_proto(at, *one.mutable_roaming_at());
         }
         for (const auto& progress : m.progress) {
             auto& one = *to.add_progress();
@@ -432,6 +436,12 @@ MaybeMessage read_secured_told(const SecuredTold& in) {
                                     .keys = {keys.begin(), keys.end()},
                                     .turn = association.turn(),
                                     .floor = association.floor()});
+        if (!association.has_roaming_id()) continue;
+        const auto at = from_proto(association.roaming_at());
+        if (!at) return std::nullopt;
+        const Bytes id = as_octets(association.roaming_id());
+        out.associations.back().roaming.emplace(
+            cluster::AssociationOfClient::Roaming{{id.begin(), id.end()}, *at});
     }
     for (const auto& progress : in.progress()) {
         out.progress.push_back(

@@ -5,17 +5,20 @@
 #include <sys/time.h>
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <new>
 #include <stdexcept>
 #include <utility>
 
 #include "romano/dtls/datagrams.h"
+#include "romano/dtls/openssl_with_ids.h"
 
 namespace romano::dtls {
 namespace {
 
-constexpr std::size_t most_message = 1U << 14U;
+// It wants to be sent records without an id.
+constexpr std::array<std::uint8_t, 1> no_own_id{0};
 
 }  // namespace
 
@@ -25,7 +28,8 @@ struct ClientEnd::Session final : Datagrams {
         void operator()(SSL* of_it) const { SSL_free(of_it); }
     };
 
-    Session(std::string name, const protection::Key& psk, Send sender, const char* suites)
+    Session(std::string name, const protection::Key& psk, Send sender, const char* suites,
+            Wants wants)
         : identity(std::move(name)),
           key(psk),
           send(std::move(sender)),
@@ -37,6 +41,31 @@ struct ClientEnd::Session final : Datagrams {
         }
         SSL_CTX_set_options(context.get(), SSL_OP_NO_TICKET | SSL_OP_NO_QUERY_MTU);
         SSL_CTX_set_psk_client_callback(context.get(), on_hint);
+        if (wants == Wants::none) return;
+        if (SSL_CTX_add_custom_ext(context.get(), connection_id_extension,
+                                   SSL_EXT_CLIENT_HELLO | SSL_EXT_TLS1_2_SERVER_HELLO, on_offer,
+                                   nullptr, nullptr, on_answer, nullptr) != 1) {
+            throw std::runtime_error("OpenSSL does not let us have Connection IDs");
+        }
+    }
+
+    static int on_offer(SSL*, unsigned int, unsigned int, const unsigned char** body,
+                        std::size_t* size, X509*, std::size_t, int*, void*) {
+        *body = no_own_id.data();
+        *size = no_own_id.size();
+        return 1;
+    }
+    static int on_answer(SSL* ssl, unsigned int, unsigned int, const unsigned char* body,
+                         std::size_t size, X509*, std::size_t, int* alert, void*) {
+        auto& self = *static_cast<Session*>(SSL_get_app_data(ssl));
+        bool is_malformed = false;
+        const auto id = id_in_extension({body, size}, is_malformed);
+        if (!id) {
+            *alert = is_malformed ? SSL_AD_DECODE_ERROR : SSL_AD_ILLEGAL_PARAMETER;
+            return 0;
+        }
+        self.brokers_id = *id;
+        return 1;
     }
 
     static unsigned int on_hint(SSL* ssl, const char*, char* identity, unsigned int most_identity,
@@ -48,7 +77,10 @@ struct ClientEnd::Session final : Datagrams {
         return static_cast<unsigned int>(self.key.size());
     }
 
-    void write(Bytes datagram) override { send(datagram); }
+    void write(Bytes datagram) override {
+        if (!brokers_id.empty()) datagram = ids.with_id(ssl.get(), datagram, brokers_id);
+        if (!datagram.empty()) send(datagram);
+    }
 
     void step() {
         ERR_clear_error();
@@ -59,6 +91,8 @@ struct ClientEnd::Session final : Datagrams {
     std::string identity;
     protection::Key key;
     Send send;
+    OpensslWithIds ids{End::client};
+    ConnectionId brokers_id;  // empty: it gave none
     std::unique_ptr<SSL_CTX, Free> context;
     std::unique_ptr<SSL, Free> ssl;
     std::vector<std::uint8_t> room;
@@ -66,8 +100,9 @@ struct ClientEnd::Session final : Datagrams {
 };
 
 ClientEnd::ClientEnd(std::string identity, const protection::Key& key, Send send,
-                     const char* suites)
-    : session_(std::make_unique<Session>(std::move(identity), key, std::move(send), suites)) {}
+                     const char* suites, Wants wants)
+    : session_(
+          std::make_unique<Session>(std::move(identity), key, std::move(send), suites, wants)) {}
 ClientEnd::~ClientEnd() = default;
 
 void ClientEnd::connect() {
@@ -80,6 +115,7 @@ void ClientEnd::connect() {
     SSL_set_mtu(session.ssl.get(), Datagrams::mtu);
     SSL_set_connect_state(session.ssl.get());
     session.is_closed = false;
+    session.brokers_id = {};
     session.step();
 }
 
@@ -89,6 +125,10 @@ bool ClientEnd::is_connected() const {
 
 bool ClientEnd::is_closed() const {
     return session_->is_closed;
+}
+
+bool ClientEnd::may_roam() const {
+    return is_connected() && !session_->brokers_id.empty();
 }
 
 Bytes ClientEnd::open(Bytes datagram) {

@@ -1,6 +1,9 @@
-// A client's end of DTLS 1.2 with a pre-shared key (RFC 4279), all of it by OpenSSL: handshake,
-// records, replay window. No socket: datagrams in, datagrams out. A shell, for OpenSSL's timers
-// read the real clock.
+// A client's end of DTLS 1.2 with a pre-shared key (RFC 4279), by OpenSSL: handshake, records,
+// replay window. No socket: datagrams in, datagrams out. A shell, for OpenSSL's timers read the
+// real clock.
+//
+// It asks the broker for a Connection ID (RFC 9146) and wants none for itself. With one its address
+// may change, by a NAT or another network: the association goes on.
 #pragma once
 
 #include <cstdint>
@@ -20,9 +23,11 @@ class ClientEnd {
 public:
     using Send = std::function<void(Bytes datagram)>;
 
+    enum class Wants : std::uint8_t { connection_id, none };
+
     /// Throws std::runtime_error when OpenSSL cannot do it. `suites` as for `openssl ciphers`.
     ClientEnd(std::string identity, const protection::Key& key, Send send,
-              const char* suites = default_suites);
+              const char* suites = default_suites, Wants wants = Wants::connection_id);
     ~ClientEnd();
 
     /// A handshake, from its beginning.
@@ -30,6 +35,8 @@ public:
     [[nodiscard]] bool is_connected() const;
     /// The broker has closed the association, or the handshake has failed.
     [[nodiscard]] bool is_closed() const;
+    /// The broker knows it from any address.
+    [[nodiscard]] bool may_roam() const;
 
     /// The message in it, valid until the next call; empty when there is none.
     [[nodiscard]] Bytes open(Bytes datagram);

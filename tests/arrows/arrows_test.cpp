@@ -29,11 +29,13 @@ const std::map<std::string, Folders>& allowed() {
         // cores
         {"election", {"romano/base"}},
         {"romano/protection", {"romano/base", "romano/mqttsn"}},
+        {"romano/dtls/record", {"romano/base"}},
         {"romano/client", {"romano/base", "romano/mqttsn"}},
         {"broker/core", {"romano/base", "romano/mqttsn"}},
         {"broker/protection", {"romano/base", "romano/mqttsn", "romano/protection", "broker/core"}},
         {"broker/dtls",
-         {"romano/base", "romano/mqttsn", "romano/protection", "broker/core", "broker/protection"}},
+         {"romano/base", "romano/mqttsn", "romano/protection", "romano/dtls/record", "broker/core",
+          "broker/protection"}},
         {"broker/rights",
          {"romano/base", "romano/mqttsn", "romano/message", "romano/control", "romano/protection",
           "broker/core", "broker/protection"}},
@@ -44,19 +46,20 @@ const std::map<std::string, Folders>& allowed() {
         {"romano/control", {"romano/base", "romano/mqttsn", "romano/message"}},
         {"overlay/cluster", {"romano/base", "romano/mqttsn", "election", "broker/core"}},
         {"overlay",  // transport.h, packets_told.h
-         {"romano/base", "romano/protection", "broker/core", "broker/protection", "broker/dtls",
-          "election", "overlay/cluster"}},
+         {"romano/base", "romano/protection", "romano/dtls/record", "broker/core",
+          "broker/protection", "broker/dtls", "election", "overlay/cluster"}},
         {"overlay/member",
          {"romano/base", "romano/mqttsn", "election", "broker/core", "broker/server",
           "broker/uplink", "overlay", "overlay/cluster"}},
         {"overlay/ros2", {"romano/base", "romano/mqttsn", "romano/message"}},
         // shells
-        {"romano/dtls", {"romano/base", "romano/mqttsn", "romano/protection"}},
+        {"romano/dtls",
+         {"romano/base", "romano/mqttsn", "romano/protection", "romano/dtls/record"}},
         {"romano/keys", {"romano/base", "romano/mqttsn", "romano/protection", "romano/dtls"}},
         {"romano/cli", {}},
         {"broker/dtls/openssl",
-         {"romano/base", "romano/mqttsn", "romano/protection", "romano/dtls", "broker/core",
-          "broker/protection", "broker/dtls"}},
+         {"romano/base", "romano/mqttsn", "romano/protection", "romano/dtls", "romano/dtls/record",
+          "broker/core", "broker/protection", "broker/dtls"}},
         {"broker/net", {"romano/base", "romano/mqttsn", "broker/core"}},
         {"broker/uplink/mqtt",
          {"romano/base", "romano/mqttsn", "broker/core", "broker/net", "broker/uplink"}},
@@ -71,8 +74,9 @@ const std::map<std::string, Folders>& allowed() {
          {"romano/base", "romano/mqttsn", "broker/core", "broker/uplink", "broker/net",
           "overlay/dds", "overlay/ros2"}},
         {"overlay/sim",
-         {"romano/base", "romano/mqttsn", "romano/protection", "romano/client", "election",
-          "broker/core", "broker/protection", "overlay", "overlay/cluster", "overlay/member"}},
+         {"romano/base", "romano/mqttsn", "romano/protection", "romano/dtls/record",
+          "romano/client", "election", "broker/core", "broker/protection", "broker/dtls", "overlay",
+          "overlay/cluster", "overlay/member"}},
         {"overlay/radio", {"romano/base", "firmware/hdlc", "overlay/sim"}},
         // the fleet's picture, a core among programs
         {"experiments/fleet",
@@ -105,7 +109,8 @@ const std::set<std::string>& cores() {
         "romano/client",     "romano/node",       "romano/control",   "romano/server",
         "election",          "broker/core",       "broker/server",    "broker/uplink",
         "broker/protection", "broker/rights",     "overlay/cluster",  "overlay/member",
-        "overlay/ros2",      "experiments/fleet", "experiments/mcap", "broker/dtls"};
+        "overlay/ros2",      "experiments/fleet", "experiments/mcap", "broker/dtls",
+        "romano/dtls/record"};
     return folders;
 }
 

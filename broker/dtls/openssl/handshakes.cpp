@@ -1,11 +1,9 @@
 #include "broker/dtls/openssl/handshakes.h"
 
-#include <openssl/core_names.h>
 #include <openssl/crypto.h>
 #include <openssl/err.h>
-#include <openssl/kdf.h>
-#include <openssl/params.h>
 #include <openssl/pem.h>
+#include <openssl/rand.h>
 #include <openssl/ssl.h>
 #include <openssl/x509.h>
 
@@ -16,7 +14,9 @@
 #include <stdexcept>
 #include <utility>
 
+#include "broker/dtls/own_id.h"
 #include "romano/dtls/datagrams.h"
+#include "romano/dtls/session_keys.h"
 
 namespace romano::dtls {
 
@@ -50,18 +50,6 @@ std::optional<Random> client_random_of(const Record& record) {
     return random;
 }
 
-std::optional<Suite> suite_of(const SSL_CIPHER* cipher) {
-    if (cipher == nullptr) return std::nullopt;
-    switch (SSL_CIPHER_get_cipher_nid(cipher)) {
-        case NID_aes_128_ccm:
-            return Suite::aes_128_ccm_8;
-        case NID_aes_128_gcm:
-            return Suite::aes_128_gcm;
-        default:
-            return std::nullopt;
-    }
-}
-
 struct FreeCertificate {
     void operator()(BIO* bio) const { BIO_free(bio); }
     void operator()(X509* certificate) const { X509_free(certificate); }
@@ -81,29 +69,6 @@ std::string name_in(X509* certificate) {
     return size > 0 ? std::string(text.data(), static_cast<std::size_t>(size)) : std::string{};
 }
 
-struct FreeKdf {
-    void operator()(EVP_KDF* kdf) const { EVP_KDF_free(kdf); }
-    void operator()(EVP_KDF_CTX* context) const { EVP_KDF_CTX_free(context); }
-};
-
-/// RFC 5246 section 6.3.
-bool expand(Bytes master, Bytes seed, MutableBytes out) {
-    static const std::unique_ptr<EVP_KDF, FreeKdf> kdf{
-        EVP_KDF_fetch(nullptr, OSSL_KDF_NAME_TLS1_PRF, nullptr)};
-    const std::unique_ptr<EVP_KDF_CTX, FreeKdf> context{EVP_KDF_CTX_new(kdf.get())};
-    if (!context) return false;
-    std::array<char, 7> digest{"SHA256"};
-    const auto octets = [](const char* name, Bytes value) {
-        return OSSL_PARAM_construct_octet_string(name, const_cast<std::uint8_t*>(value.data()),
-                                                 value.size());
-    };
-    const std::array<OSSL_PARAM, 4> parameters{
-        OSSL_PARAM_construct_utf8_string(OSSL_KDF_PARAM_DIGEST, digest.data(), 0),
-        octets(OSSL_KDF_PARAM_SECRET, master), octets(OSSL_KDF_PARAM_SEED, seed),
-        OSSL_PARAM_construct_end()};
-    return EVP_KDF_derive(context.get(), out.data(), out.size(), parameters.data()) == 1;
-}
-
 }  // namespace
 
 struct Handshakes::Handshake final : Datagrams {
@@ -111,7 +76,7 @@ struct Handshakes::Handshake final : Datagrams {
         void operator()(SSL* of) const { SSL_free(of); }
     };
 
-    Handshake(const Handshakes& of, SSL_CTX* context) : owner(of), ssl(SSL_new(context)) {
+    Handshake(Handshakes& of, SSL_CTX* context) : owner(of), ssl(SSL_new(context)) {
         if (!ssl) throw std::bad_alloc();
         BIO* both = bio();
         SSL_set_bio(ssl.get(), both, both);
@@ -122,18 +87,49 @@ struct Handshakes::Handshake final : Datagrams {
     static Handshake& of(const SSL* ssl) { return *static_cast<Handshake*>(SSL_get_app_data(ssl)); }
 
     void write(Bytes datagram) override {
+        if (clients_id && !clients_id->empty()) {
+            datagram = owner.ids_.with_id(ssl.get(), datagram, *clients_id);
+            if (datagram.empty()) return;
+        }
         const MutableBytes room = out->reserve(datagram.size());
         std::ranges::copy(datagram, room.begin());
         const auto size = static_cast<std::uint32_t>(datagram.size());
         out->push(Send{path.via, {path.from, {}}, 0, out->commit(datagram.size()), size});
     }
 
-    const Handshakes& owner;
+    // --- Connection IDs: OpenSSL asks
+    /// Of a ClientHello.
+    static int on_offer(SSL* ssl, unsigned int, unsigned int, const unsigned char* body,
+                        std::size_t size, X509*, std::size_t, int* alert, void*) {
+        bool is_malformed = false;
+        Handshake::of(ssl).clients_id = id_in_extension({body, size}, is_malformed);
+        if (is_malformed) *alert = SSL_AD_DECODE_ERROR;
+        return is_malformed ? 0 : 1;
+    }
+    /// Of the ServerHello, where the client offered.
+    static int on_answer(SSL* ssl, unsigned int, unsigned int, const unsigned char** body,
+                         std::size_t* size, X509*, std::size_t, int*, void*) {
+        Handshake& handshake = Handshake::of(ssl);
+        auto& answer = handshake.id_answer;
+        if (!handshake.clients_id || RAND_bytes(answer.data(), own_id_octets) != 1) return 0;
+        const AssociationId drawn = own_id_of(Bytes{answer}.first(own_id_octets));
+        handshake.id = own_id(handshake.owner.place_, static_cast<std::uint64_t>(drawn));
+        answer[0] = own_id_octets;
+        put_be64(answer, 1, static_cast<std::uint64_t>(handshake.id));
+        *body = answer.data();
+        *size = answer.size();
+        return 1;
+    }
+
+    Handshakes& owner;
     Path path;
     Actions* out = nullptr;  // while OpenSSL works
     std::string identity;    // that has a key
     Instant began;
     Random client_random{};
+    std::optional<ConnectionId> clients_id;  // when both have agreed on such ids
+    AssociationId id{};                      // and the one that we gave
+    std::array<std::uint8_t, 1 + own_id_octets> id_answer{};
     bool is_agreed = false;
     std::unique_ptr<SSL, FreeSsl> ssl;  // gone before what it writes to
 };
@@ -142,9 +138,12 @@ void Handshakes::FreeContext::operator()(ssl_ctx_st* context) const {
     SSL_CTX_free(context);
 }
 
-Handshakes::Handshakes(const protection::Key& secret, FindKey find_key,
+Handshakes::Handshakes(std::uint32_t place, const protection::Key& secret, FindKey find_key,
                        const std::optional<Certificates>& certificates)
-    : secret_(secret), find_key_(std::move(find_key)), context_(SSL_CTX_new(DTLS_server_method())) {
+    : place_(place),
+      secret_(secret),
+      find_key_(std::move(find_key)),
+      context_(SSL_CTX_new(DTLS_server_method())) {
     SSL_CTX* context = context_.get();
     if (context == nullptr || SSL_CTX_set_min_proto_version(context, DTLS1_2_VERSION) != 1 ||
         SSL_CTX_set_cipher_list(context, certificates ? all_suites : psk_suites) != 1) {
@@ -159,12 +158,17 @@ Handshakes::Handshakes(const protection::Key& secret, FindKey find_key,
     SSL_CTX_set_cookie_generate_cb(context, on_cookie_wanted);
     SSL_CTX_set_cookie_verify_cb(context, on_cookie);
     SSL_CTX_set_psk_server_callback(context, on_identity);
+    if (SSL_CTX_add_custom_ext(
+            context, connection_id_extension, SSL_EXT_CLIENT_HELLO | SSL_EXT_TLS1_2_SERVER_HELLO,
+            Handshake::on_answer, nullptr, nullptr, Handshake::on_offer, nullptr) != 1) {
+        throw std::runtime_error("OpenSSL does not let us have Connection IDs");
+    }
     if (certificates) use(*certificates);
     stranger_ = make();
 }
 Handshakes::~Handshakes() = default;
 
-std::unique_ptr<Handshakes::Handshake> Handshakes::make() const {
+std::unique_ptr<Handshakes::Handshake> Handshakes::make() {
     return std::make_unique<Handshake>(*this, context_.get());
 }
 
@@ -331,40 +335,23 @@ std::optional<Agreed> Handshakes::step(Handshake& handshake, Bytes record, Actio
     return agreed;
 }
 
-std::optional<Agreed> Handshakes::agreement(const Handshake& handshake) const {
-    const SSL* ssl = handshake.ssl.get();
-    const auto suite = suite_of(SSL_get_current_cipher(ssl));
-    if (!suite || handshake.identity.empty()) return std::nullopt;
-    std::array<std::uint8_t, 48> master{};
-    constexpr std::string_view label = "key expansion";
-    std::array<std::uint8_t, label.size() + 2 * 32> seed{};
-    std::copy(label.begin(), label.end(), seed.begin());
-    if (SSL_SESSION_get_master_key(SSL_get_session(ssl), master.data(), master.size()) !=
-            master.size() ||
-        SSL_get_server_random(ssl, seed.data() + label.size(), 32) != 32 ||
-        SSL_get_client_random(ssl, seed.data() + label.size() + 32, 32) != 32) {
-        return std::nullopt;
-    }
-    Agreed agreed{handshake.identity, {}, handshake.path, {*suite, {}, {}}};
-    // Keys and salts, and behind them what the association is called.
-    std::array<std::uint8_t, 2 * 16 + 2 * 4 + 8> block{};
-    const bool is_expanded = expand(master, seed, block);
-    OPENSSL_cleanse(master.data(), master.size());
-    if (!is_expanded) return std::nullopt;
-    const std::uint8_t* at = block.data();
-    const auto take = [&at](auto& to) {
-        std::copy_n(at, to.size(), to.begin());
-        at += to.size();
-    };
-    take(agreed.keys.client.key);
-    take(agreed.keys.server.key);
-    take(agreed.keys.client.salt);
-    take(agreed.keys.server.salt);
-    std::uint64_t id = 0;
-    for (int i = 0; i < 8; ++i) id = id << 8U | *at++;
-    agreed.id = AssociationId{id};
-    OPENSSL_cleanse(block.data(), block.size());
-    return agreed;
+std::optional<Agreed> Handshakes::agreement(const Handshake& handshake) {
+    const auto session = session_keys(handshake.ssl.get());
+    if (!session || handshake.identity.empty()) return std::nullopt;
+    const AssociationId id = handshake.clients_id ? handshake.id : AssociationId{session->rest};
+    return Agreed{handshake.identity, id, handshake.path, session->keys, handshake.clients_id};
+}
+
+/// Once it is agreed on, what is no repeated Finished is an association's.
+std::optional<Record> Handshakes::without_id(const Path& path, const Record& record) {
+    const auto found = going_on_.find(path);
+    if (found == going_on_.end()) return std::nullopt;
+    const Handshake& handshake = *found->second;
+    if (!handshake.clients_id || own_id_of(record.id) != handshake.id) return std::nullopt;
+    const auto plain = ids_.without_id(handshake.ssl.get(), record);
+    const bool is_its = plain && (plain->type == ContentType::handshake ||
+                                  (plain->type == ContentType::alert && !handshake.is_agreed));
+    return is_its ? plain : std::nullopt;
 }
 
 void Handshakes::on_heard(const Path& path) {

@@ -19,6 +19,7 @@
 #include "broker/dtls/dtls_clients.h"
 #include "romano/base/bytes.h"
 #include "romano/base/time.h"
+#include "romano/dtls/openssl_with_ids.h"
 #include "romano/protection/keys.h"
 
 struct ssl_ctx_st;
@@ -40,9 +41,10 @@ public:
     /// then hears as little as one with a wrong key.
     using FindKey = std::function<std::optional<protection::Key>(std::string_view identity)>;
 
-    /// `secret` is drawn at random. Without certificates clients with pre-shared keys alone are
-    /// served. Throws std::runtime_error with a sentence when they are none.
-    Handshakes(const protection::Key& secret, FindKey find_key,
+    /// `place` is the broker's. `secret` is drawn at random. Without certificates clients with
+    /// pre-shared keys alone are served. Throws std::runtime_error with a sentence when they are
+    /// none.
+    Handshakes(std::uint32_t place, const protection::Key& secret, FindKey find_key,
                const std::optional<Certificates>& certificates);
     ~Handshakes();
     Handshakes(const Handshakes&) = delete;
@@ -52,6 +54,9 @@ public:
     /// the answer that the client waits for has left.
     [[nodiscard]] std::optional<Agreed> take(Instant now, const Path& path, const Record& record,
                                              broker::Actions& out);
+    /// A record with a Connection ID, without it, valid until the next call; nothing when it is of
+    /// no handshake that goes on.
+    [[nodiscard]] std::optional<Record> without_id(const Path& path, const Record& record);
     /// The client has spoken by what was agreed on: nothing needs to be repeated.
     void on_heard(const Path& path);
     /// About once a second: repeats what may be lost, and forgets what leads nowhere.
@@ -69,12 +74,12 @@ private:
         void operator()(ssl_ctx_st* context) const;
     };
 
-    [[nodiscard]] std::unique_ptr<Handshake> make() const;
+    [[nodiscard]] std::unique_ptr<Handshake> make();
     [[nodiscard]] std::optional<Agreed> begin(Instant now, const Path& path, const Record& record,
                                               broker::Actions& out);
     [[nodiscard]] std::optional<Agreed> step(Handshake& handshake, Bytes record,
                                              broker::Actions& out);
-    [[nodiscard]] std::optional<Agreed> agreement(const Handshake& handshake) const;
+    [[nodiscard]] static std::optional<Agreed> agreement(const Handshake& handshake);
     void make_room();
 
     [[nodiscard]] protection::Key cookie_of(const Path& path) const;
@@ -85,7 +90,9 @@ private:
     static unsigned int on_identity(ssl_st* ssl, const char* identity, unsigned char* key,
                                     unsigned int most);
 
+    std::uint32_t place_;
     protection::Key secret_;
+    OpensslWithIds ids_{End::server};
     FindKey find_key_;
     std::unique_ptr<ssl_ctx_st, FreeContext> context_;
     std::unique_ptr<Handshake> stranger_;  // whoever has not answered its cookie, one after another

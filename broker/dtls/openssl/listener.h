@@ -18,7 +18,7 @@ namespace romano::dtls {
 class Listener {
 public:
     /// What the core is to be given, valid until the call returns.
-    using Deliver = std::function<void(Bytes message)>;
+    using Deliver = std::function<void(const Message& message)>;
 
     /// As of Handshakes.
     Listener(const Speaker& self, const protection::Key& secret,
@@ -40,6 +40,10 @@ public:
 private:
     void take_record(Instant now, const Path& path, const Record& record, broker::Actions& out,
                      const Deliver& deliver);
+    void take_protected(const Path& path, const Record& record, broker::Actions& out,
+                        const Deliver& deliver);
+    void take_of_handshake(Instant now, const Path& path, const Record& record,
+                           broker::Actions& out);
 
     DtlsClients clients_;
     Handshakes handshakes_;

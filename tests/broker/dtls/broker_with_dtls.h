@@ -38,9 +38,9 @@ struct Broker {
     }
     std::vector<Sent> take(const Endpoint& from, Bytes datagram) {
         broker::Actions actions;
-        listener.take(now, {service, from}, datagram, actions, [&](Bytes message) {
-            delivered.emplace_back(message.begin(), message.end());
-            core.on_datagram(now, service, from, message, actions);
+        listener.take(now, {service, from}, datagram, actions, [&](const Message& message) {
+            delivered.emplace_back(message.octets.begin(), message.octets.end());
+            core.on_datagram(now, message.path.via, message.path.from, message.octets, actions);
         });
         return drain(actions);
     }

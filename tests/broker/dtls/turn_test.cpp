@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "broker/dtls/record.h"
+#include "romano/dtls/record/record.h"
 
 namespace romano::dtls::turn_test {
 namespace {

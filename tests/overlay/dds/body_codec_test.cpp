@@ -60,7 +60,7 @@ static_assert(field_count<cluster::SessionHandoff>() == 5);
 static_assert(field_count<cluster::HandoffAck>() == 2);
 static_assert(field_count<cluster::Setting>() == 3);
 static_assert(field_count<cluster::PacketsOfClient>() == 3);
-static_assert(field_count<cluster::AssociationOfClient>() == 7);
+static_assert(field_count<cluster::AssociationOfClient>() == 8);
 static_assert(field_count<cluster::ProgressOfAssociation>() == 4);
 static_assert(field_count<cluster::SecuredTold>() == 3);
 

@@ -73,7 +73,10 @@ cluster::PacketsOfClient packets_of_client(Random& r) {
 }
 
 cluster::AssociationOfClient association_of_client(Random& r) {
-    return {wide(r), text(r), endpoint(r), endpoint(r), octets(r), r.next(), wide(r)};
+    cluster::AssociationOfClient out{wide(r),   text(r),  endpoint(r), endpoint(r),
+                                     octets(r), r.next(), wide(r),     {}};
+    if (flag(r)) out.roaming = {octets(r), endpoint(r)};
+    return out;
 }
 
 cluster::ProgressOfAssociation progress_of_association(Random& r) {
