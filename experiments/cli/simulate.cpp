@@ -313,6 +313,8 @@ void add_simulate(CLI::App& program, int& exit_code) {
                      "Profile, detector, elector and machines are the seed's, too");
     command.add_flag("--protected", options->run.is_protected,
                      "Robots and brokers seal their packets; no nonce may be used twice");
+    command.add_flag("--dtls", options->run.speaks_dtls,
+                     "They speak DTLS, some with a Connection ID; no number may be used twice");
     command.add_flag("--cells", options->run.has_cells,
                      "Brokers send once for many robots that listen to their cell");
     command

@@ -111,11 +111,37 @@ void ClientNetwork::deliver(Node sender, const Endpoint& from, const Endpoint& t
     receiver(to, from, datagram);
 }
 
-void ClientNetwork::play_back(Node sender, const Endpoint& from, const Endpoint& to,
-                              Bytes datagram) {
-    const std::vector<std::uint8_t> recorded(datagram.begin(), datagram.end());
+void ClientNetwork::play_back(Node sender, Endpoint from, Endpoint to, Bytes datagram) {
+    std::vector<std::uint8_t> recorded(datagram.begin(), datagram.end());
+    if (is_bent_) bend(from, to, recorded);
     events_.at(events_.now() + recorder_.between(Duration{0}, played_back_within_),
                [this, sender, from, to, recorded] { deliver(sender, from, to, recorded); });
+}
+
+void ClientNetwork::bend(Endpoint& from, Endpoint& to, std::vector<std::uint8_t>& datagram) {
+    constexpr std::size_t number_at = 5;  // of a record of DTLS
+    if (datagram.empty()) return;
+    switch (recorder_.below(6)) {
+        case 0:
+            datagram.resize(recorder_.below(static_cast<std::uint32_t>(datagram.size())));
+            break;
+        case 1:
+            datagram[recorder_.below(static_cast<std::uint32_t>(datagram.size()))] ^=
+                static_cast<std::uint8_t>(1U << recorder_.below(8));
+            break;
+        case 2:
+            if (datagram.size() < number_at + 6) break;
+            datagram[number_at + recorder_.below(6)] = static_cast<std::uint8_t>(recorder_.next());
+            break;
+        case 3:
+            std::swap(from, to);
+            break;
+        case 4:
+            from.port = 6'666;
+            break;
+        default:
+            break;  // as it was
+    }
 }
 
 }  // namespace romano::sim

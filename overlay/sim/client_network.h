@@ -70,6 +70,9 @@ public:
         recorded_ppm_ = ppm;
         played_back_within_ = played_back_within;
     }
+    /// And bends what it recorded: cut, with a bit or its number changed, back to who sent it, or
+    /// as it was, but from an address of its own.
+    void bend_recorded() { is_bent_ = true; }
 
     void set_quality(const LinkQuality& quality) { quality_ = quality; }
     [[nodiscard]] const LinkQuality& quality() const { return quality_; }
@@ -83,7 +86,8 @@ public:
 
 private:
     void send_to_one(Node sender, const Endpoint& from, const Endpoint& to, Bytes datagram);
-    void play_back(Node sender, const Endpoint& from, const Endpoint& to, Bytes datagram);
+    void play_back(Node sender, Endpoint from, Endpoint to, Bytes datagram);
+    void bend(Endpoint& from, Endpoint& to, std::vector<std::uint8_t>& datagram);
 
     struct Bound {
         Binding id;
@@ -98,6 +102,7 @@ private:
     Random recorder_;
     std::uint32_t recorded_ppm_ = 0;
     Duration played_back_within_{0};
+    bool is_bent_ = false;
     LinkQuality quality_;
     Cuts cuts_;
     Filter filter_;

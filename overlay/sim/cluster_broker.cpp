@@ -4,6 +4,7 @@
 #include <utility>
 #include <variant>
 
+#include "overlay/associations_told.h"
 #include "overlay/packets_told.h"
 #include "overlay/sim/seed.h"
 
@@ -38,10 +39,18 @@ ClusterBroker::ClusterBroker(const ClusterBrokerOptions& options, EventQueue& ev
 
 Endpoint ClusterBroker::as_service(Endpoint address) const {
     if (protection_) address.packets = Endpoint::Packets::sealed;
+    if (dtls_) address.packets = Endpoint::Packets::dtls;
     return address;
 }
 
 void ClusterBroker::create_protection() {
+    told_in_ = {};
+    if (options_.dtls != nullptr) {
+        const auto place = static_cast<std::uint32_t>(options_.node) + 1;
+        dtls_.emplace(name() + '.' + std::to_string(incarnation()), place, disk_.bound,
+                      *options_.dtls, options_.clients, seed_of(seed_, "dtls", incarnation()));
+        store_bound(dtls_->reserve());
+    }
     if (options_.sealed == nullptr) return;
     const auto identity = static_cast<std::uint8_t>(options_.node);
     protection_ = std::make_unique<broker::ProtectedClients>(protection::SenderId{0xB0, identity},
@@ -50,7 +59,6 @@ void ClusterBroker::create_protection() {
         const auto found = disk_.heard.find(sender);
         return found == disk_.heard.end() ? std::nullopt : std::optional{found->second};
     });
-    told_in_ = {};
 }
 
 /// Before anything is done that depends on it.
@@ -59,9 +67,31 @@ void ClusterBroker::keep_on_disk() {
         disk_.heard.insert_or_assign(heard->sender, heard->heard);
         protection_->on_stored();
     }
-    if (const auto bound = protection_->reserve().to_store()) {
-        disk_.bound = *bound;
-        protection_->reserve().on_stored(*bound);
+    store_bound(protection_->reserve());
+}
+
+void ClusterBroker::store_bound(protection::Reserve& reserve) {
+    const auto bound = reserve.to_store();
+    if (!bound) return;
+    disk_.bound = *bound;
+    reserve.on_stored(*bound);
+}
+
+void ClusterBroker::tell_and_seal(overlay::MemberActions& actions) {
+    const cluster::ViewNumber& view = member_->view().number;
+    const bool is_new_view = std::exchange(told_in_, view) != view;
+    if (protection_) {
+        if (is_new_view) protection_->tell_all();
+        overlay::tell_packets(*protection_, actions.peers);
+        seal(actions.clients);
+    }
+    if (dtls_) {
+        if (is_new_view) dtls_->clients().tell_all();
+        overlay::tell_associations(dtls_->clients(), actions.peers);
+        store_bound(dtls_->reserve());
+        dtls_->seal(actions.clients);
+        if (!dtls_->clients().has_news()) return;  // that it begins to speak
+        overlay::tell_associations(dtls_->clients(), actions.peers);
     }
 }
 
@@ -111,6 +141,7 @@ void ClusterBroker::create_core() {
 
 void ClusterBroker::destroy_core() {
     protection_.reset();
+    dtls_.reset();
     pulses_.end();
     transport_.reset();
     member_.reset();
@@ -167,6 +198,13 @@ void ClusterBroker::take(const Datagram& datagram) {
             keep_on_disk();
             if (octets.empty()) return;
         }
+        if (dtls_) {
+            const auto deliver = [this](const dtls::Message& message) {
+                member_->on_datagram(local_now(), message.path.via, message.path.from,
+                                     message.octets, actions_);
+            };
+            return dtls_->take({via, datagram.from}, octets, actions_.clients, deliver);
+        }
         member_->on_datagram(local_now(), via, datagram.from, octets, actions_);
     });
 }
@@ -174,6 +212,7 @@ void ClusterBroker::take(const Datagram& datagram) {
 void ClusterBroker::take(const cluster::Envelope& envelope) {
     if (const auto* told = std::get_if<cluster::SecuredTold>(&envelope.message)) {
         if (protection_) overlay::on_packets_told(*told, *protection_);
+        if (dtls_) overlay::on_associations_told(*told, dtls_->clients());
         return;
     }
     let_member([&] { member_->on_peer_message(local_now(), envelope, actions_); });
@@ -209,13 +248,7 @@ void ClusterBroker::take_address(const Endpoint& address) {
 
 void ClusterBroker::carry_out() {
     overlay::MemberActions actions = std::exchange(actions_, {});
-    if (protection_) {
-        const cluster::ViewNumber& view = member_->view().number;
-        if (view != told_in_) protection_->tell_all();
-        told_in_ = view;
-        overlay::tell_packets(*protection_, actions.peers);
-        seal(actions.clients);
-    }
+    tell_and_seal(actions);
     for (const auto& action : actions.local) {
         if (const auto* wanted = std::get_if<overlay::TakeAddress>(&action)) {
             take_address(plain(wanted->address));
@@ -233,7 +266,8 @@ void ClusterBroker::carry_out() {
         transport_->send(message);
     }
     for (const broker::Action& action : actions.clients.list()) {
-        if (const auto* out = std::get_if<broker::Send>(&action)) {
+        const auto* out = std::get_if<broker::Send>(&action);
+        if (out != nullptr && out->via.family != Endpoint::Family::none) {
             send(plain(out->via), out->to.endpoint, actions.clients.octets(*out));
         }
     }

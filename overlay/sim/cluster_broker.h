@@ -15,6 +15,7 @@
 #include "overlay/pulses.h"
 #include "overlay/sim/broker_network.h"
 #include "overlay/sim/broker_process.h"
+#include "overlay/sim/dtls_ends.h"
 #include "overlay/sim/sealed_packets.h"
 
 namespace romano::sim {
@@ -28,8 +29,9 @@ struct ClusterBrokerOptions {
     Duration wall_clock_error{0};
     Machine machine;
     Duration binding_takes_max{std::chrono::milliseconds{2}};
-    SealedPackets* sealed = nullptr;  // of a world whose robots are protected
-    std::vector<broker::ProtectedClient> clients{};
+    SealedPackets* sealed = nullptr;                 // of a world whose robots are protected
+    DtlsRecords* dtls = nullptr;                     // of one whose robots speak DTLS
+    std::vector<broker::ProtectedClient> clients{};  // of either
 };
 
 class ClusterBroker final : public BrokerProcess {
@@ -71,6 +73,8 @@ private:
     void create_protection();
     void keep_on_disk();
     void seal(broker::Actions& actions);
+    void tell_and_seal(overlay::MemberActions& actions);
+    void store_bound(protection::Reserve& reserve);
     /// The world knows no kinds of addresses.
     [[nodiscard]] Endpoint as_service(Endpoint address) const;
     void answer_address(const Endpoint& address, bool served);
@@ -86,6 +90,7 @@ private:
     };
     Disk disk_;
     std::unique_ptr<broker::ProtectedClients> protection_;  // null in a plain world
+    std::optional<DtlsBrokerEnd> dtls_;
     cluster::ViewNumber told_in_;  // all peers of that view were told of all clients
     std::unique_ptr<overlay::Member> member_;
     std::unique_ptr<overlay::Transport> transport_;

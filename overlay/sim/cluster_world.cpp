@@ -45,8 +45,9 @@ ClusterWorld::ClusterWorld(const ClusterWorldOptions& options)
       invariants_(options.cluster.log_events_kept) {
     for (std::size_t i = 0; i < options.brokers; ++i) {
         ClusterBrokerOptions broker_of = broker_options(options, i);
-        if (options.is_protected) {
-            broker_of.sealed = &sealed_;
+        if (options.is_protected) broker_of.sealed = &sealed_;
+        if (options.speaks_dtls) broker_of.dtls = &dtls_;
+        if (options.is_protected || options.speaks_dtls) {
             broker_of.clients = SealedPackets::clients(options.robots);
         }
         brokers_.push_back(std::make_unique<ClusterBroker>(

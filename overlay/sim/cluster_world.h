@@ -10,6 +10,7 @@
 
 #include "overlay/sim/broker_network.h"
 #include "overlay/sim/cluster_broker.h"
+#include "overlay/sim/dtls_records.h"
 #include "overlay/sim/invariants.h"
 #include "overlay/sim/promises.h"
 #include "overlay/sim/sealed_packets.h"
@@ -29,7 +30,8 @@ struct ClusterWorldOptions {
     Machine machine;                    // all of them
     bool has_cells = false;             // brokers send once for many that listen
     bool is_protected = false;          // robots and brokers seal their packets
-    std::size_t robots = 0;             // of a protected world: so many at most
+    bool speaks_dtls = false;           // robots and brokers do
+    std::size_t robots = 0;             // of a world with keys: so many at most
     bool are_invariants_judged = true;  // after every step: that is slow with many brokers
 };
 
@@ -44,6 +46,7 @@ public:
     [[nodiscard]] ClusterBroker& broker(std::size_t index) { return *brokers_.at(index); }
     [[nodiscard]] BrokerNetwork& peers() { return peers_; }
     [[nodiscard]] SealedPackets& sealed() { return sealed_; }
+    [[nodiscard]] DtlsRecords& dtls() { return dtls_; }
     [[nodiscard]] const ClusterWorldOptions& options() const { return options_; }
     /// What lasts so long where silence of 100 ms means death, here: faults, and what may be waited
     /// for after them.
@@ -83,6 +86,7 @@ private:
     ClusterWorldOptions options_;
     BrokerNetwork peers_;
     SealedPackets sealed_;
+    DtlsRecords dtls_;
     std::vector<std::unique_ptr<ClusterBroker>> brokers_;
     std::map<election::Term, election::NodeId> leader_of_term_;
     Violations violations_;

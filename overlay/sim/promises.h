@@ -23,7 +23,8 @@ enum class Promise : std::uint8_t {
     bounded = 8,
     /// Not in the design's list: what must come back in bounded time when faults end.
     liveness = 9,
-    /// Nor is this: no nonce twice under one key (romano/protection).
+    /// Nor is this: no nonce twice under one key, and nothing taken that no robot said
+    /// (romano/protection, broker/dtls).
     sealed_once = 10,
 };
 

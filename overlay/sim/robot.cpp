@@ -23,6 +23,9 @@ Overloaded(Fs...) -> Overloaded<Fs...>;
 const std::string will_of(const RobotOptions& options) {
     return options.will_topic ? will_payload(options.name) : std::string{};
 }
+
+constexpr std::uint32_t moves_ppm = 50'000;  // with a Connection ID, before it publishes
+
 }  // namespace
 
 Robot::Robot(const RobotOptions& options, EventQueue& events, ClientNetwork& network, Trace& trace,
@@ -35,7 +38,11 @@ Robot::Robot(const RobotOptions& options, EventQueue& events, ClientNetwork& net
       random_(seed_of(seed, "application")),
       client_(options.timing, seed_of(seed, "client")),
       protection_(options.sealed != nullptr ? std::make_unique<Protection>(options.name) : nullptr),
-      will_(will_of(options)) {}
+      moves_(seed_of(seed, "moves")),
+      will_(will_of(options)) {
+    if (options.dtls == nullptr) return;
+    dtls_.emplace(options.name, options.has_id, *options.dtls, seed_of(seed, "handshakes"));
+}
 
 Robot::~Robot() {
     if (!on_) return;
@@ -45,12 +52,16 @@ Robot::~Robot() {
 
 void Robot::start() {
     on_ = true;
+    bind();
+    if (listens()) network_.join(options_.cell_group, options_.address);
+    connect(options_.clean_session);
+}
+
+void Robot::bind() {
     binding_ = network_.bind(
         options_.address, options_.node,
         [this](const Endpoint&, const Endpoint&, Bytes datagram) { on_datagram(datagram); },
         [this](const Endpoint& from) { return from == options_.broker; });
-    if (listens()) network_.join(options_.cell_group, options_.address);
-    connect(options_.clean_session);
 }
 
 void Robot::connect(bool clean) {
@@ -81,6 +92,17 @@ void Robot::switch_off() {
 void Robot::roam_to(const Endpoint& broker) {
     trace_.note(events_.now(), options_.name, "roams to", broker);
     options_.broker = broker;
+    if (!dtls_) return;
+    dtls_->on_other_broker();
+    if (dtls_->has_id()) change_address();
+}
+
+/// As by a NAT.
+void Robot::change_address() {
+    network_.unbind(binding_);
+    ++options_.address.port;
+    bind();
+    options_.dtls->on_moved();
 }
 
 void Robot::fall_asleep(std::chrono::seconds duration) {
@@ -145,6 +167,7 @@ void Robot::publish_next() {
         const std::string topic = pick(options_.topics);
         const Qos qos = pick(options_.qos);
         const bool retain = random_.happens(options_.retain_ppm);
+        if (dtls_ && dtls_->has_id() && moves_.happens(moves_ppm)) change_address();
         if (!is_sleeping()) (void)publish(topic, qos, retain);
         publish_next();
     });
@@ -192,6 +215,10 @@ void Robot::on_datagram(Bytes datagram) {
         if (datagram.empty()) return;
         protection_->skipped.on_heard();
     }
+    if (dtls_) {
+        datagram = dtls_->open(datagram, [this](Bytes out) { put(out); });
+        if (datagram.empty()) return;
+    }
     client_.on_datagram(events_.now(), datagram, out_);
     drain();
 }
@@ -216,9 +243,11 @@ void Robot::rearm() {
 void Robot::drain() {
     for (const Bytes datagram : out_.datagrams()) {
         if (protection_) {
-            network_.send(options_.node, options_.address, options_.broker, seal(datagram));
+            put(seal(datagram));
+        } else if (dtls_) {
+            dtls_->send(datagram, [this](Bytes out) { put(out); });
         } else {
-            network_.send(options_.node, options_.address, options_.broker, datagram);
+            put(datagram);
         }
     }
     // Events are handled after the fact: what they make the application ask for needs out_ again.

@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "overlay/sim/client_network.h"
+#include "overlay/sim/dtls_ends.h"
 #include "overlay/sim/event_queue.h"
 #include "overlay/sim/ledger.h"
 #include "overlay/sim/sealed_packets.h"
@@ -50,6 +51,8 @@ struct RobotOptions {
     std::chrono::seconds keep_alive{60};
     std::optional<std::string> will_topic;  // will at QoS 2
     SealedPackets* sealed = nullptr;        // of a world whose robots are protected
+    DtlsRecords* dtls = nullptr;            // of one whose robots speak DTLS
+    bool has_id = false;                    // a Connection ID: its own address changes, too
     client::Timing timing{
         .t_retry = std::chrono::milliseconds{500}, .t_wait = std::chrono::seconds{1}, .n_retry = 5};
 };
@@ -102,6 +105,11 @@ private:
     }
     void connect(bool clean);
     void listen();
+    void bind();
+    void change_address();
+    void put(Bytes datagram) {
+        network_.send(options_.node, options_.address, options_.broker, datagram);
+    }
     void on_datagram(Bytes datagram);
     [[nodiscard]] std::vector<std::uint8_t> seal(Bytes message);
     void on_timer();
@@ -133,6 +141,8 @@ private:
         protection::SkippedBlocks skipped;
     };
     std::unique_ptr<Protection> protection_;
+    std::optional<DtlsRobotEnd> dtls_;
+    Random moves_;      // to other addresses of its own
     std::string will_;  // what the client sends when asked for it
     ClientNetwork::Binding binding_{};
     std::map<client::OperationId, Asked> asked_;

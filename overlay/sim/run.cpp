@@ -71,6 +71,7 @@ ClusterWorldOptions world_options(std::uint64_t seed, const RunOptions& run) {
     options.cluster.sessions_per_turn = one_of(turns, some_events);
     if (run.as_shipped) choose_as_shipped(seed, options);
     options.is_protected = run.is_protected;
+    options.speaks_dtls = run.speaks_dtls;
     options.has_cells = run.has_cells;
     options.robots = std::max(run.robots, most_random_robots);
     if (!run.elector.empty()) options.cluster.elector = run.elector;
@@ -135,6 +136,8 @@ void add_robots(ClusterWorld& world, std::uint64_t seed, const RunOptions& run) 
         }
         adapt_to_scale(robot, world);
         if (run.is_protected) robot.sealed = &world.sealed();
+        if (run.speaks_dtls) robot.dtls = &world.dtls();
+        robot.has_id = run.speaks_dtls && i % 2 == 0;
         if (run.has_cells) {
             if (cells.below(4) != 0) robot.cell_group = World::cell_group();
             robot.subscriptions.push_back({"common", one_of(cells, some_qos)});
@@ -150,7 +153,10 @@ public:
     Run(std::uint64_t seed, const RunOptions& options)
         : options_(options), world_(world_options(seed, options)) {
         if (options.trace) world_.trace().listen(options.trace);
-        if (options.is_protected) world_.clients().record(recorded_ppm, played_back_within);
+        if (options.is_protected || options.speaks_dtls) {
+            world_.clients().record(recorded_ppm, played_back_within);
+        }
+        if (options.speaks_dtls) world_.clients().bend_recorded();
         add_robots(world_, seed, options);
     }
 
@@ -227,7 +233,11 @@ private:
             result_.violations.push_back(
                 {Promise::sealed_once, std::to_string(repeated) + " nonces were used twice"});
         }
-        result_.sealed = world_.sealed().count();
+        for (const std::string& wrong : world_.dtls().wrongs()) {
+            result_.violations.push_back({Promise::sealed_once, wrong});
+        }
+        result_.sealed = world_.sealed().count() + world_.dtls().count();
+        result_.moved = world_.dtls().moved();
         result_.sent_to_cells = world_.clients().sent_to_groups();
         result_.breaches = world_.breaches();
         result_.seed = world_.seed();
@@ -303,6 +313,7 @@ std::string replay_command(std::uint64_t seed, const RunOptions& options) {
     std::string command = "romano simulate --seeds " + std::to_string(seed);
     if (options.as_shipped) command += " --as-shipped";
     if (options.is_protected) command += " --protected";
+    if (options.speaks_dtls) command += " --dtls";
     if (options.has_cells) command += " --cells";
     if (!options.profile.empty()) command += " --profile " + options.profile;
     if (options.brokers > 0) command += " --brokers " + std::to_string(options.brokers);

@@ -27,6 +27,9 @@ struct RunOptions {
     bool as_shipped = false;
     /// Robots and brokers seal their packets, and a stranger plays back what it recorded.
     bool is_protected = false;
+    /// They speak DTLS, every second robot with a Connection ID, and the stranger bends what it
+    /// recorded.
+    bool speaks_dtls = false;
     /// Brokers send once for many; three robots of four listen, and all have one topic more.
     bool has_cells = false;
     std::string profile{};
@@ -52,7 +55,8 @@ struct RunResult {
     std::uint64_t acknowledged = 0;
     std::uint64_t received = 0;
     std::uint64_t sent_to_cells = 0;  // datagrams, each for several listeners
-    std::uint64_t sealed = 0;         // packets of protected worlds
+    std::uint64_t sealed = 0;         // packets of protected worlds, records of those with DTLS
+    std::uint64_t moved = 0;          // robots with a Connection ID, to other addresses
     FaultCounts faults{};             // how often each kind happened
     Duration virtual_time{0};
     Violations violations;
