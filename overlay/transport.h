@@ -16,7 +16,7 @@ using cluster::Outgoing;
 
 class Transport {
 public:
-    using Receiver = std::function<void(Envelope)>;
+    using Receiver = std::function<void(const Envelope&)>;
 
     virtual ~Transport() = default;
 

@@ -10,6 +10,7 @@
 #include "overlay/dds/body_codec.h"
 #include "overlay/radio/channel.h"
 #include "overlay/radio/propagation.h"
+#include "overlay/sim/backbone.h"
 #include "overlay/sim/cost.h"
 #include "overlay/sim/seed.h"
 #include "romano/base/random.h"
@@ -31,10 +32,6 @@ constexpr std::size_t brokers_pan = 0;
 constexpr std::size_t robots_pan = 1;
 constexpr double metres = 5;  // from any radio to any other
 
-/// DDSI-RTPS 2.3 section 9.4: header 20, INFO_TS 12, DATA 24; the encapsulation of its payload 4,
-/// and what sample.idl has before the body 28.
-constexpr std::size_t dds_octets = 88;
-
 /// Without losses, as one broker among so many sends them.
 double octets_of_a_beacon(std::size_t brokers, const Beacons& beacons, std::uint64_t seed) {
     dds::BodyCodec codec;
@@ -48,7 +45,8 @@ double octets_of_a_beacon(std::size_t brokers, const Beacons& beacons, std::uint
     };
     const sim::Cost cost = sim::cost_of(options);
     const auto& sent = cost.sent.at(static_cast<std::size_t>(cluster::Delivery::beacon));
-    return dds_octets + (sent.messages_per_s > 0 ? sent.octets_per_s / sent.messages_per_s : 0);
+    return sim::rtps_data_octets +
+           (sent.messages_per_s > 0 ? sent.octets_per_s / sent.messages_per_s : 0);
 }
 
 /// Brokers that beacon and a router that serves its robots, all on one channel.

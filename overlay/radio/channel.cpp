@@ -236,7 +236,10 @@ Channel::Channel(const std::vector<CellPlan>& cells, double transmit_dbm, double
     run_until(0);  // nodes and devices begin
     for (std::size_t i = 0; i < cells.size(); ++i) {
         for (std::size_t number = 1; number <= cells[i].robots; ++number) {
-            ns3_->make_known(ns3_->radios.at({i, 0}), ns3_->radios.at({i, number}));
+            const std::size_t others = cells[i].all_talk ? number : 1;
+            for (std::size_t other = 0; other < others; ++other) {
+                ns3_->make_known(ns3_->radios.at({i, other}), ns3_->radios.at({i, number}));
+            }
         }
     }
 }

@@ -20,6 +20,7 @@ inline constexpr std::size_t most_robots = 1000;  // with 16-bit addresses there
 struct CellPlan {
     unsigned channel = last_channel;
     std::size_t robots = 0;
+    bool all_talk = false;  // robots to each other, too
 };
 
 struct Device {
@@ -67,7 +68,8 @@ public:
     Channel(const Channel&) = delete;
     Channel& operator=(const Channel&) = delete;
 
-    /// Between a border router and a robot of its cell. The device is ready.
+    /// Between a border router and a robot of its cell, or two robots of a cell where all talk. The
+    /// device is ready.
     void send(std::int64_t now_ns, Device from, Device to,
               const std::vector<std::uint8_t>& datagram);
 

@@ -84,6 +84,12 @@ RadioNetwork::RadioNetwork(sim::World& world, const RadioOptions& options)
         }
         plan.push_back({cell.channel, cell.robots.size()});
     }
+    if (options_.backbone) {
+        add_backbone();
+        plan.push_back({.channel = options_.backbone->channel,
+                        .robots = backbone_->size() - 1,
+                        .all_talk = true});
+    }
     const RadioModel& model = options_.model;
     channel_ = std::make_unique<lowpan::Channel>(
         plan, model.transmit_dbm, model.half_lost_dbm - half_lost_snr_db,
@@ -119,6 +125,22 @@ void RadioNetwork::add_station(const Device& device, const Place& place) {
     station.to_host = std::make_unique<SerialLine>(
         world_.events(), baud, framing, options_.radio_queue,
         [this](const Carried& datagram) { return hand_over(datagram); });
+}
+
+void RadioNetwork::add_backbone() {
+    const std::size_t pan = options_.cells.size();
+    backbone_ = std::make_unique<RadioBackbone>(
+        world_.events(), options_.model, options_.backbone->radios, options_.radio_queue,
+        [this, pan](std::size_t from, std::optional<std::size_t> to,
+                    const std::vector<std::uint8_t>& octets) {
+            const std::int64_t now = to_ns(world_.now());
+            if (to) {
+                channel_->send(now, {pan, from}, {pan, *to}, octets);
+            } else {
+                channel_->broadcast(now, {pan, from}, octets);
+            }
+            rearm();
+        });
 }
 
 bool RadioNetwork::carry(const Carried& datagram) {
@@ -176,6 +198,7 @@ void RadioNetwork::transmit(Station& station) {
 /// Not at once: the channel is in the midst of its own event.
 void RadioNetwork::on_ready(const Device& device) {
     world_.events().after(Duration{0}, [this, device] {
+        if (is_on_backbone(device)) return backbone_->on_ready(device.number);
         Station& station = *stations_.at(device);
         station.ready = true;
         station.queue.pop_front();
@@ -187,6 +210,7 @@ void RadioNetwork::on_ready(const Device& device) {
 /// The sender does not begin its next datagram before this one is here or given up.
 void RadioNetwork::on_received(const Device& at, const Device& from,
                                const std::vector<std::uint8_t>& octets) {
+    if (is_on_backbone(at)) return backbone_->on_received(at.number, from.number);
     const Station& sender = *stations_.at(from);
     if (sender.queue.empty() || sender.queue.front().octets != octets) return;
     Carried datagram = sender.queue.front();
@@ -220,7 +244,10 @@ void RadioNetwork::rearm() {
 }
 
 double RadioNetwork::dbm(const Device& from, const Device& to) {
-    const bool are_on = stations_.at(from)->is_on && stations_.at(to)->is_on;
+    const auto is_on = [this](const Device& device) {
+        return is_on_backbone(device) || stations_.at(device)->is_on;
+    };
+    const bool are_on = is_on(from) && is_on(to);
     return are_on ? link_dbm(from, to) : nothing_dbm;
 }
 
@@ -236,7 +263,11 @@ double RadioNetwork::link_dbm(const Device& from, const Device& to) {
                        RadioLink{options_.model, sim::seed_of(world_.seed(), "radio link", number)})
                    .first;
     }
-    return link->second.packet_dbm(stations_.at(a)->place, stations_.at(b)->place);
+    return link->second.packet_dbm(place_of(a), place_of(b));
+}
+
+const Place& RadioNetwork::place_of(const Device& device) const {
+    return is_on_backbone(device) ? backbone_->place(device.number) : stations_.at(device)->place;
 }
 
 std::optional<Device> RadioNetwork::Radios::in(std::size_t cell) const {
@@ -276,8 +307,18 @@ lowpan::Air RadioNetwork::sent_by_robots(std::size_t cell) const {
     return sum;
 }
 
+lowpan::Air RadioNetwork::sent_by_brokers() const {
+    lowpan::Air sum;
+    for (std::size_t i = 0; backbone_ && i < backbone_->size(); ++i) {
+        const lowpan::Air& sent = channel_->sent_by({options_.cells.size(), i});
+        sum.frames += sent.frames;
+        sum.octets += sent.octets;
+    }
+    return sum;
+}
+
 std::uint64_t RadioNetwork::lost() const {
-    std::uint64_t sum = 0;
+    std::uint64_t sum = backbone_ ? backbone_->lost() : 0;
     for (const auto& [device, station] : stations_) {
         sum += station->to_radio->lost() + station->to_host->lost();
     }

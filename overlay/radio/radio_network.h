@@ -19,6 +19,7 @@
 
 #include "overlay/radio/channel.h"
 #include "overlay/radio/propagation.h"
+#include "overlay/radio/radio_backbone.h"
 #include "overlay/radio/serial_line.h"
 #include "overlay/sim/client_network.h"
 #include "overlay/sim/event_queue.h"
@@ -40,14 +41,21 @@ struct RadioCell {
     std::vector<RadioRobot> robots;
 };
 
+/// Where brokers talk on the air, too.
+struct BackboneOnAir {
+    unsigned channel = lowpan::last_channel;
+    std::vector<BackboneRadio> radios;
+};
+
 struct RadioOptions {
     std::vector<RadioCell> cells;
+    std::optional<BackboneOnAir> backbone;
     RadioModel model;
     std::optional<std::uint32_t> router_baud = 115'200;  // empty: no line
     std::optional<std::uint32_t> robot_baud = 115'200;
     std::size_t host_queue =
         500;  // datagrams before the router's UART: Linux's tun device keeps 500
-    std::size_t radio_queue = 8;  // of a router and of a robot: RIOT's GNRC_NETIF keeps 8
+    std::size_t radio_queue = 8;  // of each radio: RIOT's GNRC_NETIF keeps 8
 };
 
 /// One sentence on what cannot be; empty when all can.
@@ -73,6 +81,9 @@ public:
     [[nodiscard]] const lowpan::Air& sent_by_router(std::size_t cell) const {
         return channel_->sent_by({cell, 0});
     }
+    /// Null when brokers have no radios.
+    [[nodiscard]] sim::Backbone* backbone() { return backbone_.get(); }
+    [[nodiscard]] lowpan::Air sent_by_brokers() const;
     [[nodiscard]] lowpan::Air sent_by_robots(std::size_t cell) const;
     /// When a host's queue first was full: the paper's "buffer overflow".
     [[nodiscard]] std::optional<Instant> first_overflow() const { return first_overflow_; }
@@ -99,6 +110,12 @@ private:
     void on_received(const lowpan::Device& at, const lowpan::Device& from,
                      const std::vector<std::uint8_t>& octets);
     void rearm();
+    void add_backbone();
+    /// Its radios are those of one cell more.
+    [[nodiscard]] bool is_on_backbone(const lowpan::Device& device) const {
+        return device.cell == options_.cells.size();
+    }
+    [[nodiscard]] const Place& place_of(const lowpan::Device& device) const;
     [[nodiscard]] double dbm(const lowpan::Device& from, const lowpan::Device& to);
     [[nodiscard]] double link_dbm(const lowpan::Device& from, const lowpan::Device& to);
 
@@ -109,6 +126,7 @@ private:
     std::map<std::pair<lowpan::Device, lowpan::Device>, RadioLink> links_;
     std::optional<Instant> first_overflow_;
     Instant timer_ = never;
+    std::unique_ptr<RadioBackbone> backbone_;
     std::unique_ptr<lowpan::Channel> channel_;  // goes first: it calls the others
 };
 

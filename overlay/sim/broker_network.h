@@ -7,6 +7,10 @@
 // receiver. A cut or a stalled process holds a stream up; after `lease` the two are no match any
 // more and what the stream held is gone.
 //
+// A backbone may carry the datagrams instead of links with a delay and a loss: then a message to
+// all is sent once, and a reliable one again to each reader that has not got it, the oldest first.
+// An answer of each reader takes its share of the channel; whether it comes does not matter here.
+//
 // Links (overlay/link): a process that dies is lost to its matched peers a moment later, unless the
 // way from it is cut.
 #pragma once
@@ -18,10 +22,11 @@
 #include <functional>
 #include <map>
 #include <memory>
-#include <tuple>
+#include <optional>
 #include <vector>
 
 #include "election/failure_detector.h"
+#include "overlay/sim/backbone.h"
 #include "overlay/sim/event_queue.h"
 #include "overlay/sim/link.h"
 #include "overlay/sim/trace.h"
@@ -64,6 +69,8 @@ public:
     void break_link(Node from, Node to);
 
     void set_quality(const LinkQuality& quality) { options_.quality = quality; }
+    /// Before anybody is attached; it lives longer. Null: links of that quality.
+    void set_backbone(Backbone* backbone) { backbone_ = backbone; }
     [[nodiscard]] const BrokerNetworkOptions& options() const { return options_; }
 
     void cut(Node from, Node to);
@@ -82,63 +89,95 @@ public:
 
 private:
     class Port;
+    /// On its way to one peer or to many.
     struct Sample {
-        cluster::ClusterMessage message;
-        std::size_t octets;  // 0 when nobody counts
+        cluster::Envelope envelope;
+        std::size_t octets;    // 0 when nobody counts
+        std::uint64_t number;  // later ones have higher numbers
+        Instant sent_at;
+        cluster::Delivery delivery;
     };
     using Shared = std::shared_ptr<const Sample>;
-
-    struct Peer {
-        Node node;
-        Port* port;
-        OnLink on_link;
-    };
-    struct Pending {
-        Instant due;      // arrives then, if nothing stands in the way
-        Instant on_wire;  // the sender must live until then
-        Shared message;
-    };
-    /// One writer's samples to one reader, of one delivery.
-    struct Stream {
-        std::deque<Pending> pending;
-        Instant last_due{};
-    };
-    using Pair = std::pair<broker::LogId, broker::LogId>;
-    using StreamId = std::tuple<broker::LogId, broker::LogId, cluster::Delivery>;
 
     struct NodeTraffic {
         TrafficByDelivery sent;
         TrafficByDelivery received;
     };
+    /// One life of a broker's process; what it sent may outlive it.
+    struct Peer {
+        broker::LogId process;
+        Node node;
+        NodeTraffic* traffic;
+        OnLink on_link;
+        Port* port;  // null: it is dead
+    };
+    using SharedPeer = std::shared_ptr<Peer>;
 
-    void detach(const broker::LogId& process);
+    struct Pending {
+        Instant due;      // arrives then, if nothing stands in the way; on a backbone nobody knows
+        Instant on_wire;  // the sender must live until then
+        Shared sample;
+    };
+    /// One writer's reliable samples to one reader, of one delivery.
+    struct Stream {
+        std::deque<Pending> pending{};
+        Instant last_due{};
+    };
+    /// One writer's best-effort samples to one reader, of one delivery.
+    struct Datagrams {
+        std::uint64_t newest_delivered = 0;  // older ones are dropped
+        Instant last_arrival{};              // where there is no overtaking
+    };
+    /// From one process to another one.
+    struct Way {
+        SharedPeer from;
+        SharedPeer to;
+        Instant matched_at = never;
+        Datagrams beacons{};
+        Datagrams forwards{};
+        Stream log{};
+        Stream direct{};
+
+        /// Null when that delivery is none of theirs.
+        [[nodiscard]] Stream* stream(cluster::Delivery delivery);
+        [[nodiscard]] Datagrams& datagrams(cluster::Delivery delivery);
+        [[nodiscard]] bool is_over() const;  // and all of it has come
+    };
+    using SharedWay = std::shared_ptr<Way>;
+    using Pair = std::pair<broker::LogId, broker::LogId>;
+
+    void detach(const SharedPeer& process);
     void count(TrafficByDelivery& traffic, cluster::Delivery delivery, std::size_t octets) const;
-    void send(const broker::LogId& from, const overlay::Outgoing& outgoing);
-    void send_reliable(const StreamId& id, const Shared& message);
-    void send_best_effort(const StreamId& id, const Shared& message);
-    void pump(const StreamId& id);
-    void deliver(const StreamId& id, const Shared& message);
-    void match(const broker::LogId& a, const broker::LogId& b);
+    void send(const SharedPeer& from, const overlay::Outgoing& outgoing);
+    [[nodiscard]] std::vector<SharedWay> ways_of(const SharedPeer& from,
+                                                 const std::optional<broker::BrokerId>& to) const;
+    void send_reliable(const SharedWay& way, Stream& stream, const Shared& sample);
+    void send_best_effort(const SharedWay& way, const Shared& sample);
+    void send_on_backbone(const SharedPeer& from, const overlay::Outgoing& outgoing,
+                          const Shared& sample);
+    [[nodiscard]] Backbone::Arrived arrival_of(const SharedPeer& from, const Shared& sample);
+    void on_backbone_arrival(const SharedPeer& from, Node at, const Sample& sample);
+    void repeat_later(const SharedWay& way, const Shared& sample, Duration after);
+    void take_best_effort(Way& way, const Sample& sample);
+    void pump(Way& way, Stream& stream);
+    void deliver(Way& way, const Sample& sample);
+    void match(const SharedPeer& a, const SharedPeer& b);
     void part_for_long(Node a, Node b);
     void pump_all();
-    void tell_of_link(const broker::LogId& to, const broker::LogId& about, election::Link link);
-    [[nodiscard]] bool is_matched(const broker::LogId& from, const broker::LogId& to) const;
-    [[nodiscard]] bool is_held_up(const StreamId& id) const;
+    void tell_of_link(const Peer& to, const Peer& about, election::Link link);
+    [[nodiscard]] bool is_held_up(const Way& way) const;
 
     EventQueue& events_;
     Trace& trace_;
     BrokerNetworkOptions options_;
     Random random_;
+    Backbone* backbone_ = nullptr;
+    std::uint64_t samples_ = 0;
     Cuts cuts_;
     std::map<Node, NodeTraffic> traffic_;
     std::map<Node, Instant> stalled_;
-    std::map<broker::LogId, Peer> peers_;
-    std::map<broker::LogId, Node> node_of_;  // of all that ever were: their last words are traced
-    std::map<Pair, Instant> matched_at_;
-    std::map<StreamId, Stream> streams_;
-    std::map<StreamId, std::uint64_t> newest_sent_;       // best effort: numbers the samples
-    std::map<StreamId, Instant> last_arrival_;            // where there is no overtaking
-    std::map<StreamId, std::uint64_t> newest_delivered_;  // older ones are dropped
+    std::map<broker::LogId, SharedPeer> peers_;  // that live
+    std::map<Pair, SharedWay> ways_;
 };
 
 }  // namespace romano::sim

@@ -133,7 +133,7 @@ void BrokerProcess::send(const Endpoint& via, const Endpoint& to, Bytes datagram
     if (bound_.contains(via)) clients_.send(node_, via, to, datagram);  // else it has no socket
 }
 
-void BrokerProcess::on_envelope(cluster::Envelope envelope) {
+void BrokerProcess::on_envelope(const cluster::Envelope& envelope) {
     if (!stopped_) {
         take(envelope);
         rearm();
@@ -143,7 +143,7 @@ void BrokerProcess::on_envelope(cluster::Envelope envelope) {
         cluster::delivery_of(envelope.message) == cluster::Delivery::beacon ||
         cluster::delivery_of(envelope.message) == cluster::Delivery::best_effort;
     if (!best_effort || envelopes_.size() < socket_buffer) {
-        envelopes_.push_back(std::move(envelope));
+        envelopes_.push_back(envelope);
     }
 }
 

@@ -80,7 +80,7 @@ protected:
         return bound_.contains(address);
     }
     void send(const Endpoint& via, const Endpoint& to, Bytes datagram);
-    void on_envelope(cluster::Envelope envelope);
+    void on_envelope(const cluster::Envelope& envelope);
     [[nodiscard]] Instant local_now() const { return clock_.at(events_.now()); }
     void rearm();
     /// Runs `action` later, unless this start of the process has ended by then; while it is stopped

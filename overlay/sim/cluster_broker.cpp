@@ -131,7 +131,7 @@ void ClusterBroker::create_core() {
     sent_before_ = octets_of(peers_.sent_by(node()));
     received_before_ = octets_of(peers_.received_by(node()));
     transport_ = peers_.attach(log, node(), std::move(on_link));
-    transport_->start([this](cluster::Envelope envelope) { on_envelope(std::move(envelope)); });
+    transport_->start([this](const cluster::Envelope& envelope) { on_envelope(envelope); });
     for (const Endpoint& address : options_.home_addresses) {
         const bool is_free = !clients_.is_bound(address);
         if (is_free) bind(address);

@@ -32,7 +32,7 @@ struct Peer {
         : log{broker::broker_id_of(name), incarnation},
           transport(io, domain, log, pulses, [this] { ++drains; }) {
         transport.start(
-            [this](overlay::Envelope envelope) { received.push_back(std::move(envelope)); });
+            [this](const overlay::Envelope& envelope) { received.push_back(envelope); });
     }
 
     void broadcast(cluster::ClusterMessage message) {
