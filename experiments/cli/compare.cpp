@@ -38,10 +38,11 @@ void write_page(const Compared& compared, const std::filesystem::path& folder) {
     write_text(folder / "report.html", page_of(compared, folder / "plots"));
 }
 
-/// Numbers of a simulated world are of another kind: the name says so.
+/// Numbers of another world are of another kind: the name says so.
 std::string name_of(const std::filesystem::path& folder, const Results& results) {
-    const bool is_simulated = results.sweep.settings.world == World::simulated;
-    return folder.string() + (is_simulated ? " (simulated)" : "");
+    const World world = results.sweep.settings.world;
+    return folder.string() +
+           (world == World::processes ? "" : " (" + std::string{name_of(world)} + ")");
 }
 
 void compare_results(const CompareOptions& options) {

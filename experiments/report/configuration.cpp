@@ -31,15 +31,22 @@ std::string text_of(const Cell& cell, Axis axis) {
             return cell.acks.empty() ? "" : "acks " + cell.acks;
         case Axis::clients:
             return cell.clients;
+        case Axis::backbone:
+            return backbone_text(cell);
+        case Axis::router_baud:
+            return router_baud_text(cell);
+        case Axis::robot_baud:
+            return robot_baud_text(cell);
         case Axis::fault:
             return cell.fault == Fault::none ? "no fault" : std::string{name_of(cell.fault)};
     }
     return "";
 }
 
-constexpr std::array all_axes = {Axis::brokers, Axis::robots,  Axis::rate,     Axis::payload,
-                                 Axis::qos,     Axis::elector, Axis::detector, Axis::acks,
-                                 Axis::clients, Axis::fault};
+constexpr std::array all_axes = {Axis::brokers, Axis::robots,   Axis::rate,        Axis::payload,
+                                 Axis::qos,     Axis::elector,  Axis::detector,    Axis::acks,
+                                 Axis::clients, Axis::backbone, Axis::router_baud, Axis::robot_baud,
+                                 Axis::fault};
 
 }  // namespace
 

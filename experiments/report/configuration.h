@@ -48,6 +48,9 @@ enum class Axis : std::uint8_t {
     detector,
     acks,
     clients,
+    backbone,
+    router_baud,
+    robot_baud,
     fault
 };
 /// What differs between configurations, for labels: "3 brokers, acks 2". An axis that has one value

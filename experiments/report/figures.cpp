@@ -324,7 +324,7 @@ std::optional<Figure> delivery_figure(Configurations all) {
             "topic, until the end of the run and its drain time. Copies count once."};
 }
 
-std::optional<Figure> rate_figure(Configurations all) {
+std::optional<Figure> rate_figure(Configurations all, World world) {
     const auto calm = undisturbed(all);
     if (distinct(calm, rate_of) < 2) return std::nullopt;
     constexpr std::array given = {Axis::rate, Axis::fault};
@@ -345,8 +345,11 @@ std::optional<Figure> rate_figure(Configurations all) {
             "The question of the ROMANO paper's table of delivery ratios: how many messages "
             "a second go through.",
         .measured =
-            "Runs without a fault; otherwise as in the figures above. There is no radio in them: "
-            "the paper's lost messages beyond 200 a second."};
+            "Runs without a fault; otherwise as in the figures above." +
+            std::string{is_on_radio(world)
+                            ? ""
+                            : " There is no radio in them: the paper's lost messages beyond 200 a "
+                              "second."}};
 }
 
 std::optional<Figure> overhead_figure(Configurations all) {
@@ -438,7 +441,7 @@ std::vector<Figure> figures_of(Configurations configurations, const SweepSetting
     add(around_a_fault_figure(configurations, settings.fault_after.count(), results));
     add(delivery_figure(configurations));
     add(delay_figure(configurations));
-    add(rate_figure(configurations));
+    add(rate_figure(configurations, settings.world));
     add(overhead_figure(configurations));
     add(memory_figure(configurations, results));
     return figures;

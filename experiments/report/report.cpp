@@ -1,8 +1,10 @@
 #include "experiments/report/report.h"
 
 #include <algorithm>
+#include <set>
 #include <sstream>
 
+#include "experiments/measure/bootstrap.h"
 #include "experiments/measure/percentile.h"
 #include "experiments/report/certainty.h"
 #include "experiments/report/configuration.h"
@@ -140,8 +142,42 @@ std::string link_text(const SimulatedLink& link) {
            csv_number(link.loss_percent) + " %";
 }
 
-std::string baud_text(std::optional<std::uint32_t> baud) {
-    return baud ? std::to_string(*baud) + " baud" : "none";
+/// The backbones of the cells, and what they do.
+std::string backbones_text(const Sweep& sweep) {
+    if (!is_in_virtual_time(sweep.settings.world)) return "";
+    std::set<std::string> names;
+    for (const Cell& cell : sweep.cells) names.insert(cell.backbone);
+    std::string text;
+    const auto add = [&](const char* name, const std::string& what) {
+        if (names.contains(name)) text += (text.empty() ? "" : "; ") + what;
+    };
+    add("wire", "links between brokers on a wire take " + link_text(sweep.settings.wire));
+    add("wifi", "on Wi-Fi " + link_text(sweep.settings.wifi));
+    add("radio",
+        "on radio brokers talk on channel 11, in broadcasts and unicasts of IEEE 802.15.4");
+    return text.empty() ? "" : "; " + text;
+}
+
+/// The lines of the cells: "115200 baud or none".
+std::string bauds_text(const Sweep& sweep, std::string Cell::*baud) {
+    std::vector<std::string> texts;
+    for (const Cell& cell : sweep.cells) {
+        const std::string text = cell.*baud == "none" ? "none" : cell.*baud + " baud";
+        if (std::ranges::find(texts, text) == texts.end()) texts.push_back(text);
+    }
+    std::string text;
+    for (const std::string& one : texts) text += (text.empty() ? "" : " or ") + one;
+    return text;
+}
+
+/// The radio cells.
+std::string cells_text(const Sweep& sweep) {
+    const SweptRadio& radio = sweep.settings.radio;
+    return "; each broker's cell has a border router (UART: " +
+           bauds_text(sweep, &Cell::router_baud) +
+           "; the robots': " + bauds_text(sweep, &Cell::robot_baud) + "), " +
+           csv_number(radio.router_distance_m) + " m from the next one, on " +
+           std::to_string(radio.channels) + " channels in turn" + backbones_text(sweep);
 }
 
 std::string virtual_time() {
@@ -150,7 +186,8 @@ std::string virtual_time() {
 }
 
 /// What the cells ran in.
-std::string world_text(const SweepSettings& settings, const Manifest& manifest) {
+std::string world_text(const Sweep& sweep, const Manifest& manifest) {
+    const SweepSettings& settings = sweep.settings;
     switch (settings.world) {
         case World::processes:
             if (manifest.hosts.empty()) {
@@ -161,18 +198,15 @@ std::string world_text(const SweepSettings& settings, const Manifest& manifest) 
                    " and real MQTT-SN robots on another machine, over UDP";
         case World::simulated:
             return "simulated, " + virtual_time() + "; links between robots and brokers take " +
-                   link_text(settings.client_link) + ", those between brokers " +
-                   link_text(settings.broker_link);
+                   link_text(settings.client_link) + backbones_text(sweep);
         case World::radio:
-            break;
+            return "on modelled IEEE 802.15.4, " + virtual_time() + cells_text(sweep);
+        case World::air:
+            return "real brokers and real MQTT-SN robots on one host, with modelled IEEE 802.15.4 "
+                   "between them in real time" +
+                   cells_text(sweep);
     }
-    return "on modelled IEEE 802.15.4, " + virtual_time() +
-           "; each broker's cell has a border router " +
-           "(UART: " + baud_text(settings.radio.router_baud) +
-           "; the robots': " + baud_text(settings.radio.robot_baud) + "), " +
-           csv_number(settings.radio.router_distance_m) + " m from the next one, on " +
-           std::to_string(settings.radio.channels) +
-           " channels in turn; links between brokers take " + link_text(settings.broker_link);
+    return "";
 }
 
 /// Says nothing when the brokers ran beside the robots.
@@ -204,7 +238,7 @@ std::string report_of(const Sweep& sweep, const Manifest& manifest, std::span<co
     std::ostringstream html;
     html << page_begin(sweep.settings.name) << "<p class=\"sub\">Sweep <b>"
          << html_text(sweep.settings.name) << "</b>, " << rows.size() << " of "
-         << sweep.cells.size() << " cells: " << world_text(sweep.settings, manifest)
+         << sweep.cells.size() << " cells: " << world_text(sweep, manifest)
          << "; traffic pattern <b>" << name_of(sweep.settings.pattern) << "</b>. "
          << html_text(manifest.started_utc) << "</p>\n"
          << tiles_of(rows, sweep.settings.probe_per_s);

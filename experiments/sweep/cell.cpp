@@ -14,6 +14,12 @@ std::string shortest(double number) {
     return text.data();
 }
 
+/// "routers 115200 baud", "routers without UART".
+std::string line_text(const char* whose, const std::string& baud) {
+    if (baud.empty()) return "";
+    return std::string{whose} + (baud == "none" ? " without UART" : " " + baud + " baud");
+}
+
 }  // namespace
 
 QosMix::QosMix(std::vector<std::uint8_t> levels) : levels_(std::move(levels)) {
@@ -43,6 +49,18 @@ std::optional<QosMix> parse_qos_mix(std::string_view text) {
     return QosMix{std::move(levels)};
 }
 
+std::string backbone_text(const Cell& cell) {
+    return cell.backbone.empty() ? "" : "backbone " + cell.backbone;
+}
+
+std::string router_baud_text(const Cell& cell) {
+    return line_text("routers", cell.router_baud);
+}
+
+std::string robot_baud_text(const Cell& cell) {
+    return line_text("robots", cell.robot_baud);
+}
+
 std::string describe(const Cell& cell) {
     std::string text = std::to_string(cell.brokers) +
                        (cell.brokers == 1 ? " broker, " : " brokers, ") +
@@ -52,6 +70,10 @@ std::string describe(const Cell& cell) {
     if (!cell.elector.empty())
         text += ", " + cell.elector + "/" + cell.detector + "/acks " + cell.acks;
     if (cell.clients != "plain") text += ", " + cell.clients;
+    if (!cell.backbone.empty() && cell.backbone != "wire") text += ", " + backbone_text(cell);
+    if (!cell.router_baud.empty()) {
+        text += ", " + router_baud_text(cell) + ", " + robot_baud_text(cell);
+    }
     text += ", ";
     text += cell.fault == Fault::none ? "no fault" : name_of(cell.fault);
     text +=

@@ -41,6 +41,9 @@ struct Cell {
     std::string detector;           // empty with one broker
     std::string acks;               // a number or "all"; empty with one broker
     std::string clients = "plain";  // or "protected", or "dtls": with keys
+    std::string backbone = "wire";  // or "wifi", or "radio"; empty with one broker
+    std::string router_baud;        // of UARTs: a number or "none"; empty where there are none
+    std::string robot_baud;         // as well
     Fault fault = Fault::none;
     std::uint64_t seed = 1;
     std::uint32_t repetition = 1;
@@ -48,6 +51,12 @@ struct Cell {
     /// By number first: the order of a sweep.
     friend auto operator<=>(const Cell&, const Cell&) = default;
 };
+
+/// For people, and empty where the cell has none: "backbone wifi", "routers 115200 baud", "robots
+/// without UART".
+[[nodiscard]] std::string backbone_text(const Cell& cell);
+[[nodiscard]] std::string router_baud_text(const Cell& cell);
+[[nodiscard]] std::string robot_baud_text(const Cell& cell);
 
 /// For people: "3 brokers, 20 robots, 5/s, QoS 0+1+2, kill-leader".
 [[nodiscard]] std::string describe(const Cell& cell);

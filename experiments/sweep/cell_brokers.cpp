@@ -86,7 +86,7 @@ void CellBrokers::watch(const std::function<void()>& on_change) {
     timing.n_retry = static_cast<int>(settings_.start_within / 100ms) + 300;
     // Each broker has a word on each other every second. Of many brokers, to replicate what their
     // watches were told would be most of the work; members have a next word soon.
-    const bool is_simulated_cluster = settings_.world != World::processes && size() > 1;
+    const bool is_simulated_cluster = is_in_virtual_time(settings_.world) && size() > 1;
     const auto qos = is_simulated_cluster ? mqttsn::Qos::at_most_once : mqttsn::Qos::at_least_once;
     for (std::size_t i = 0; i < size(); ++i) {
         brokers_[i].watch = std::make_unique<BrokerWatch>(

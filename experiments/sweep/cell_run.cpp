@@ -158,6 +158,7 @@ void CellRun::drain() {
 
 // What a machine could not send in time says nothing about brokers.
 void CellRun::check_schedule() const {
+    world_->check_measured();
     if (swarm_->worst_lag() <= to_duration(settings_.publish_within)) return;
     throw RunFailed("the publishers fell " +
                     std::to_string(std::lround(in_ms(swarm_->worst_lag()))) +

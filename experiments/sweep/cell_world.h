@@ -1,7 +1,8 @@
 // The world in which a cell runs: its time, its brokers, and room for robots. What a run does and
 // measures is the same in each (cell_run.h). There are real processes on this machine
 // (process_world.h), the same on machines of a testbed (testbed/testbed_world.h), and a simulator
-// in virtual time (simulated_world.h).
+// in virtual time (simulated_world.h). Robots are on modelled radio in two of them (radio_world.h,
+// air_world.h).
 //
 // Brokers go by their numbers, from 0.
 #pragma once
@@ -64,6 +65,9 @@ public:
     /// All are asked before anybody is waited for. Throws RunFailed when one cannot be stopped,
     /// because its machine is gone.
     virtual void stop_all() = 0;
+
+    /// Throws RunFailed when what was measured is not what this world is meant to be.
+    virtual void check_measured() {}
 
     [[nodiscard]] virtual bool has_ended(std::size_t broker) = 0;
     [[nodiscard]] virtual std::string how_it_ended(std::size_t broker) const = 0;

@@ -16,7 +16,7 @@
 
 namespace romano::experiments {
 
-class ProcessWorld final : public RealTimeWorld {
+class ProcessWorld : public RealTimeWorld {
 public:
     /// `network` is the sweep's own, such as "127.50". Throws RunFailed.
     ProcessWorld(const SweepSettings& settings, const Cell& cell, const std::string& network,

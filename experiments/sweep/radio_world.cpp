@@ -2,6 +2,7 @@
 
 #include <string>
 
+#include "experiments/sweep/baud.h"
 #include "experiments/sweep/simulated_world.h"
 #include "overlay/radio/layout.h"
 #include "overlay/radio/radio_network.h"
@@ -12,10 +13,10 @@ namespace {
 constexpr std::uint8_t robots_network = 100;
 
 /// Robots are dealt to the brokers in turn, as the swarm does.
-radio::RadioOptions options_of(const SweepSettings& settings, const Cell& cell) {
+radio::RadioOptions radio_of(const SweepSettings& settings, const Cell& cell) {
     radio::RadioOptions options;
-    options.router_baud = settings.radio.router_baud;
-    options.robot_baud = settings.radio.robot_baud;
+    options.router_baud = baud_of(cell.router_baud);
+    options.robot_baud = baud_of(cell.robot_baud);
     options.cells.resize(cell.brokers);
     for (std::size_t i = 0; i < options.cells.size(); ++i) {
         radio::RadioCell& one = options.cells[i];
@@ -29,6 +30,13 @@ radio::RadioOptions options_of(const SweepSettings& settings, const Cell& cell) 
                  radio::place_around(one.router, j, robots)});
         }
     }
+    if (cell.backbone == "radio") {
+        options.backbone = radio::BackboneOnAir{.channel = lowpan::first_channel, .radios = {}};
+        for (std::size_t i = 0; i < options.cells.size(); ++i) {
+            options.backbone->radios.push_back(
+                {sim::World::broker_node(i), options.cells[i].router});
+        }
+    }
     return options;
 }
 
@@ -37,7 +45,9 @@ public:
     RadioWorld(const SweepSettings& settings, const Cell& cell)
         : SimulatedWorld(settings, cell),
           robots_(world(), clients_node, robots_network),
-          network_(world(), options_of(settings, cell)) {}
+          network_(world(), radio_of(settings, cell)) {
+        peers().set_backbone(network_.backbone());
+    }
 
     [[nodiscard]] Surroundings& robots() override { return robots_; }
 
@@ -50,7 +60,7 @@ private:
 
 void check_radio(const SweepSettings& settings, const std::vector<Cell>& cells) {
     for (const Cell& cell : cells) {
-        const auto problem = radio::problem_with(options_of(settings, cell));
+        const auto problem = radio::problem_with(radio_of(settings, cell));
         if (problem) throw SweepError("`world = \"radio\"`: " + *problem);
     }
 }

@@ -60,9 +60,9 @@ constexpr MeasuredColumn measured_columns[] = {
 };
 
 constexpr const char* fixed_columns[] = {
-    "cell",  "brokers", "robots",     "rate_per_s", "payload_octets",
-    "qos",   "elector", "detector",   "acks",       "clients",
-    "fault", "seed",    "repetition", "status",     "started_utc",
+    "cell",       "brokers",  "robots", "rate_per_s", "payload_octets", "qos",
+    "elector",    "detector", "acks",   "clients",    "backbone",       "router_baud",
+    "robot_baud", "fault",    "seed",   "repetition", "status",         "started_utc",
 };
 
 template <typename Number>
@@ -109,6 +109,9 @@ CsvRow to_csv(const RunRow& row) {
                      cell.detector,
                      cell.acks,
                      cell.clients,
+                     cell.backbone,
+                     cell.router_baud,
+                     cell.robot_baud,
                      std::string{name_of(cell.fault)},
                      std::to_string(cell.seed),
                      std::to_string(cell.repetition),
@@ -126,21 +129,24 @@ std::optional<RunRow> run_from_csv(const CsvRow& fields) {
     RunRow row;
     Cell& cell = row.cell;
     const auto qos = parse_qos_mix(fields[5]);
-    const auto fault = fault_named(fields[10]);
+    const auto fault = fault_named(fields[13]);
     const bool fine =
         read_number(fields[0], cell.number) && read_number(fields[1], cell.brokers) &&
         read_number(fields[2], cell.robots) && read_number(fields[3], cell.rate_per_s) &&
         read_number(fields[4], cell.payload_octets) && qos && fault &&
-        read_number(fields[11], cell.seed) && read_number(fields[12], cell.repetition);
+        read_number(fields[14], cell.seed) && read_number(fields[15], cell.repetition);
     if (!fine) return std::nullopt;
     cell.qos = *qos;
     cell.elector = fields[6];
     cell.detector = fields[7];
     cell.acks = fields[8];
     cell.clients = fields[9];
+    cell.backbone = fields[10];
+    cell.router_baud = fields[11];
+    cell.robot_baud = fields[12];
     cell.fault = *fault;
-    row.status = fields[13];
-    row.started_utc = fields[14];
+    row.status = fields[16];
+    row.started_utc = fields[17];
     std::size_t at = std::size(fixed_columns);
     for (const MeasuredColumn& column : measured_columns) {
         const std::string& field = fields[at++];

@@ -20,6 +20,9 @@ using namespace std::chrono_literals;
 
 constexpr Duration step = 1ms;  // of virtual time, from one look to the next
 
+// A reliable message that has not come: on a radio it waits behind others, and is long.
+constexpr Duration repeats_on_radio_after = 200ms;
+
 // From exec to the first word to a client or a peer.
 constexpr Duration starts_within_min = 50ms;
 constexpr Duration starts_within_max = 150ms;
@@ -62,9 +65,11 @@ std::uint64_t seed_of(const Cell& cell) {
     return cell.seed * 1'000'003 + cell.repetition;
 }
 
-sim::BrokerNetworkOptions peers_options(const SweepSettings& settings, dds::BodyCodec& codec) {
+sim::BrokerNetworkOptions peers_options(const SweepSettings& settings, const Cell& cell,
+                                        dds::BodyCodec& codec) {
     sim::BrokerNetworkOptions options;
-    options.quality = quality_of(settings.broker_link);
+    options.quality = quality_of(cell.backbone == "wifi" ? settings.wifi : settings.wire);
+    if (cell.backbone == "radio") options.repeat_after = repeats_on_radio_after;
     options.overtaking = false;
     options.octets_of = [&codec](const cluster::ClusterMessage& message) {
         return codec.encode(message).size();
@@ -113,7 +118,7 @@ void check_simulated_broker_options(const SweepSettings& settings) {
 
 SimulatedWorld::SimulatedWorld(const SweepSettings& settings, const Cell& cell)
     : world_(seed_of(cell)),
-      peers_(world_.events(), world_.trace(), peers_options(settings, codec_),
+      peers_(world_.events(), world_.trace(), peers_options(settings, cell, codec_),
              sim::seed_of(seed_of(cell), "broker network")),
       random_(sim::seed_of(seed_of(cell), "starts")),
       clients_(world_, clients_node),

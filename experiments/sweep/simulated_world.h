@@ -54,6 +54,7 @@ protected:
     static constexpr sim::Node clients_node{1'000'000};
 
     [[nodiscard]] sim::World& world() { return world_; }
+    [[nodiscard]] sim::BrokerNetwork& peers() { return peers_; }
 
 private:
     struct Broker {

@@ -23,11 +23,23 @@ constexpr std::array<std::pair<Pattern, std::string_view>, 3> pattern_names{{
     {Pattern::commands, "commands"},
 }};
 
-constexpr std::array<std::pair<World, std::string_view>, 3> world_names{{
+constexpr std::array<std::pair<World, std::string_view>, 4> world_names{{
     {World::processes, "processes"},
     {World::simulated, "simulated"},
     {World::radio, "radio"},
+    {World::air, "air"},
 }};
+
+/// What brokers talk on among themselves. Processes have this machine's network, which is a wire;
+/// the last one is there in a radio world alone.
+constexpr std::array<std::string_view, 3> backbone_names{"wire", "wifi", "radio"};
+
+constexpr std::int64_t slowest_baud = 1'200;
+constexpr std::int64_t fastest_baud = 10'000'000;
+
+constexpr std::array<std::string_view, 14> axis_names{
+    "brokers", "robots",  "rate",     "payload",     "qos",        "elector", "detector",
+    "acks",    "clients", "backbone", "router_baud", "robot_baud", "fault",   "seed"};
 
 /// How clients speak; with keys, real processes alone.
 constexpr std::array<std::string_view, 3> client_names{"plain", "protected", "dtls"};
@@ -38,18 +50,27 @@ struct Most {
     std::uint32_t robots;
     std::uint32_t payload_octets;  // one datagram holds them
     std::size_t client_names = 1;  // how many of them
+    std::size_t backbone_names = 1;
 };
 constexpr Most most_in(World world) {
     switch (world) {
         case World::processes:
             return {32, 5000, 1400, client_names.size()};
         case World::simulated:
-            return {100, 2000, 1400};
+            return {100, 2000, 1400, 1, backbone_names.size() - 1};
         case World::radio:
-            return {64, 2000, 1000};  // 6LoWPAN's packets have 1280 octets at most
+            // 6LoWPAN's packets have 1280 octets at most
+            return {64, 2000, 1000, 1, backbone_names.size()};
+        case World::air:
+            return {32, 2000, 1000};
     }
     return {};
 }
+
+constexpr const char* only_on_radio =
+    "only a world on radio (`world = \"radio\"` or \"air\") has it";
+constexpr const char* only_simulated =
+    "only a simulated world (`world = \"simulated\"` or \"radio\") has it";
 
 std::string seconds_text(Seconds seconds) {
     std::ostringstream text;
@@ -67,6 +88,9 @@ struct Axes {
     std::vector<std::string> detector;
     std::vector<std::string> acks;
     std::vector<std::string> clients;
+    std::vector<std::string> backbone;
+    std::vector<std::string> router_baud;
+    std::vector<std::string> robot_baud;
     std::vector<Fault> fault;
     std::vector<std::uint64_t> seed;
 };
@@ -110,9 +134,27 @@ std::string read_acks(const TomlTable& table, const toml::node& node, std::uint3
     return std::to_string(table.integer_in(node, "acks", 0, most));
 }
 
-Axes read_axes(const TomlTable& table, const Most& most) {
-    table.allow_only({"brokers", "robots", "rate", "payload", "qos", "elector", "detector", "acks",
-                      "clients", "fault", "seed"});
+/// A baud, or "none". Empty where there are no lines.
+std::vector<std::string> bauds(const TomlTable& table, const std::string& key, World world) {
+    if (!is_on_radio(world)) {
+        if (const toml::node* node = table.find(key)) table.refuse(*node, key, only_on_radio);
+        return {""};
+    }
+    return table.axis<std::string>(key, "115200", [&table, &key](const toml::node& node) {
+        if (node.value_exact<std::string>() == "none") return std::string{"none"};
+        const auto baud = node.value_exact<std::int64_t>();
+        if (!baud || *baud < slowest_baud || *baud > fastest_baud) {
+            table.refuse(node, key,
+                         "a baud from " + std::to_string(slowest_baud) + " to " +
+                             std::to_string(fastest_baud) + " or \"none\" is allowed");
+        }
+        return std::to_string(*baud);
+    });
+}
+
+Axes read_axes(const TomlTable& table, World world) {
+    table.allow_only(axis_names);
+    const Most most = most_in(world);
     Axes axes;
     axes.brokers = counts(table, "brokers", 1, 1, most.brokers);
     axes.robots = counts(table, "robots", 10, 1, most.robots);
@@ -131,6 +173,10 @@ Axes read_axes(const TomlTable& table, const Most& most) {
     });
     axes.clients =
         words(table, "clients", "plain", std::span{client_names}.first(most.client_names));
+    axes.backbone =
+        words(table, "backbone", "wire", std::span{backbone_names}.first(most.backbone_names));
+    axes.router_baud = bauds(table, "router_baud", world);
+    axes.robot_baud = bauds(table, "robot_baud", world);
     axes.fault = table.axis<Fault>("fault", Fault::none, [&table](const toml::node& node) {
         const auto word = node.value_exact<std::string>();
         const auto fault = fault_named(word.value_or(""));
@@ -164,12 +210,15 @@ void append_cells(const Axes& axes, std::vector<Cell>& cells) {
     vary(axes.detector, [](Cell& cell, const std::string& name) { cell.detector = name; });
     vary(axes.acks, [](Cell& cell, const std::string& acks) { cell.acks = acks; });
     vary(axes.clients, [](Cell& cell, const std::string& speech) { cell.clients = speech; });
+    vary(axes.backbone, [](Cell& cell, const std::string& name) { cell.backbone = name; });
+    vary(axes.router_baud, [](Cell& cell, const std::string& baud) { cell.router_baud = baud; });
+    vary(axes.robot_baud, [](Cell& cell, const std::string& baud) { cell.robot_baud = baud; });
     vary(axes.fault, [](Cell& cell, Fault fault) { cell.fault = fault; });
     std::set<Cell> known(cells.begin(), cells.end());
     for (Cell& point : points) {
         if (point.brokers == 1) {
             if (point.fault != Fault::none) continue;
-            point.elector = point.detector = point.acks = "";
+            point.elector = point.detector = point.acks = point.backbone = "";
         }
         if (known.insert(point).second) cells.push_back(point);
     }
@@ -188,7 +237,7 @@ World read_world(const TomlTable& table) {
     for (const auto& [world, name] : world_names) {
         if (name == word) return world;
     }
-    table.refuse(*table.find("world"), "world", "allowed are processes, simulated, radio");
+    table.refuse(*table.find("world"), "world", "allowed are processes, simulated, radio, air");
 }
 
 /// A number of milliseconds, or the least and the most.
@@ -207,8 +256,7 @@ void read_delay(const TomlTable& table, const std::string& key, SimulatedLink& l
     link.delay_max_ms = table.number_in((*both)[1], key, link.delay_min_ms, 10'000, allowed);
 }
 
-SimulatedLink read_link(const TomlTable& table, const std::string& who) {
-    SimulatedLink link;
+SimulatedLink read_link(const TomlTable& table, const std::string& who, SimulatedLink link) {
     read_delay(table, who + "_delay_ms", link);
     const std::string loss = who + "_loss_percent";
     if (const toml::node* node = table.find(loss)) {
@@ -217,24 +265,10 @@ SimulatedLink read_link(const TomlTable& table, const std::string& who) {
     return link;
 }
 
-/// A baud, or "none".
-void read_baud(const TomlTable& table, const std::string& key, std::optional<std::uint32_t>& baud) {
-    const toml::node* node = table.find(key);
-    if (node == nullptr) return;
-    if (node->value_exact<std::string>() == "none") {
-        baud.reset();
-        return;
-    }
-    if (!node->is_integer()) table.refuse(*node, key, "a baud or \"none\" is allowed");
-    baud = static_cast<std::uint32_t>(table.integer_in(*node, key, 1'200, 10'000'000));
-}
-
 SweptRadio read_radio(const TomlTable& table) {
     SweptRadio radio;
     radio.channels =
         static_cast<std::uint32_t>(table.integer("radio_channels", radio.channels, 1, 16));
-    read_baud(table, "router_baud", radio.router_baud);
-    read_baud(table, "robot_baud", radio.robot_baud);
     if (const toml::node* node = table.find("router_distance_m")) {
         radio.router_distance_m = table.number_in(*node, "router_distance_m", 5, 10'000,
                                                   "metres from 5 to 10000 are allowed");
@@ -244,10 +278,10 @@ SweptRadio read_radio(const TomlTable& table) {
 
 /// What has no meaning in the other world would mislead.
 void refuse_what_is_of_another_world(const TomlTable& table, World world) {
-    constexpr std::array<std::string_view, 4> radio = {"radio_channels", "router_baud",
-                                                       "robot_baud", "router_distance_m"};
-    constexpr std::array<std::string_view, 4> simulated = {
-        "client_delay_ms", "client_loss_percent", "broker_delay_ms", "broker_loss_percent"};
+    constexpr std::array<std::string_view, 2> radio = {"radio_channels", "router_distance_m"};
+    constexpr std::array<std::string_view, 6> simulated = {"client_delay_ms", "client_loss_percent",
+                                                           "wire_delay_ms",   "wire_loss_percent",
+                                                           "wifi_delay_ms",   "wifi_loss_percent"};
     constexpr std::array<std::string_view, 3> processes = {"domain_base", "network", "port"};
     const auto refuse = [&table](std::span<const std::string_view> keys, const char* why) {
         for (const std::string_view key : keys) {
@@ -256,13 +290,13 @@ void refuse_what_is_of_another_world(const TomlTable& table, World world) {
             }
         }
     };
-    if (world == World::processes) {
-        refuse(simulated, "only links of a simulated world (`world = \"simulated\"`) have it");
+    if (!is_in_virtual_time(world)) {
+        refuse(simulated, only_simulated);
     } else {
         refuse(processes, "a simulated world has no addresses on this machine");
     }
-    if (world != World::radio) {
-        refuse(radio, "only a radio world (`world = \"radio\"`) has it");
+    if (!is_on_radio(world)) {
+        refuse(radio, only_on_radio);
     }
 }
 
@@ -288,6 +322,11 @@ std::string read_network(const TomlTable& table) {
 }
 
 SweepSettings read_settings(const TomlTable& table, const std::string& file_name) {
+    for (const std::string_view axis : axis_names) {
+        const toml::node* node = table.find(axis);
+        if (node == nullptr) continue;
+        table.refuse(*node, std::string{axis}, "it is an axis, and stands below [axes]");
+    }
     table.allow_only({"name",
                       "world",
                       "pattern",
@@ -304,11 +343,11 @@ SweepSettings read_settings(const TomlTable& table, const std::string& file_name
                       "group",
                       "client_delay_ms",
                       "client_loss_percent",
-                      "broker_delay_ms",
-                      "broker_loss_percent",
+                      "wire_delay_ms",
+                      "wire_loss_percent",
+                      "wifi_delay_ms",
+                      "wifi_loss_percent",
                       "radio_channels",
-                      "router_baud",
-                      "robot_baud",
                       "router_distance_m",
                       "domain_base",
                       "network",
@@ -318,8 +357,9 @@ SweepSettings read_settings(const TomlTable& table, const std::string& file_name
     SweepSettings settings;
     settings.world = read_world(table);
     refuse_what_is_of_another_world(table, settings.world);
-    settings.client_link = read_link(table, "client");
-    settings.broker_link = read_link(table, "broker");
+    settings.client_link = read_link(table, "client", settings.client_link);
+    settings.wire = read_link(table, "wire", settings.wire);
+    settings.wifi = read_link(table, "wifi", settings.wifi);
     settings.radio = read_radio(table);
     settings.name = table.word("name", std::filesystem::path{file_name}.stem().string());
     if (settings.name.find('/') != std::string::npos) {
@@ -384,7 +424,7 @@ Sweep parse_sweep(std::string_view text, const std::string& file_name) {
     Sweep sweep{
         .settings = read_settings(table, file_name), .cells = {}, .text = std::string{text}};
 
-    const Most most = most_in(sweep.settings.world);
+    const World world = sweep.settings.world;
     std::vector<Cell> points;
     const toml::node* axes = table.find("axes");
     if (axes == nullptr) {
@@ -392,10 +432,10 @@ Sweep parse_sweep(std::string_view text, const std::string& file_name) {
                          ": no [axes]; at least `[axes]` with `brokers = [1]` is needed");
     }
     if (const toml::table* one = axes->as_table()) {
-        append_cells(read_axes({*one, file_name, "axes."}, most), points);
+        append_cells(read_axes({*one, file_name, "axes."}, world), points);
     } else if (axes->is_array_of_tables()) {
         for (const toml::node& each : *axes->as_array()) {
-            append_cells(read_axes({*each.as_table(), file_name, "axes."}, most), points);
+            append_cells(read_axes({*each.as_table(), file_name, "axes."}, world), points);
         }
     } else {
         table.refuse(*axes, "axes", "a table [axes], or several [[axes]], are allowed");

@@ -33,7 +33,14 @@ enum class World : std::uint8_t {
     processes,  // romano-broker as processes, robots on sockets, on this machine
     simulated,  // the same cores in virtual time, on links with delay and loss
     radio,      // so, with the robots on modelled IEEE 802.15.4 cells
+    air,        // real brokers and robots, with those cells between them in real time
 };
+[[nodiscard]] constexpr bool is_in_virtual_time(World world) {
+    return world == World::simulated || world == World::radio;
+}
+[[nodiscard]] constexpr bool is_on_radio(World world) {
+    return world == World::radio || world == World::air;
+}
 [[nodiscard]] std::string_view name_of(World world);
 
 /// One of a simulated world's networks.
@@ -47,9 +54,7 @@ struct SimulatedLink {
 
 /// The robots' network of a radio world.
 struct SweptRadio {
-    std::uint32_t channels = 16;                         // which the brokers' cells take in turn
-    std::optional<std::uint32_t> router_baud = 115'200;  // empty: no line
-    std::optional<std::uint32_t> robot_baud = 115'200;
+    std::uint32_t channels = 16;    // which the brokers' cells take in turn
     double router_distance_m = 30;  // from one to the next, in a square grid
 
     friend bool operator==(const SweptRadio&, const SweptRadio&) = default;
@@ -59,7 +64,8 @@ struct SweepSettings {
     std::string name;
     World world = World::processes;
     SimulatedLink client_link;  // between robots and brokers
-    SimulatedLink broker_link;  // between brokers
+    SimulatedLink wire;         // between brokers, as the backbone of that name
+    SimulatedLink wifi{.delay_min_ms = 1, .delay_max_ms = 5, .loss_percent = 1};  // as well
     SweptRadio radio;
     Pattern pattern = Pattern::swarm;
     std::uint32_t repetitions = 1;

@@ -16,6 +16,7 @@
 
 #include "experiments/process/program.h"
 #include "experiments/report/summary_table.h"
+#include "experiments/sweep/air_world.h"
 #include "experiments/sweep/cell_processes.h"
 #include "experiments/sweep/cell_run.h"
 #include "experiments/sweep/manifest.h"
@@ -203,7 +204,7 @@ int run_sweep(const SweepRequest& request) {
     const std::set<Cell> done = done_elsewhere(sweep, request);
     if (request.only_cell && !request.replace) sweep.cells = cells;
     sweep.settings.output = output_of(sweep, request);
-    const bool is_simulated = sweep.settings.world != World::processes;
+    const bool is_simulated = is_in_virtual_time(sweep.settings.world);
     if (request.jobs && !is_simulated) {
         throw SweepError(
             "--jobs " + std::to_string(*request.jobs) +
@@ -226,6 +227,11 @@ int run_sweep(const SweepRequest& request) {
             if (sweep.settings.world == World::radio) return make_radio_world(sweep.settings, cell);
             return std::make_unique<SimulatedWorld>(sweep.settings, cell);
         };
+    } else if (request.hosts && sweep.settings.world == World::air) {
+        throw SweepError(
+            "--hosts: the sweep file says `world = \"air\"`, whose channel is on this machine; "
+            "leave "
+            "one of them out");
     } else if (request.hosts) {
         testbed.emplace(*request.hosts, sweep.settings, cells, tell_about_hosts);
         broker_version = testbed->broker_version();
@@ -233,10 +239,16 @@ int run_sweep(const SweepRequest& request) {
             return std::make_unique<TestbedWorld>(sweep.settings, cell, *testbed);
         };
     } else {
+        const bool is_on_air = sweep.settings.world == World::air;
+        if (is_on_air) check_air(sweep.settings, sweep.cells);
         check_program(request.broker_program);
         network = claim_network_of(sweep.settings);
         broker_version = version_of(request.broker_program);
-        make_world = [&](const Cell& cell) {
+        make_world = [&, is_on_air](const Cell& cell) -> std::unique_ptr<CellWorld> {
+            if (is_on_air) {
+                return make_air_world(sweep.settings, cell, network->network,
+                                      request.broker_program);
+            }
             return std::make_unique<ProcessWorld>(sweep.settings, cell, network->network,
                                                   request.broker_program);
         };

@@ -41,12 +41,11 @@ void TomlTable::refuse(const toml::node& node, const std::string& setting,
                        "`: " + allowed);
 }
 
-void TomlTable::allow_only(std::initializer_list<std::string_view> keys) const {
+void TomlTable::allow_only(std::span<const std::string_view> keys) const {
     for (const auto& [key, node] : table_) {
         if (std::ranges::find(keys, key.str()) != keys.end()) continue;
         throw SettingError(where(key.source()) + "unknown setting `" + section_ +
-                           std::string{key.str()} + "`; known are " +
-                           listed({keys.begin(), keys.size()}));
+                           std::string{key.str()} + "`; known are " + listed(keys));
     }
 }
 

@@ -35,7 +35,10 @@ public:
 
     [[noreturn]] void refuse(const toml::node& node, const std::string& setting,
                              const std::string& allowed) const;
-    void allow_only(std::initializer_list<std::string_view> keys) const;
+    void allow_only(std::span<const std::string_view> keys) const;
+    void allow_only(std::initializer_list<std::string_view> keys) const {
+        allow_only(std::span{keys.begin(), keys.size()});
+    }
 
     [[nodiscard]] const toml::node* find(std::string_view key) const { return table_.get(key); }
 

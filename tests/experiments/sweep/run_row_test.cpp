@@ -19,6 +19,9 @@ TEST(RunRow, ReadsBackFromItsCsv) {
                 .detector = "fixed",
                 .acks = "all",
                 .clients = "protected",
+                .backbone = "wifi",
+                .router_baud = "115200",
+                .robot_baud = "none",
                 .fault = Fault::kill_home,
                 .seed = 18446744073709551615U,
                 .repetition = 2};

@@ -78,7 +78,7 @@ TEST(SimulatedCell, HasTheDelayOfItsLinks) {
 // Nothing overtakes on one wire, between brokers neither.
 TEST(SimulatedCell, LosesNothingOnLinksThatLoseNothing) {
     const RunRow row = Ran(std::string{small} +
-                           "broker_delay_ms = [0, 2]\n"
+                           "wire_delay_ms = [0, 2]\n"
                            "[axes]\nbrokers = 2\nrobots = 10\nrate = 100\nqos = 0\n")
                            .row;
     EXPECT_EQ(row.delivery_ratio, 1);

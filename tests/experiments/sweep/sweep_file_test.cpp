@@ -81,7 +81,8 @@ TEST(SweepFile, ReadsTheLinksOfASimulatedWorld) {
         world = "simulated"
         client_delay_ms = 5
         client_loss_percent = 1.5
-        broker_delay_ms = [1, 2.5]
+        wire_delay_ms = [1, 2.5]
+        wifi_loss_percent = 3
         [axes]
         brokers = [1, 100]
         robots = 2000
@@ -90,9 +91,41 @@ TEST(SweepFile, ReadsTheLinksOfASimulatedWorld) {
     EXPECT_EQ(sweep.settings.world, World::simulated);
     EXPECT_EQ(sweep.settings.client_link,
               (SimulatedLink{.delay_min_ms = 5, .delay_max_ms = 5, .loss_percent = 1.5}));
-    EXPECT_EQ(sweep.settings.broker_link,
+    EXPECT_EQ(sweep.settings.wire,
               (SimulatedLink{.delay_min_ms = 1, .delay_max_ms = 2.5, .loss_percent = 0}));
+    EXPECT_EQ(sweep.settings.wifi,
+              (SimulatedLink{.delay_min_ms = 1, .delay_max_ms = 5, .loss_percent = 3}));
     EXPECT_THAT(sweep.cells, SizeIs(2));
+}
+
+TEST(SweepFile, HasTheLinesAndTheBackboneOfARadioWorldAsAxes) {
+    const Sweep sweep = parse_sweep(R"(
+        world = "radio"
+        [axes]
+        brokers = [1, 2]
+        backbone = ["wire", "wifi", "radio"]
+        router_baud = [115200, "none"]
+        robot_baud = 230400
+    )",
+                                    "try.toml");
+    ASSERT_THAT(sweep.cells, SizeIs(8)) << "one broker has no backbone";
+    EXPECT_EQ(sweep.cells[0].backbone, "");
+    EXPECT_EQ(sweep.cells[0].router_baud, "115200");
+    EXPECT_EQ(sweep.cells[1].router_baud, "none");
+    EXPECT_EQ(sweep.cells[1].robot_baud, "230400");
+    EXPECT_EQ(sweep.cells[7].backbone, "radio");
+    EXPECT_THAT(describe(sweep.cells[7]),
+                HasSubstr("backbone radio, routers without UART, robots 230400 baud"));
+}
+
+TEST(SweepFile, HasNoLinesWhereTheWorldHasNone) {
+    const Cell real = parse_sweep("[axes]\nbrokers = 2", "try.toml").cells[0];
+    EXPECT_EQ(real.backbone, "wire") << "this machine's network";
+    EXPECT_EQ(real.router_baud + real.robot_baud, "");
+    const Cell simulated =
+        parse_sweep("world = \"simulated\"\n[axes]\nbrokers = 2", "try.toml").cells[0];
+    EXPECT_EQ(simulated.backbone, "wire");
+    EXPECT_EQ(simulated.router_baud + simulated.robot_baud, "");
 }
 
 // A row of the one is none of the other.
@@ -161,13 +194,15 @@ INSTANTIATE_TEST_SUITE_P(
                 "try.toml, line 1: unknown setting `durations`; known are name, world, "
                 "pattern, repetitions, duration, fault_after, pause, drain, start_within, retry, "
                 "publish_within, probe, broker_options, group, client_delay_ms, "
-                "client_loss_percent, broker_delay_ms, broker_loss_percent, radio_channels, "
-                "router_baud, "
-                "robot_baud, router_distance_m, domain_base, network, "
+                "client_loss_percent, wire_delay_ms, wire_loss_percent, wifi_delay_ms, "
+                "wifi_loss_percent, radio_channels, router_distance_m, domain_base, network, "
                 "port, output, axes"},
+        Refusal{"brokers = 3\n[axes]",
+                "try.toml, line 1: `brokers = 3`: it is an axis, and stands below [axes]"},
         Refusal{"[axes]\nbroker = 3",
                 "try.toml, line 2: unknown setting `axes.broker`; known are brokers, robots, "
-                "rate, payload, qos, elector, detector, acks, clients, fault, seed"},
+                "rate, payload, qos, elector, detector, acks, clients, backbone, router_baud, "
+                "robot_baud, fault, seed"},
         Refusal{"[axes]\nbrokers = [1, 0]",
                 "try.toml, line 2: `axes.brokers = 0`: a whole number from 1 to 32 is allowed"},
         Refusal{"[axes]\nbrokers = \"two\"",
@@ -201,16 +236,22 @@ INSTANTIATE_TEST_SUITE_P(
                 "try.toml, line 1: `pattern = \"mesh\"`: allowed are swarm, common, commands"},
         Refusal{"world = \"moon\"\n[axes]",
                 "try.toml, line 1: `world = \"moon\"`: allowed are processes, simulated, "
-                "radio"},
-        Refusal{
-            "world = \"simulated\"\nrouter_baud = 115200\n[axes]",
-            "try.toml, line 2: `router_baud = 115200`: only a radio world (`world = \"radio\"`) "
-            "has it"},
-        Refusal{"world = \"radio\"\nrouter_baud = 0\n[axes]",
-                "try.toml, line 2: `router_baud = 0`: a whole number from 1200 to 10000000 is "
-                "allowed"},
-        Refusal{"world = \"radio\"\nrobot_baud = \"slow\"\n[axes]",
-                "try.toml, line 2: `robot_baud = \"slow\"`: a baud or \"none\" is allowed"},
+                "radio, air"},
+        Refusal{"world = \"simulated\"\n[axes]\nrouter_baud = 115200",
+                "try.toml, line 3: `axes.router_baud = 115200`: only a world on radio "
+                "(`world = \"radio\"` or \"air\") has it"},
+        Refusal{"world = \"radio\"\n[axes]\nrouter_baud = [115200, 0]",
+                "try.toml, line 3: `axes.router_baud = 0`: a baud from 1200 to 10000000 or "
+                "\"none\" is allowed"},
+        Refusal{"world = \"radio\"\n[axes]\nrobot_baud = \"slow\"",
+                "try.toml, line 3: `axes.robot_baud = \"slow\"`: a baud from 1200 to 10000000 or "
+                "\"none\" is allowed"},
+        Refusal{"world = \"radio\"\n[axes]\nbackbone = \"string\"",
+                "try.toml, line 3: `axes.backbone = \"string\"`: allowed are wire, wifi, radio"},
+        Refusal{"world = \"simulated\"\n[axes]\nbackbone = \"radio\"",
+                "try.toml, line 3: `axes.backbone = \"radio\"`: allowed are wire, wifi"},
+        Refusal{"[axes]\nbackbone = \"wifi\"",
+                "try.toml, line 2: `axes.backbone = \"wifi\"`: allowed are wire"},
         Refusal{"world = \"radio\"\nradio_channels = 17\n[axes]",
                 "try.toml, line 2: `radio_channels = 17`: a whole number from 1 to 16 is allowed"},
         Refusal{"world = \"radio\"\n[axes]\npayload = 1001",
@@ -220,13 +261,13 @@ INSTANTIATE_TEST_SUITE_P(
                 "try.toml, line 2: `port = 1884`: a simulated world has no addresses on this "
                 "machine"},
         Refusal{"client_loss_percent = 1\n[axes]",
-                "try.toml, line 1: `client_loss_percent = 1`: only links of a simulated world "
-                "(`world = \"simulated\"`) have it"},
+                "try.toml, line 1: `client_loss_percent = 1`: only a simulated world (`world "
+                "= \"simulated\"` or \"radio\") has it"},
         Refusal{"world = \"simulated\"\nport = 1884\n[axes]",
                 "try.toml, line 2: `port = 1884`: a simulated world has no addresses on this "
                 "machine"},
-        Refusal{"world = \"simulated\"\nbroker_delay_ms = [3, 1]\n[axes]",
-                "try.toml, line 2: `broker_delay_ms = 1`: milliseconds from 0 to 10000 are "
+        Refusal{"world = \"simulated\"\nwire_delay_ms = [3, 1]\n[axes]",
+                "try.toml, line 2: `wire_delay_ms = 1`: milliseconds from 0 to 10000 are "
                 "allowed, or the least and the most: [1, 5]"},
         Refusal{"world = \"simulated\"\nclient_loss_percent = 51\n[axes]",
                 "try.toml, line 2: `client_loss_percent = 51`: percent from 0 to 50 are allowed"},
