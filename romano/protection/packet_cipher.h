@@ -1,7 +1,7 @@
 // What packets are sealed by: AES-CCM with a tag of 64 bits, and nonce_of() the header. There are
 // two of it, which make the same octets, and a program has one: packet_cipher.cpp with our own AES
-// and SHA-256, small, for chips; libcrypto/packet_cipher.cpp, with the processor's instructions,
-// for computers.
+// and SHA-256, small, for chips; libcrypto/packet_cipher.cpp with those of libcrypto, which uses
+// the processor's instructions, for computers.
 #pragma once
 
 #include "romano/base/bytes.h"

@@ -1,5 +1,5 @@
-// AES-CCM: the packet vectors of RFC 3610 section 8 and the examples of NIST SP 800-38C appendix C
-// (its fourth has more readable octets than are supported).
+// AES-CCM, of chips and of computers: the packet vectors of RFC 3610 section 8 and the examples of
+// NIST SP 800-38C appendix C (its fourth has more readable octets than are supported).
 
 #include "romano/protection/ccm.h"
 
@@ -8,10 +8,31 @@
 #include <algorithm>
 #include <string>
 
+#include "romano/protection/libcrypto/scheduled_ccm.h"
 #include "tests/romano/protection/hex.h"
 
 namespace romano::protection {
 namespace {
+
+struct OfChips {
+    static void seal(const Key& key, Bytes nonce, Bytes readable, MutableBytes message,
+                     MutableBytes tag) {
+        Ccm{key, nonce}.seal(readable, message, tag);
+    }
+    static bool open(const Key& key, Bytes nonce, Bytes readable, MutableBytes message, Bytes tag) {
+        return Ccm{key, nonce}.open(readable, message, tag);
+    }
+};
+
+struct OfComputers {
+    static void seal(const Key& key, Bytes nonce, Bytes readable, MutableBytes message,
+                     MutableBytes tag) {
+        ScheduledCcm::of(key).seal(nonce, readable, message, tag);
+    }
+    static bool open(const Key& key, Bytes nonce, Bytes readable, MutableBytes message, Bytes tag) {
+        return ScheduledCcm::of(key).open(nonce, readable, message, tag);
+    }
+};
 
 struct Vector {
     Key key;
@@ -22,19 +43,21 @@ struct Vector {
     std::string sealed;  // message and tag
 };
 
+template <typename Cipher>
 std::string seal(const Vector& vector) {
     Octets message = vector.message;
     Octets tag(vector.tag_size);
-    Ccm{vector.key, vector.nonce}.seal(vector.readable, message, tag);
+    Cipher::seal(vector.key, vector.nonce, vector.readable, message, tag);
     return hex(message) + hex(tag);
 }
 
+template <typename Cipher>
 std::string open(const Vector& vector) {
     Octets message = octets(vector.sealed);
     const Octets tag(message.end() - static_cast<std::ptrdiff_t>(vector.tag_size), message.end());
     message.resize(message.size() - vector.tag_size);
-    return Ccm(vector.key, vector.nonce).open(vector.readable, message, tag) ? hex(message)
-                                                                             : "refused";
+    return Cipher::open(vector.key, vector.nonce, vector.readable, message, tag) ? hex(message)
+                                                                                 : "refused";
 }
 
 /// The RFC's octets count up from the readable ones through the message.
@@ -58,7 +81,12 @@ Vector sp_800_38c(std::size_t nonce, std::size_t readable, std::size_t message,
             .sealed = sealed};
 }
 
-TEST(AesCcm, SealsAndOpensThePacketsOfRfc3610) {
+template <typename Cipher>
+class AesCcm : public testing::Test {};
+using Ciphers = testing::Types<OfChips, OfComputers>;
+TYPED_TEST_SUITE(AesCcm, Ciphers);
+
+TYPED_TEST(AesCcm, SealsAndOpensThePacketsOfRfc3610) {
     for (const Vector& vector :
          {rfc_3610("00000003020100", 8, 31, 8,
                    "588c979a61c663d2f066d0c2c0f989806d5f6b61dac38417e8d12cfdf926e0"),
@@ -74,27 +102,63 @@ TEST(AesCcm, SealsAndOpensThePacketsOfRfc3610) {
                    "6fc1b011f006568b5171a42d953d469b2570a4bd87405a0443ac91cb94"),
           rfc_3610("00000009080706", 8, 31, 10,
                    "0135d1b2c95f41d5d1d4fec185d166b8094e999dfed96c048c56602c97acbb7490")}) {
-        EXPECT_EQ(seal(vector), vector.sealed);
-        EXPECT_EQ(open(vector), hex(vector.message));
+        EXPECT_EQ(seal<TypeParam>(vector), vector.sealed);
+        EXPECT_EQ(open<TypeParam>(vector), hex(vector.message));
     }
 }
 
-TEST(AesCcm, SealsAndOpensTheExamplesOfNistSp80038c) {
+TYPED_TEST(AesCcm, SealsAndOpensTheExamplesOfNistSp80038c) {
     for (const Vector& vector :
          {sp_800_38c(7, 8, 4, 4, "7162015b4dac255d"),
           sp_800_38c(8, 16, 16, 6, "d2a1f0e051ea5f62081a7792073d593d1fc64fbfaccd"),
           sp_800_38c(12, 20, 24, 8,
                      "e3b201a9f5b71a7a9b1ceaeccd97e70b6176aad9a4428aa5484392fbc1b09951")}) {
-        EXPECT_EQ(seal(vector), vector.sealed);
-        EXPECT_EQ(open(vector), hex(vector.message));
+        EXPECT_EQ(seal<TypeParam>(vector), vector.sealed);
+        EXPECT_EQ(open<TypeParam>(vector), hex(vector.message));
     }
 }
 
-TEST(AesCcm, LeavesNothingOfAMessageWhoseTagIsWrong) {
+TYPED_TEST(AesCcm, LeavesNothingOfAMessageWhoseTagIsWrong) {
     Octets message(20, 0x55);
     const Key key = counting_array<16>();
-    EXPECT_FALSE(Ccm(key, counting(13)).open(counting(20), message, Octets(8)));
+    EXPECT_FALSE(TypeParam::open(key, counting(13), counting(20), message, Octets(8)));
     EXPECT_EQ(message, Octets(20));
+}
+
+TYPED_TEST(AesCcm, RefusesAMessageOfWhichAnyBitIsAnother) {
+    const Key key = counting_array<16>();
+    Octets sealed = counting(20);
+    Octets tag(8);
+    TypeParam::seal(key, counting(13), counting(20), sealed, tag);
+    for (std::size_t bit = 0; bit < 8 * (sealed.size() + tag.size()); ++bit) {
+        Octets message = sealed;
+        Octets its_tag = tag;
+        const std::size_t at = bit / 8;
+        auto& octet = at < sealed.size() ? message[at] : its_tag[at - sealed.size()];
+        octet = static_cast<std::uint8_t>(octet ^ 1U << bit % 8);
+        EXPECT_FALSE(TypeParam::open(key, counting(13), counting(20), message, its_tag)) << bit;
+    }
+}
+
+/// A scheduled key has a past: what it did last, and whose place it took.
+TEST(AesCcmOfComputers, MakesTheOctetsOfChipsForEveryKeyAndSizeInWhateverOrder) {
+    for (std::size_t size = 1; size < 1'000; size += size < 70 ? 1 : 61) {
+        for (std::uint8_t last = 1; last <= 3; ++last) {
+            Key key = counting_array<16>(size % 2 == 0 ? 7 : 8);
+            key.back() = last;  // these share a place
+            const std::size_t readable = 1 + size % 50;
+            Octets expected = counting(size);
+            Octets expected_tag(8);
+            OfChips::seal(key, counting(12), counting(readable), expected, expected_tag);
+            Octets message = counting(size);
+            Octets tag(8);
+            OfComputers::seal(key, counting(12), counting(readable), message, tag);
+            EXPECT_EQ(hex(message) + hex(tag), hex(expected) + hex(expected_tag)) << size;
+            EXPECT_TRUE(
+                OfComputers::open(key, counting(12), counting(readable), message, expected_tag));
+            EXPECT_EQ(message, counting(size));
+        }
+    }
 }
 
 }  // namespace
