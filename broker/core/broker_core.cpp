@@ -17,6 +17,7 @@
 #include "broker/core/publish_flow.h"
 #include "broker/core/router.h"
 #include "broker/core/session_image_of.h"
+#include "broker/core/stranger_answers.h"
 #include "broker/core/stranger_limit.h"
 #include "broker/core/subscribe_flow.h"
 #include "broker/core/subscriptions.h"
@@ -33,7 +34,8 @@ public:
     State(const BrokerOptions& options, std::uint64_t seed)
         : tables(options, seed),
           strangers_(options.limits.stranger_datagrams_per_second,
-                     options.limits.address_stranger_datagrams_per_second) {}
+                     options.limits.address_stranger_datagrams_per_second),
+          stranger_answers_(options.limits.stranger_answers_per_second) {}
 
     void on_datagram(const Origin& origin, Bytes datagram, bool wrapped, Turn& turn);
     void on_tick(const SessionJudgement& may_be_unheard, Turn& turn);
@@ -71,6 +73,7 @@ private:
     Liveness liveness_{tables, outbox, deliveries, lifecycle, publish_flow_};
     Discovery discovery_{tables, outbox};
     StrangerLimit strangers_;
+    StrangerAnswers stranger_answers_;
     Instant forget_deletions_at_{};
 };
 
@@ -289,7 +292,8 @@ void BrokerCore::State::handle(Session& session, const mqttsn::Message& message,
 void BrokerCore::State::on_stranger(const Origin& origin, MsgType type, Turn& turn) {
     if (!is_request(type)) {
         tables.count(Drop::unknown_sender);
-    } else if (!strangers_.allows(origin.from.endpoint, turn.now)) {
+    } else if (!strangers_.allows(origin.from.endpoint, turn.now) ||
+               !stranger_answers_.allows(turn.now)) {
         tables.count(Drop::stranger_rate);
     } else {
         tables.count(Drop::unknown_sender);

@@ -14,7 +14,7 @@ namespace romano::broker {
 enum class Drop : std::uint8_t {
     wrong_direction,    // a message that only brokers send
     unknown_sender,     // no session for it, and no CONNECT
-    stranger_rate,      // over the rate at which an address without a session is heeded
+    stranger_rate,      // over a rate at which addresses without a session are heeded, or answered
     unexpected,         // an answer to nothing asked, a will out of turn
     invalid_topic,      // unknown id, bad name or filter
     too_large,          // a payload over the limit

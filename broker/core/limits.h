@@ -32,6 +32,8 @@ struct Limits {
                                                       // heeded; the rest is dropped unanswered
     std::size_t address_stranger_datagrams_per_second = 20'000;  // the same of one IP address, of
                                                                  // whatever ports
+    std::size_t stranger_answers_per_second = 2'000;  // DISCONNECTs to all addresses without a
+                                                      // session; the rest is dropped unanswered
     std::size_t pacing_ms = 1'000;     // PUBACK and PUBREC come so much later, at most, when a
                                        // receiver's queue fills up
     std::size_t session_expiry_s = 0;  // a kept session whose client was away for so long is

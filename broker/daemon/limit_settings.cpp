@@ -7,7 +7,7 @@ namespace {
 
 using broker::Limits;
 
-constexpr std::array<LimitSetting, 15> limit_table{{
+constexpr std::array<LimitSetting, 16> limit_table{{
     {"max-sessions", &Limits::sessions, 1, 1'000'000,
      "Sessions; then clean ones left behind go, then kept ones of whichever IP address left most "
      "of them behind, but for its last one; then CONNECT hears \"congestion\""},
@@ -35,6 +35,8 @@ constexpr std::array<LimitSetting, 15> limit_table{{
      "Datagrams a second of one IP address and port without a session; the rest is dropped"},
     {"max-address-stranger-rate", &Limits::address_stranger_datagrams_per_second, 1, 10'000'000,
      "The same of one IP address, of all its ports without a session together"},
+    {"max-stranger-answers", &Limits::stranger_answers_per_second, 1, 10'000'000,
+     "DISCONNECTs a second to all addresses without a session together; the rest hear nothing"},
     {"max-pacing-ms", &Limits::pacing_ms, 0, 60'000,
      "PUBACK and PUBREC come so much later at most when a receiver's queue fills up; 0: never"},
     {"session-expiry-s", &Limits::session_expiry_s, 0, 4'294'967'295,

@@ -283,6 +283,35 @@ TEST(Limit, OfAnUnknownIpAddressHoldsForAllItsPortsTogether) {
     EXPECT_TRUE(is_answered(8, 11));
 }
 
+TEST(Limit, OfAnswersToAllStrangersTogetherSpreadsThemAndHoldsUpNobodyElse) {
+    ScriptedBroker broker{options_with<std::size_t>(&Limits::stranger_answers_per_second, 20)};
+    ScriptedClient client{broker, "client"};
+    client.connects();
+    std::uint16_t strangers = 0;
+    const auto answered_of = [&](unsigned flood) {
+        std::size_t answered = 0;
+        for (unsigned i = 0; i < flood; ++i) {
+            ScriptedClient stranger{broker, "stranger", ++strangers};
+            stranger.address.endpoint.address[2] = static_cast<std::uint8_t>(strangers % 251);
+            stranger.says(Pingreq{});
+            answered += stranger.unheard();
+        }
+        return answered;
+    };
+    EXPECT_EQ(answered_of(100), 2u);  // a tenth of a second's
+    EXPECT_EQ(broker.dropped(Drop::stranger_rate), 98u);
+    for (int turn = 0; turn < 20; ++turn) {
+        broker.waits(50ms);
+        EXPECT_EQ(answered_of(10), 1u) << turn;
+    }
+    client.says(Pingreq{});
+    client.hears<Pingresp>();
+    ScriptedClient newcomer{broker, "newcomer"};
+    newcomer.connects();
+    broker.waits(10s);
+    EXPECT_EQ(answered_of(100), 2u);  // nothing was saved up
+}
+
 /// A broker whose owner is short of memory.
 class Full : public testing::Test {
 protected:
