@@ -54,6 +54,23 @@ struct ProtectedFleet : BrokerFixture {
         return std::make_unique<TestClient>(addresses.client(), addresses.service_endpoint(broker),
                                             KeyFile{file});
     }
+    struct RobotAndAnna {
+        std::unique_ptr<TestClient> robot;
+        std::unique_ptr<TestClient> anna;
+        mqttsn::TopicId topic{};  // that anna publishes under
+    };
+    /// abcd1234, at the first broker, hears what anna publishes at the second.
+    RobotAndAnna robot_that_hears_anna(mqttsn::Qos qos) {
+        RobotAndAnna both{client_of(1, "abcd1234"), client_of(2, "anna")};
+        const std::string pose = "robots/abcd1234/pose";
+        EXPECT_TRUE(both.robot->connect());
+        EXPECT_TRUE(both.robot->subscribe(pose, qos));
+        EXPECT_TRUE(both.anna->connect());
+        const auto topic = both.anna->register_topic(pose);
+        EXPECT_TRUE(topic);
+        both.topic = topic.value_or(mqttsn::TopicId{});
+        return both;
+    }
     bool counts(int broker, const std::string& reason, int at_least) {
         return metrics_come_to_say(addresses.service_endpoint(broker),
                                    "romano_protection_refusals_total{reason=\"" + reason + "\"}",

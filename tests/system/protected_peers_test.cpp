@@ -91,15 +91,9 @@ TEST_F(ProtectedPeers, WhoHasNoPapersOrThoseOfAnotherFleetNeitherJoinsNorReads) 
     start_member(2);
     ASSERT_TRUE(view_has(1, 2));
     EXPECT_TRUE(view_has(2, 2));
-    const auto robot = client_of(1, "abcd1234");
-    const auto anna = client_of(2, "anna");
-    ASSERT_TRUE(robot->connect());
-    ASSERT_TRUE(robot->subscribe("robots/abcd1234/pose", mqttsn::Qos::at_least_once));
-    ASSERT_TRUE(anna->connect());
-    const auto topic = anna->register_topic("robots/abcd1234/pose");
-    ASSERT_TRUE(topic);
-    ASSERT_TRUE(anna->publish(*topic, "x", mqttsn::Qos::at_least_once));
-    ASSERT_TRUE(robot->run_until([&] { return !robot->received.empty(); }));
+    const auto both = robot_that_hears_anna(mqttsn::Qos::at_least_once);
+    ASSERT_TRUE(both.anna->publish(both.topic, "x", mqttsn::Qos::at_least_once));
+    ASSERT_TRUE(both.robot->run_until([&] { return !both.robot->received.empty(); }));
     for (const int outsider : {4, 5}) {
         EXPECT_TRUE(view_has(outsider, 1)) << outsider;
         EXPECT_TRUE(metrics_come_to_say(addresses.service_endpoint(outsider), heard, 0, 0))
@@ -139,20 +133,14 @@ TEST_F(ProtectedPeers, CertificatesAreReplacedOneBrokerAfterTheOtherUnderLoadAnd
     for (const char* name : {"r1", "r2", "r3"}) install(name);
     for (int n = 1; n <= 3; ++n) start_on_its_machine(n);
     ASSERT_TRUE(view_has(1, 3));
-    const auto robot = client_of(1, "abcd1234");
-    const auto anna = client_of(2, "anna");
-    ASSERT_TRUE(robot->connect());
-    ASSERT_TRUE(robot->subscribe("robots/abcd1234/pose", mqttsn::Qos::exactly_once));
-    ASSERT_TRUE(anna->connect());
-    const auto topic = anna->register_topic("robots/abcd1234/pose");
-    ASSERT_TRUE(topic);
-    const int begun = robot->sessions_begun + anna->sessions_begun;
+    const auto both = robot_that_hears_anna(mqttsn::Qos::exactly_once);
+    const int begun = both.robot->sessions_begun + both.anna->sessions_begun;
     int published = 0;
     const auto publish = [&](int count) {
         for (int i = 0; i < count; ++i) {
-            ASSERT_TRUE(
-                anna->publish(*topic, std::to_string(published++), mqttsn::Qos::exactly_once));
-            robot->run_until([] { return false; }, std::chrono::milliseconds{2});
+            ASSERT_TRUE(both.anna->publish(both.topic, std::to_string(published++),
+                                           mqttsn::Qos::exactly_once));
+            both.robot->run_until([] { return false; }, std::chrono::milliseconds{2});
         }
     };
     publish(20);
@@ -169,12 +157,12 @@ TEST_F(ProtectedPeers, CertificatesAreReplacedOneBrokerAfterTheOtherUnderLoadAnd
         publish(10);
         ASSERT_TRUE(view_has(n, 3)) << name;
     }
-    ASSERT_TRUE(robot->run_until(
-        [&] { return robot->received.size() == static_cast<std::size_t>(published); }));
+    ASSERT_TRUE(both.robot->run_until(
+        [&] { return both.robot->received.size() == static_cast<std::size_t>(published); }));
     for (int i = 0; i < published; ++i) {
-        EXPECT_EQ(robot->received[static_cast<std::size_t>(i)].data, std::to_string(i));
+        EXPECT_EQ(both.robot->received[static_cast<std::size_t>(i)].data, std::to_string(i));
     }
-    EXPECT_EQ(robot->sessions_begun + anna->sessions_begun, begun) << "a client noticed";
+    EXPECT_EQ(both.robot->sessions_begun + both.anna->sessions_begun, begun) << "a client noticed";
     EXPECT_EQ(romano({"keys", "check", machine("r1").string()}), 0) << said;
 }
 
@@ -241,22 +229,16 @@ TEST_F(ProtectedPeers, WhatBrokersSaidIsNotReadAndChangesNothingWhenItIsPlayedBa
     Eavesdropper stranger;
     if (!stranger.is_listening()) GTEST_SKIP() << "without CAP_NET_RAW";
     start_both();
-    const auto robot = client_of(1, "abcd1234");
-    const auto anna = client_of(2, "anna");
-    ASSERT_TRUE(robot->connect());
-    ASSERT_TRUE(robot->subscribe("robots/abcd1234/pose", mqttsn::Qos::exactly_once));
-    ASSERT_TRUE(anna->connect());
-    const auto topic = anna->register_topic("robots/abcd1234/pose");
-    ASSERT_TRUE(topic);
+    const auto both = robot_that_hears_anna(mqttsn::Qos::exactly_once);
     const std::string secret = "the pose of a robot";
     const auto publish = [&] {
-        ASSERT_TRUE(anna->publish(*topic, secret, mqttsn::Qos::exactly_once));
+        ASSERT_TRUE(both.anna->publish(both.topic, secret, mqttsn::Qos::exactly_once));
     };
     for (int i = 0; i < 20; ++i) {
         publish();
         stranger.hear();
     }
-    ASSERT_TRUE(robot->run_until([&] { return robot->received.size() == 20; }));
+    ASSERT_TRUE(both.robot->run_until([&] { return both.robot->received.size() == 20; }));
     ASSERT_GT(stranger.frames.size(), 20U);
     for (const auto& frame : stranger.frames) {
         EXPECT_EQ(std::ranges::search(frame, secret).begin(), frame.end());
@@ -268,7 +250,7 @@ TEST_F(ProtectedPeers, WhatBrokersSaidIsNotReadAndChangesNothingWhenItIsPlayedBa
     ASSERT_TRUE(views(1) && views(2));
     stranger.send_again(50'000);
     publish();
-    ASSERT_TRUE(robot->run_until([&] { return robot->received.size() == 21; }));
+    ASSERT_TRUE(both.robot->run_until([&] { return both.robot->received.size() == 21; }));
     for (int broker = 1; broker <= 2; ++broker) {
         EXPECT_TRUE(views(broker)) << "nobody was taken for dead";
         EXPECT_TRUE(view_has(broker, 2));
@@ -276,8 +258,8 @@ TEST_F(ProtectedPeers, WhatBrokersSaidIsNotReadAndChangesNothingWhenItIsPlayedBa
             addresses.service_endpoint(broker),
             "romano_cluster_transport_refusals_total{reason=\"malformed\"}", 0, 0));
     }
-    EXPECT_TRUE(robot->ping());
-    EXPECT_EQ(robot->received.size(), 21U);
+    EXPECT_TRUE(both.robot->ping());
+    EXPECT_EQ(both.robot->received.size(), 21U);
 }
 
 TEST_F(ProtectedPeers, AClientsCertificateIsNoBrokers) {
