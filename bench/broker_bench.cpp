@@ -149,6 +149,7 @@ bool takes_part(const Entrant& entrant, const Scenario& scenario) {
     const bool is_plain_broker =
         entrant.kind == Kind::broker && entrant.packets == Endpoint::Packets::plain;
     if (entrant.has_cell || scenario.is_for_cells) return is_plain_broker && scenario.is_for_cells;
+    if (entrant.kind == Kind::broker && scenario.with_keys) return true;
     return entrant.kind == Kind::reflector || is_plain_broker || scenario.with_others;
 }
 

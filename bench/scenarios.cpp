@@ -28,6 +28,8 @@ std::vector<Scenario> scenarios(Duration measured, bool small) {
         return made;
     };
     const std::uint32_t many = small ? 100 : 10'000;
+    // A client of DTLS takes 100 KB of the generator's memory.
+    const std::uint32_t fewer = small ? 50 : 1'000;
     // In a fan-out fewer messages are on their way, so that the datagrams are about as many.
     return {
         {"qos0_1_to_1", plan(1, 1, 1, Qos::at_most_once, 64), true},
@@ -44,6 +46,9 @@ std::vector<Scenario> scenarios(Duration measured, bool small) {
         {"rate_50000_per_s", at_rate(50'000), false},
         {"sessions_10", plan(5, 5, 10, Qos::at_most_once, 60), false},
         {"sessions_many", plan(many / 2, many / 2, many, Qos::at_most_once, 60), false},
+        {.name = "sessions_with_keys",
+         .plan = plan(fewer / 2, fewer / 2, fewer, Qos::at_most_once, 60),
+         .with_keys = true},
     };
 }
 

@@ -13,6 +13,7 @@ struct Scenario {
     std::string name;
     experiments::LoadPlan plan;
     bool with_others = false;   // mosquitto, other brokers and clients with keys take part
+    bool with_keys = false;     // of those, clients with keys alone
     bool is_for_cells = false;  // plain broker and cell take part, with a socket for each client
     /// The figure is the latency at the plan's rate; else the throughput.
     [[nodiscard]] bool is_about_latency() const { return plan.rate_per_s.has_value(); }

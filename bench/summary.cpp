@@ -117,6 +117,16 @@ Series octets_a_session(const std::vector<Row>& rows) {
     return found;
 }
 
+/// Of what it may take: 8 MB and 2.3 KB a session.
+Series share_of_memory(const std::vector<Row>& rows, const std::string& with_keys) {
+    Series found;
+    for (const Row& row : rows) {
+        if (row.scenario != "sessions_with_keys" || row.contestant != with_keys) continue;
+        found[row.repetition] = row.resident_joined_kib / (8'192 + 2.3 * row.sessions);
+    }
+    return found;
+}
+
 Series lost_in_closed_loops(const std::vector<Row>& rows) {
     Series found;
     for (const Row& row : rows) {
@@ -187,10 +197,15 @@ std::vector<Target> judge(const std::vector<Row>& rows) {
             "qos0_1_to_1", with_keys, "broker", &Row::cpu_us_a_message);
         add(with_keys + ", broker's CPU of plain's, QoS 0, 1 to 50", Wanted::at_most, 1 / 0.60,
             "qos0_1_to_50", with_keys, "broker", &Row::cpu_us_a_message);
+        targets.push_back(target(with_keys + ", memory of 8 MB + 2.3 KB a session", Wanted::at_most,
+                                 1, share_of_memory(rows, with_keys)));
     }
     for (const std::string listener : {"broker", "protected", "dtls"}) {
-        add(listener + " in a flood, p99 of that without", Wanted::at_most, 2, "rate_1000_per_s",
-            listener + "_flooded", listener, &Row::p99_us);
+        for (const auto& [rate, scenario] :
+             {std::pair{"1,000", "rate_1000_per_s"}, std::pair{"10,000", "rate_10000_per_s"}}) {
+            add(listener + " in a flood, p99 at " + rate + "/s of that without", Wanted::at_most, 2,
+                scenario, listener + "_flooded", listener, &Row::p99_us);
+        }
     }
     return targets;
 }
