@@ -4,6 +4,7 @@
 #include <string_view>
 #include <utility>
 
+#include "romano/base/bytes.h"
 #include "romano/base/fnv1a.h"
 
 namespace romano::cluster {
