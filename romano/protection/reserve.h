@@ -2,7 +2,7 @@
 //
 // Before a number is used the shell has stored a bound above it, in flash or in a file. After a
 // restart numbering begins at the stored bound: what was used before lies below. To be asked ahead,
-// and seldom, the bound is up to two blocks away.
+// and seldom, the bound is up to two blocks away; further, where somebody numbers fast.
 //
 //   Reserve reserve{stored};                                    // 0 for a sender that never was
 //   if (const auto bound = reserve.to_store()) { write(*bound); reserve.on_stored(*bound); }
@@ -27,9 +27,13 @@ class Reserve {
 public:
     explicit Reserve(std::uint32_t stored) : unused_(stored), stored_(stored) {}
 
-    /// What is to be stored now; nothing while there is enough.
-    [[nodiscard]] std::optional<std::uint32_t> to_store() const {
-        const std::uint32_t wanted = block_of(unused_) + 2 * numbers_a_block;
+    /// What is to be stored now; nothing while there is enough. `step`, a power of two of blocks:
+    /// the bound is up to two steps away, and a crash wastes as many numbers.
+    [[nodiscard]] std::optional<std::uint32_t> to_store(
+        std::uint32_t step = numbers_a_block) const {
+        constexpr std::uint32_t last = max_number + 2 * numbers_a_block;
+        const std::uint32_t begun = unused_ & ~(step - 1);
+        const std::uint32_t wanted = begun + std::min(2 * step, last - begun);
         if (wanted <= stored_) return std::nullopt;
         return wanted;
     }

@@ -53,6 +53,20 @@ TEST(Reserve, AsksABlockAhead) {
     EXPECT_TRUE(sender.seal());
 }
 
+TEST(Reserve, AsksAStepAheadOfWhoNumbersFast) {
+    constexpr std::uint32_t step = 16 * block;
+    Reserve reserve{3 * block};
+    EXPECT_EQ(reserve.to_store(step), 2 * step);
+    reserve.on_stored(2 * step);
+    reserve.on_used(step - 2);
+    EXPECT_EQ(reserve.to_store(step), std::nullopt);
+    reserve.on_used(step - 1);
+    EXPECT_EQ(reserve.to_store(step), 3 * step);
+    reserve.on_used(max_number - 1);  // and the end is where it was
+    EXPECT_EQ(reserve.to_store(step), max_number + 2 * block);
+    EXPECT_EQ(reserve.to_store(), max_number + 2 * block);
+}
+
 TEST(Reserve, BeginsAtTheStoredBoundAfterARestart) {
     Sender sender{2 * block};
     EXPECT_TRUE(sender.refuses_as(Refusal::unstored));
