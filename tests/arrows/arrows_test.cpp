@@ -29,7 +29,7 @@ const std::map<std::string, Folders>& allowed() {
         // cores
         {"election", {"romano/base"}},
         {"romano/protection", {"romano/base", "romano/mqttsn"}},
-        {"romano/dtls/record", {"romano/base"}},
+        {"romano/dtls/record", {"romano/base", "romano/protection"}},
         {"romano/client", {"romano/base", "romano/mqttsn"}},
         {"broker/core", {"romano/base", "romano/mqttsn"}},
         {"broker/protection", {"romano/base", "romano/mqttsn", "romano/protection", "broker/core"}},

@@ -3,7 +3,9 @@
 #include <openssl/evp.h>
 
 #include <algorithm>
-#include <new>
+#include <utility>
+
+#include "romano/protection/libcrypto/scheduled_ccm.h"
 
 namespace romano::dtls {
 namespace {
@@ -35,8 +37,7 @@ public:
         put_be16(octets_, 21 + id.size(), static_cast<std::uint16_t>(message));
         size_ = 23 + id.size();
     }
-    [[nodiscard]] const std::uint8_t* data() const { return octets_.data(); }
-    [[nodiscard]] int size() const { return static_cast<int>(size_); }
+    [[nodiscard]] Bytes octets() const { return Bytes{octets_}.first(size_); }
 
 private:
     std::array<std::uint8_t, 23 + ConnectionId::most_octets> octets_;
@@ -61,76 +62,81 @@ std::optional<Opened> without_padding(Bytes inner) {
     return Opened{ContentType{inner.back()}, inner.size() - 1};
 }
 
+bool seal_gcm(EVP_CIPHER_CTX* context, const WriteKey& key, const Nonce& nonce, Bytes readable,
+              MutableBytes message, MutableBytes tag) {
+    int done = 0;
+    return context != nullptr &&
+           EVP_EncryptInit_ex(context, nullptr, nullptr, key.key.data(), nonce.data()) == 1 &&
+           EVP_EncryptUpdate(context, nullptr, &done, readable.data(), size_of(readable)) == 1 &&
+           EVP_EncryptUpdate(context, message.data(), &done, message.data(), size_of(message)) ==
+               1 &&
+           EVP_EncryptFinal_ex(context, message.data() + message.size(), &done) == 1 &&
+           EVP_CIPHER_CTX_ctrl(context, EVP_CTRL_AEAD_GET_TAG, size_of(tag), tag.data()) == 1;
+}
+
+bool open_gcm(EVP_CIPHER_CTX* context, const WriteKey& key, const Nonce& nonce, Bytes readable,
+              MutableBytes message, Bytes tag) {
+    std::array<std::uint8_t, 16> expected{};
+    std::ranges::copy(tag, expected.begin());
+    int done = 0;
+    return context != nullptr &&
+           EVP_DecryptInit_ex(context, nullptr, nullptr, key.key.data(), nonce.data()) == 1 &&
+           EVP_DecryptUpdate(context, nullptr, &done, readable.data(), size_of(readable)) == 1 &&
+           EVP_DecryptUpdate(context, message.data(), &done, message.data(), size_of(message)) ==
+               1 &&
+           EVP_CIPHER_CTX_ctrl(context, EVP_CTRL_AEAD_SET_TAG, size_of(tag), expected.data()) ==
+               1 &&
+           EVP_DecryptFinal_ex(context, message.data() + message.size(), &done) == 1;
+}
+
 }  // namespace
 
 void RecordCipher::FreeContext::operator()(evp_cipher_ctx_st* context) const {
     EVP_CIPHER_CTX_free(context);
 }
 
-RecordCipher::Context RecordCipher::context_of(Suite suite, bool seals) {
+RecordCipher::Context RecordCipher::gcm(bool seals) {
     Context context{EVP_CIPHER_CTX_new()};
-    const EVP_CIPHER* cipher =
-        suite == Suite::aes_128_ccm_8 ? EVP_aes_128_ccm() : EVP_aes_128_gcm();
-    const int tag = static_cast<int>(tag_octets(suite));
     const bool is_made =
         context &&
-        EVP_CipherInit_ex(context.get(), cipher, nullptr, nullptr, nullptr, seals) == 1 &&
-        EVP_CIPHER_CTX_ctrl(context.get(), EVP_CTRL_AEAD_SET_IVLEN, nonce_octets, nullptr) == 1 &&
-        (suite == Suite::aes_128_gcm ||
-         EVP_CIPHER_CTX_ctrl(context.get(), EVP_CTRL_AEAD_SET_TAG, tag, nullptr) == 1);
+        EVP_CipherInit_ex(context.get(), EVP_aes_128_gcm(), nullptr, nullptr, nullptr, seals) ==
+            1 &&
+        EVP_CIPHER_CTX_ctrl(context.get(), EVP_CTRL_AEAD_SET_IVLEN, nonce_octets, nullptr) == 1;
     return is_made ? std::move(context) : nullptr;
 }
 
-RecordCipher::RecordCipher() {
-    for (const Suite suite : {Suite::aes_128_ccm_8, Suite::aes_128_gcm}) {
-        const auto at = static_cast<std::size_t>(suite);
-        sealing_[at] = context_of(suite, true);
-        opening_[at] = context_of(suite, false);
-    }
-}
+RecordCipher::RecordCipher() : sealing_(gcm(true)), opening_(gcm(false)) {}
 RecordCipher::~RecordCipher() = default;
 
 std::size_t RecordCipher::seal(Suite suite, const WriteKey& key, ContentType type,
                                std::uint64_t number, Bytes message, MutableBytes out, Bytes id) {
     const std::size_t size = message.size() + overhead(suite, id.size());
     const std::size_t header = header_octets + id.size();
-    const std::size_t inner = message.size() + (id.empty() ? 0 : 1);
-    EVP_CIPHER_CTX* context = sealing_[static_cast<std::size_t>(suite)].get();
-    if (context == nullptr || message.empty() || message.size() > most_message ||
-        id.size() > ConnectionId::most_octets || out.size() < size) {
+    if (message.empty() || message.size() > most_message || id.size() > ConnectionId::most_octets ||
+        out.size() < size) {
         return 0;
     }
     const std::uint64_t numbered = epoch_and_number(1, number);
     put_header(out, id.empty() ? type : ContentType::with_id, numbered, id, size - header);
     put_be64(out, header, numbered);
+    const MutableBytes inner =
+        out.subspan(header + explicit_nonce_octets, message.size() + (id.empty() ? 0 : 1));
+    std::ranges::copy(message, inner.begin());
+    if (!id.empty()) inner.back() = static_cast<std::uint8_t>(type);
+    const MutableBytes tag = out.subspan(size - tag_octets(suite), tag_octets(suite));
     const Nonce nonce = nonce_of(key, out.subspan(header, explicit_nonce_octets));
-    const Readable readable{type, numbered, id, inner};
-    std::uint8_t* ciphertext = out.data() + header + explicit_nonce_octets;
-    const std::uint8_t* plaintext = message.data();
-    if (!id.empty()) {  // CCM takes all of it at once
-        *std::copy(message.begin(), message.end(), ciphertext) = static_cast<std::uint8_t>(type);
-        plaintext = ciphertext;
+    const Readable readable{type, numbered, id, inner.size()};
+    if (suite == Suite::aes_128_ccm_8) {
+        protection::ScheduledCcm::of(key.key).seal(nonce, readable.octets(), inner, tag);
+        return size;
     }
-    const int plaintext_size = static_cast<int>(inner);
-    const int tag = static_cast<int>(tag_octets(suite));
-    int done = 0;
-    const bool is_sealed =
-        EVP_EncryptInit_ex(context, nullptr, nullptr, key.key.data(), nonce.data()) == 1 &&
-        (suite == Suite::aes_128_gcm ||
-         EVP_EncryptUpdate(context, nullptr, &done, nullptr, plaintext_size) == 1) &&
-        EVP_EncryptUpdate(context, nullptr, &done, readable.data(), readable.size()) == 1 &&
-        EVP_EncryptUpdate(context, ciphertext, &done, plaintext, plaintext_size) == 1 &&
-        EVP_EncryptFinal_ex(context, ciphertext + inner, &done) == 1 &&
-        EVP_CIPHER_CTX_ctrl(context, EVP_CTRL_AEAD_GET_TAG, tag, ciphertext + inner) == 1;
-    return is_sealed ? size : 0;
+    return seal_gcm(sealing_.get(), key, nonce, readable.octets(), inner, tag) ? size : 0;
 }
 
 std::optional<Opened> RecordCipher::open(Suite suite, const WriteKey& key, const Record& record,
                                          MutableBytes out) {
     const std::size_t beside = explicit_nonce_octets + tag_octets(suite);
-    EVP_CIPHER_CTX* context = opening_[static_cast<std::size_t>(suite)].get();
-    if (context == nullptr || record.epoch != 1 || record.version != version_1_2 ||
-        record.body.size() <= beside) {  // libcrypto does not verify an empty message of CCM
+    if (record.epoch != 1 || record.version != version_1_2 || record.body.size() <= beside) {
         return std::nullopt;
     }
     const Bytes ciphertext =
@@ -140,27 +146,16 @@ std::optional<Opened> RecordCipher::open(Suite suite, const WriteKey& key, const
     const Nonce nonce = nonce_of(key, record.body.first(explicit_nonce_octets));
     const Readable readable{record.type, epoch_and_number(1, record.number), record.id,
                             ciphertext.size()};
-    std::array<std::uint8_t, 16> tag{};
-    const Bytes tail = record.body.last(tag_octets(suite));
-    std::copy(tail.begin(), tail.end(), tag.begin());
-    int done = 0;
-    // CCM is verified by its update, GCM by its end. The tag of CCM is set before the key.
-    const bool is_set =
-        EVP_CIPHER_CTX_ctrl(context, EVP_CTRL_AEAD_SET_TAG, size_of(tail), tag.data()) == 1 &&
-        EVP_DecryptInit_ex(context, nullptr, nullptr, key.key.data(), nonce.data()) == 1 &&
-        (suite == Suite::aes_128_gcm ||
-         EVP_DecryptUpdate(context, nullptr, &done, nullptr, size_of(ciphertext)) == 1) &&
-        EVP_DecryptUpdate(context, nullptr, &done, readable.data(), readable.size()) == 1;
-    if (!is_set || EVP_DecryptUpdate(context, out.data(), &done, ciphertext.data(),
-                                     size_of(ciphertext)) != 1) {
-        return std::nullopt;
-    }
-    if (suite == Suite::aes_128_gcm &&
-        EVP_DecryptFinal_ex(context, out.data() + ciphertext.size(), &done) != 1) {
-        return std::nullopt;
-    }
-    if (record.id.empty()) return Opened{record.type, ciphertext.size()};
-    return without_padding(out.first(ciphertext.size()));
+    const MutableBytes inner = out.first(ciphertext.size());
+    const Bytes tag = record.body.last(tag_octets(suite));
+    std::ranges::copy(ciphertext, inner.begin());
+    const bool is_opened =
+        suite == Suite::aes_128_ccm_8
+            ? protection::ScheduledCcm::of(key.key).open(nonce, readable.octets(), inner, tag)
+            : open_gcm(opening_.get(), key, nonce, readable.octets(), inner, tag);
+    if (!is_opened) return std::nullopt;
+    if (record.id.empty()) return Opened{record.type, inner.size()};
+    return without_padding(inner);
 }
 
 }  // namespace romano::dtls

@@ -1,7 +1,7 @@
-// Opens and seals protected records of epoch 1: AES-128-CCM-8 (RFC 6655) and AES-128-GCM (RFC 5288)
-// of libcrypto; with a Connection ID as RFC 9146 section 5 has it. One of these serves all
-// associations of a broker, which keep nothing but their keys: libcrypto's contexts are larger than
-// what is to be kept of an association.
+// Opens and seals protected records of epoch 1: AES-128-CCM-8 (RFC 6655; the cipher of protected
+// packets) and AES-128-GCM (RFC 5288) of libcrypto; with a Connection ID as RFC 9146 section 5 has
+// it. One of these serves all associations of a broker, which keep nothing but their keys:
+// libcrypto's contexts are larger than what is to be kept of an association.
 #pragma once
 
 #include <array>
@@ -82,10 +82,10 @@ private:
     };
     using Context = std::unique_ptr<evp_cipher_ctx_st, FreeContext>;
 
-    [[nodiscard]] static Context context_of(Suite suite, bool seals);
+    [[nodiscard]] static Context gcm(bool seals);
 
-    std::array<Context, known_suites> sealing_;
-    std::array<Context, known_suites> opening_;
+    Context sealing_;  // of GCM
+    Context opening_;
 };
 
 }  // namespace romano::dtls
