@@ -127,7 +127,8 @@ void handshake(benchmark::State& state) {
                 for (const Octets& datagram : std::exchange(outbox, {})) {
                     actions.clear();
                     const auto began = processor_time();
-                    broker.take(Instant{}, {via, from}, datagram, actions, [](Bytes) {});
+                    broker.take(Instant{}, {via, from}, datagram, actions,
+                                [](const dtls::Message&) {});
                     spent += processor_time() - began;
                     for (const auto& action : actions.list()) {
                         const auto& send = std::get<broker::Send>(action);
