@@ -78,7 +78,10 @@ struct ClientEnd::Session final : Datagrams {
     }
 
     void write(Bytes datagram) override {
-        if (!brokers_id.empty()) datagram = ids.with_id(ssl.get(), datagram, brokers_id);
+        if (!brokers_id.empty()) {
+            if (!keys) keys = session_keys(ssl.get());
+            datagram = ids.with_id(keys, datagram, brokers_id);
+        }
         if (!datagram.empty()) send(datagram);
     }
 
@@ -92,7 +95,8 @@ struct ClientEnd::Session final : Datagrams {
     protection::Key key;
     Send send;
     OpensslWithIds ids{End::client};
-    ConnectionId brokers_id;  // empty: it gave none
+    ConnectionId brokers_id;          // empty: it gave none
+    std::optional<SessionKeys> keys;  // once a record takes them: it is long to derive them
     std::unique_ptr<SSL_CTX, Free> context;
     std::unique_ptr<SSL, Free> ssl;
     std::vector<std::uint8_t> room;
@@ -116,6 +120,7 @@ void ClientEnd::connect() {
     SSL_set_connect_state(session.ssl.get());
     session.is_closed = false;
     session.brokers_id = {};
+    session.keys.reset();
     session.step();
 }
 

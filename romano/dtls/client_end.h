@@ -3,7 +3,7 @@
 // real clock.
 //
 // It asks the broker for a Connection ID (RFC 9146) and wants none for itself. With one its address
-// may change, by a NAT or another network: the association goes on.
+// may change, as a NAT does it: the association goes on.
 #pragma once
 
 #include <cstdint>

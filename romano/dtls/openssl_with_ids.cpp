@@ -1,7 +1,5 @@
 #include "romano/dtls/openssl_with_ids.h"
 
-#include "romano/dtls/session_keys.h"
-
 namespace romano::dtls {
 
 std::optional<ConnectionId> id_in_extension(Bytes body, bool& is_malformed) {
@@ -9,7 +7,8 @@ std::optional<ConnectionId> id_in_extension(Bytes body, bool& is_malformed) {
     return is_malformed ? std::nullopt : ConnectionId::of(body.subspan(1));
 }
 
-Bytes OpensslWithIds::with_id(const ssl_st* ssl, Bytes datagram, const ConnectionId& peers) {
+Bytes OpensslWithIds::with_id(const std::optional<SessionKeys>& session, Bytes datagram,
+                              const ConnectionId& peers) {
     out_.clear();
     while (const auto record = first_record(datagram)) {
         datagram = datagram.subspan(record->whole.size());
@@ -17,15 +16,14 @@ Bytes OpensslWithIds::with_id(const ssl_st* ssl, Bytes datagram, const Connectio
             out_.insert(out_.end(), record->whole.begin(), record->whole.end());
             continue;
         }
-        const auto session = session_keys(ssl);
         if (!session || !seal_again(session->keys, own_, *record, peers.octets())) return {};
     }
     return out_;
 }
 
-std::optional<Record> OpensslWithIds::without_id(const ssl_st* ssl, const Record& record) {
+std::optional<Record> OpensslWithIds::without_id(const std::optional<SessionKeys>& session,
+                                                 const Record& record) {
     out_.clear();
-    const auto session = session_keys(ssl);
     const End peer = own_ == End::client ? End::server : End::client;
     if (!session || !seal_again(session->keys, peer, record, {})) return std::nullopt;
     return first_record(out_);

@@ -11,8 +11,7 @@
 #include "romano/base/bytes.h"
 #include "romano/dtls/record/connection_id.h"
 #include "romano/dtls/record/record_cipher.h"
-
-struct ssl_st;
+#include "romano/dtls/session_keys.h"
 
 namespace romano::dtls {
 
@@ -28,12 +27,14 @@ class OpensslWithIds {
 public:
     explicit OpensslWithIds(End own) : own_(own) {}
 
-    /// What OpenSSL wrote, as the peer wants it, valid until the next call; empty when there are no
-    /// keys for it.
-    [[nodiscard]] Bytes with_id(const ssl_st* ssl, Bytes datagram, const ConnectionId& peers);
+    /// What OpenSSL wrote, as the peer wants it, valid until the next call; empty when it takes
+    /// keys, and there are none yet.
+    [[nodiscard]] Bytes with_id(const std::optional<SessionKeys>& session, Bytes datagram,
+                                const ConnectionId& peers);
     /// What the peer wrote, as OpenSSL wants it, valid until the next call; nothing when it is not
     /// of the peer.
-    [[nodiscard]] std::optional<Record> without_id(const ssl_st* ssl, const Record& record);
+    [[nodiscard]] std::optional<Record> without_id(const std::optional<SessionKeys>& session,
+                                                   const Record& record);
 
 private:
     [[nodiscard]] bool seal_again(const RecordKeys& keys, End writer, const Record& record,

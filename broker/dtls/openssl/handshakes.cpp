@@ -88,7 +88,7 @@ struct Handshakes::Handshake final : Datagrams {
 
     void write(Bytes datagram) override {
         if (clients_id && !clients_id->empty()) {
-            datagram = owner.ids_.with_id(ssl.get(), datagram, *clients_id);
+            datagram = owner.ids_.with_id(session_keys(ssl.get()), datagram, *clients_id);
             if (datagram.empty()) return;
         }
         const MutableBytes room = out->reserve(datagram.size());
@@ -348,7 +348,7 @@ std::optional<Record> Handshakes::without_id(const Path& path, const Record& rec
     if (found == going_on_.end()) return std::nullopt;
     const Handshake& handshake = *found->second;
     if (!handshake.clients_id || own_id_of(record.id) != handshake.id) return std::nullopt;
-    const auto plain = ids_.without_id(handshake.ssl.get(), record);
+    const auto plain = ids_.without_id(session_keys(handshake.ssl.get()), record);
     const bool is_its = plain && (plain->type == ContentType::handshake ||
                                   (plain->type == ContentType::alert && !handshake.is_agreed));
     return is_its ? plain : std::nullopt;
