@@ -43,10 +43,13 @@ private:
     std::vector<std::uint8_t> in_;
 };
 
+/// As standard clients are: one of ours, which wants a Connection ID, opens and seals what OpenSSL
+/// has sealed once more.
 class Dtls final : public keys::ClientSpeech {
 public:
     Dtls(const protection::RobotKey& key, const std::string& id, Put put)
-        : link_(id, protection::pre_shared_key(key), std::move(put)) {}
+        : link_(id, protection::pre_shared_key(key), std::move(put), dtls::ClientEnd::Wants::none) {
+    }
     ~Dtls() override { link_.close(); }
 
     void send(Bytes message) override { link_.send(message); }

@@ -25,8 +25,10 @@ public:
     static constexpr unsigned unanswered_connects = 2;
     static constexpr std::size_t most_waiting = 16;
 
-    ClientLink(std::string client_id, const protection::Key& pre_shared_key, ClientEnd::Send send)
-        : end_(std::move(client_id), pre_shared_key, std::move(send)) {}
+    ClientLink(std::string client_id, const protection::Key& pre_shared_key, ClientEnd::Send send,
+               ClientEnd::Wants wants = ClientEnd::Wants::connection_id)
+        : end_(std::move(client_id), pre_shared_key, std::move(send), ClientEnd::default_suites,
+               wants) {}
 
     /// Waits while a handshake goes on; when `most_waiting` do, the oldest is lost, and all are
     /// when a CONNECT comes: they were of a connection before.
