@@ -112,7 +112,7 @@ std::string about(const Plan& plan) {
     const auto build = experiments::build_info();
     return "Measured on " + machine.cpu + ", " + std::to_string(machine.cores) + " cores, " +
            machine.system + ", " + machine.kernel + "; commit " + build.commit + ", " +
-           build.compiler + (build.type == "Release" ? "" : ", not a release build") +
+           build.compiler + ", " + (build.type.empty() ? "no build type" : build.type) +
            (plan.quick ? "; --quick, so no figures to quote" : "") + ". ";
 }
 
