@@ -47,6 +47,8 @@ constexpr const char* promises[] = {
     "P7 wills",
     "P8 bounded",
     "liveness",
+    "no number twice under one key",
+    "rights kept",
 };
 
 std::optional<std::uint64_t> number_of(std::string_view text) {
@@ -315,6 +317,8 @@ void add_simulate(CLI::App& program, int& exit_code) {
                      "Robots and brokers seal their packets; no nonce may be used twice");
     command.add_flag("--dtls", options->run.speaks_dtls,
                      "They speak DTLS, some with a Connection ID; no number may be used twice");
+    command.add_flag("--rights", options->run.has_rights,
+                     "Robots with keys may not say and read everything, and their rights change");
     command.add_flag("--cells", options->run.has_cells,
                      "Brokers send once for many robots that listen to their cell");
     command
@@ -330,7 +334,13 @@ void add_simulate(CLI::App& program, int& exit_code) {
     command.add_flag("--json", options->as_json, "Print the result as JSON");
     command.add_flag("--trace", options->trace, "Print all that happens");
     command.footer(simulate_examples);
-    command.callback([options, &exit_code] { exit_code = simulate(*options) ? 0 : 1; });
+    command.callback([options, &exit_code] {
+        if (options->run.has_rights && !options->run.is_protected && !options->run.speaks_dtls) {
+            throw CLI::ValidationError(
+                "--rights: rights belong to keys; add --protected or --dtls");
+        }
+        exit_code = simulate(*options) ? 0 : 1;
+    });
 }
 
 }  // namespace romano::experiments

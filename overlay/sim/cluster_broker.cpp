@@ -128,6 +128,7 @@ void ClusterBroker::create_core() {
         };
     }
     member_ = std::make_unique<overlay::Member>(member, seed_of(seed_, "member", incarnation()));
+    take_up_rights();
     sent_before_ = octets_of(peers_.sent_by(node()));
     received_before_ = octets_of(peers_.received_by(node()));
     transport_ = peers_.attach(log, node(), std::move(on_link));
@@ -137,6 +138,21 @@ void ClusterBroker::create_core() {
         if (is_free) bind(address);
         answer_address(address, is_free);
     }
+}
+
+void ClusterBroker::take_up_rights() {
+    if (options_.rights == nullptr) return;
+    const auto [permissions, digest] = options_.rights->in_force();
+    member_->set_rights(permissions, digest);
+}
+
+void ClusterBroker::hear_of_rights() {
+    if (!is_up()) return;
+    later(Duration{0}, [this] {
+        take_up_rights();
+        options_.rights->on_taken_up(events_.now());
+        trace_.note(events_.now(), name(), "has new rights");
+    });
 }
 
 void ClusterBroker::destroy_core() {

@@ -15,6 +15,7 @@
 #include "overlay/pulses.h"
 #include "overlay/sim/broker_network.h"
 #include "overlay/sim/broker_process.h"
+#include "overlay/sim/drawn_rights.h"
 #include "overlay/sim/dtls_ends.h"
 #include "overlay/sim/sealed_packets.h"
 
@@ -32,6 +33,7 @@ struct ClusterBrokerOptions {
     SealedPackets* sealed = nullptr;                 // of a world whose robots are protected
     DtlsRecords* dtls = nullptr;                     // of one whose robots speak DTLS
     std::vector<broker::ProtectedClient> clients{};  // of either
+    DrawnRights* rights = nullptr;                   // of one whose robots may not do everything
 };
 
 class ClusterBroker final : public BrokerProcess {
@@ -42,6 +44,8 @@ public:
     /// An orderly stop: says goodbye, lives on for a moment, and ends.
     void leave();
     [[nodiscard]] bool is_leaving() const { return leaving_; }
+    /// Of the rights that are in force now, soon; a stopped one when it goes on.
+    void hear_of_rights();
 
     /// While up.
     [[nodiscard]] const overlay::Member& member() const { return *member_; }
@@ -71,6 +75,7 @@ private:
     void carry_out();
     void take_address(const Endpoint& address);
     void create_protection();
+    void take_up_rights();
     void keep_on_disk();
     void seal(broker::Actions& actions);
     void tell_and_seal(overlay::MemberActions& actions);

@@ -43,6 +43,13 @@ ClusterWorld::ClusterWorld(const ClusterWorldOptions& options)
       peers_(events(), trace(), options.peers, seed_of(options.seed, "broker network")),
       sights_(options.brokers),
       invariants_(options.cluster.log_events_kept) {
+    if (!options.topics_with_rights.empty()) {
+        std::vector<std::string> names;
+        for (const auto& client : SealedPackets::clients(options.robots)) {
+            names.push_back(client.client_id);
+        }
+        rights_ = std::make_unique<DrawnRights>(options.seed, names, options.topics_with_rights);
+    }
     for (std::size_t i = 0; i < options.brokers; ++i) {
         ClusterBrokerOptions broker_of = broker_options(options, i);
         if (options.is_protected) broker_of.sealed = &sealed_;
@@ -50,6 +57,7 @@ ClusterWorld::ClusterWorld(const ClusterWorldOptions& options)
         if (options.is_protected || options.speaks_dtls) {
             broker_of.clients = SealedPackets::clients(options.robots);
         }
+        broker_of.rights = rights_.get();
         brokers_.push_back(std::make_unique<ClusterBroker>(
             broker_of, events(), clients(), peers_, trace(), seed_of(options.seed, "broker", i)));
         ClusterBroker& broker = *brokers_.back();
@@ -68,6 +76,15 @@ void ClusterWorld::start_brokers() {
         events().after(random.between(0ms, within), [&broker = *broker] { broker.start(); });
     }
     run_for(within);
+}
+
+void ClusterWorld::change_rights() {
+    Random random(seed_of(seed(), "change of rights"));
+    rights_->change();
+    for (const auto& broker : brokers_) {
+        events().after(random.between(0ms, in_scale(200ms)),
+                       [&broker = *broker] { broker.hear_of_rights(); });
+    }
 }
 
 void ClusterWorld::observe(ClusterBroker& broker) {

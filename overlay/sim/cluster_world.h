@@ -10,6 +10,7 @@
 
 #include "overlay/sim/broker_network.h"
 #include "overlay/sim/cluster_broker.h"
+#include "overlay/sim/drawn_rights.h"
 #include "overlay/sim/dtls_records.h"
 #include "overlay/sim/invariants.h"
 #include "overlay/sim/promises.h"
@@ -27,11 +28,12 @@ struct ClusterWorldOptions {
     Duration t_retry{std::chrono::milliseconds{500}};  // of the brokers
     Duration t_wait{std::chrono::seconds{1}};
     Duration wall_clock_error_max{std::chrono::milliseconds{20}};
-    Machine machine;                    // all of them
-    bool has_cells = false;             // brokers send once for many that listen
-    bool is_protected = false;          // robots and brokers seal their packets
-    bool speaks_dtls = false;           // robots and brokers do
-    std::size_t robots = 0;             // of a world with keys: so many at most
+    Machine machine;                                     // all of them
+    bool has_cells = false;                              // brokers send once for many that listen
+    bool is_protected = false;                           // robots and brokers seal their packets
+    bool speaks_dtls = false;                            // robots and brokers do
+    std::size_t robots = 0;                              // of a world with keys: so many at most
+    std::vector<std::string_view> topics_with_rights{};  // of one with keys; none: all may do all
     bool are_invariants_judged = true;  // after every step: that is slow with many brokers
 };
 
@@ -47,6 +49,10 @@ public:
     [[nodiscard]] BrokerNetwork& peers() { return peers_; }
     [[nodiscard]] SealedPackets& sealed() { return sealed_; }
     [[nodiscard]] DtlsRecords& dtls() { return dtls_; }
+    /// Null where everybody may do everything.
+    [[nodiscard]] const DrawnRights* rights() const { return rights_.get(); }
+    /// Others are in force, on one broker after the other.
+    void change_rights();
     [[nodiscard]] const ClusterWorldOptions& options() const { return options_; }
     /// What lasts so long where silence of 100 ms means death, here: faults, and what may be waited
     /// for after them.
@@ -87,6 +93,7 @@ private:
     BrokerNetwork peers_;
     SealedPackets sealed_;
     DtlsRecords dtls_;
+    std::unique_ptr<DrawnRights> rights_;
     std::vector<std::unique_ptr<ClusterBroker>> brokers_;
     std::map<election::Term, election::NodeId> leader_of_term_;
     Violations violations_;

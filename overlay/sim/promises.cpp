@@ -92,6 +92,26 @@ void judge_order(const Ledger& ledger, const Judgement& judgement, Violations& o
     }
 }
 
+/// Of messages whose rights changed while they were on their way either may be.
+void judge_rights(const Ledger& ledger, const DrawnRights& rights, Violations& out) {
+    for (const Reception& r : ledger.receptions) {
+        const auto found = ledger.sent.find({r.publisher, r.number});
+        if (found == ledger.sent.end()) continue;
+        const Sent& sent = found->second;
+        if (rights.possibly_reads(r.subscriber, sent) && rights.possibly_publishes(sent)) continue;
+        out.push_back({Promise::rights_kept, r.subscriber + " got at " + seconds(r.at) +
+                                                 ", against the rights, " + describe(sent)});
+    }
+    for (const auto& [key, sent] : ledger.sent) {
+        if (sent.qos == Qos::at_most_once) continue;
+        if (sent.acknowledged && !rights.possibly_publishes(sent)) {
+            out.push_back({Promise::rights_kept, "accepted against the rights: " + describe(sent)});
+        } else if (sent.refused && rights.surely_publishes(sent)) {
+            out.push_back({Promise::rights_kept, "refused against the rights: " + describe(sent)});
+        }
+    }
+}
+
 /// P7: nobody's who lives; and as P3, once.
 void judge_needless_wills(const Ledger& ledger, const Judgement& judgement, Violations& out) {
     std::map<std::pair<std::string, std::string>, Instant> first;
@@ -150,9 +170,10 @@ void judge_safety(const Ledger& ledger, const Judgement& judgement, Violations& 
     judge_duplicates(ledger, judgement, out);
     judge_order(ledger, judgement, out);
     judge_needless_wills(ledger, judgement, out);
+    if (judgement.rights != nullptr) judge_rights(ledger, *judgement.rights, out);
 }
 
-void judge_completeness(const Ledger& ledger, Violations& out) {
+void judge_completeness(const Ledger& ledger, const Judgement& judgement, Violations& out) {
     judge_missing_wills(ledger, out);
     std::set<DeliveryKey> got;
     for (const Reception& r : ledger.receptions) {
@@ -170,6 +191,10 @@ void judge_completeness(const Ledger& ledger, Violations& out) {
         for (const SubscriptionSpan& span : ledger.subscriptions) {
             if (span.until || span.from > sent.at || span.granted == Qos::at_most_once) continue;
             if (!mqttsn::matches(span.filter, sent.topic)) continue;
+            if (judgement.rights != nullptr &&
+                !judgement.rights->surely_reads(span.subscriber, sent)) {
+                continue;
+            }
             if (got.contains({span.subscriber, key})) continue;
             out.push_back(
                 {Promise::nothing_lost, span.subscriber + " never got " + describe(sent)});

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "overlay/sim/drawn_rights.h"
 #include "overlay/sim/ledger.h"
 
 namespace romano::sim {
@@ -26,6 +27,9 @@ enum class Promise : std::uint8_t {
     /// Nor is this: no nonce twice under one key, and nothing taken that no robot said
     /// (romano/protection, broker/dtls).
     sealed_once = 10,
+    /// Nor is this: nobody reads or says what its rights forbid, and what they allow is not
+    /// refused.
+    rights_kept = 11,
 };
 
 struct Violation {
@@ -50,11 +54,12 @@ struct Judgement {
     /// it got then, or had not had an answer to, may come twice and out of order (overlay/cluster,
     /// known limits).
     std::vector<Span> parted{};
+    const DrawnRights* rights = nullptr;  // where there are some
 };
 
-/// P3, P5, and that no will was published without reason (P7): true at any time.
+/// P3, P5, that no will was published without reason (P7), and rights: true at any time.
 void judge_safety(const Ledger& ledger, const Judgement& judgement, Violations& out);
 /// P2, the rest of P3 and P7, and that publishers got their answers: true once all is quiet.
-void judge_completeness(const Ledger& ledger, Violations& out);
+void judge_completeness(const Ledger& ledger, const Judgement& judgement, Violations& out);
 
 }  // namespace romano::sim

@@ -80,7 +80,7 @@ void RandomLives::start_again() {
     if (robot == nullptr) return;
     robot->switch_off();
     RobotOptions next = robot->options();
-    next.name += '\'';
+    next.name += '-';
     if (next.will_topic) *next.will_topic += '\'';
     next.broker = some_broker_for(next, Others::living);
     Robot& again = world_.add_robot(std::move(next));

@@ -26,6 +26,7 @@ constexpr std::size_t most_random_robots = 7;
 constexpr std::uint32_t recorded_ppm = 300'000;  // of protected worlds: by a stranger
 constexpr Duration played_back_within = 3s;
 constexpr Duration deliveries_within = 20s;
+constexpr std::string_view topics[] = {"pose", "map/a", "map/b", "cmd"};
 
 template <typename Choices>
 auto one_of(Random& random, const Choices& choices) {
@@ -73,6 +74,7 @@ ClusterWorldOptions world_options(std::uint64_t seed, const RunOptions& run) {
     options.is_protected = run.is_protected;
     options.speaks_dtls = run.speaks_dtls;
     options.has_cells = run.has_cells;
+    if (run.has_rights) options.topics_with_rights.assign(std::begin(topics), std::end(topics));
     options.robots = std::max(run.robots, most_random_robots);
     if (!run.elector.empty()) options.cluster.elector = run.elector;
     if (!run.detector.empty()) options.cluster.detector = run.detector;
@@ -95,7 +97,6 @@ void adapt_to_scale(RobotOptions& robot, const ClusterWorld& world) {
 
 /// Robots of every kind of traffic: who publishes where, who listens to what, at which QoS.
 void add_robots(ClusterWorld& world, std::uint64_t seed, const RunOptions& run) {
-    static constexpr const char* topics[] = {"pose", "map/a", "map/b", "cmd"};
     static constexpr const char* filters[] = {"pose", "map/+", "map/a", "cmd", "#", "will/+"};
     static constexpr std::chrono::seconds keep_alives[] = {6s, 8s, 60s};
     static constexpr Qos some_qos[] = {Qos::at_least_once, Qos::exactly_once, Qos::exactly_once};
@@ -110,7 +111,7 @@ void add_robots(ClusterWorld& world, std::uint64_t seed, const RunOptions& run) 
             World::service_address(random.below(static_cast<std::uint32_t>(world.broker_count())));
         robot.clean_session = random.below(2) == 0;
         for (std::uint32_t n = random.below(3); n > 0; --n) {
-            robot.topics.push_back(one_of(random, topics));
+            robot.topics.emplace_back(one_of(random, topics));
         }
         // One filter each, or several that may overlap.
         for (std::uint32_t n = 1 + random.below(2); n > 0; --n) {
@@ -157,6 +158,7 @@ public:
             world_.clients().record(recorded_ppm, played_back_within);
         }
         if (options.speaks_dtls) world_.clients().bend_recorded();
+        judgement_.rights = world_.rights();
         add_robots(world_, seed, options);
     }
 
@@ -182,11 +184,20 @@ private:
         faults.lost_at_once = world_.options().cluster.acks;  // as many as P2 allows
         storm_.emplace(world_, faults, world_.seed());
         storm_->begin();
+        change_rights_in_the_middle();
         world_.run_for(world_.in_scale(options_.faults_last));
         storm_->end();
         result_.faults = storm_->counts();
         judgement_.parted = storm_->parted();
         judge_safety(world_.ledger(), judgement_, result_.violations);
+    }
+
+    void change_rights_in_the_middle() {
+        if (world_.rights() == nullptr) return;
+        Random random(seed_of(world_.seed(), "when rights change"));
+        const Duration all = world_.in_scale(options_.faults_last);
+        world_.events().after(random.between(all / 4, all * 3 / 4),
+                              [this] { world_.change_rights(); });
     }
 
     void recover() {
@@ -198,13 +209,13 @@ private:
         (void)world_.run_until(
             [this] {
                 Violations missing;
-                judge_completeness(world_.ledger(), missing);
+                judge_completeness(world_.ledger(), judgement_, missing);
                 judge_settlement(world_, missing);
                 return missing.empty();
             },
             world_.in_scale_at_least(deliveries_within), world_.in_scale(200ms));
         judge_safety(world_.ledger(), judgement_, result_.violations);
-        judge_completeness(world_.ledger(), result_.violations);
+        judge_completeness(world_.ledger(), judgement_, result_.violations);
         judge_settlement(world_, result_.violations);
     }
 
@@ -314,6 +325,7 @@ std::string replay_command(std::uint64_t seed, const RunOptions& options) {
     if (options.as_shipped) command += " --as-shipped";
     if (options.is_protected) command += " --protected";
     if (options.speaks_dtls) command += " --dtls";
+    if (options.has_rights) command += " --rights";
     if (options.has_cells) command += " --cells";
     if (!options.profile.empty()) command += " --profile " + options.profile;
     if (options.brokers > 0) command += " --brokers " + std::to_string(options.brokers);

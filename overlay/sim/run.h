@@ -30,6 +30,9 @@ struct RunOptions {
     /// They speak DTLS, every second robot with a Connection ID, and the stranger bends what it
     /// recorded.
     bool speaks_dtls = false;
+    /// Robots, which have keys, may not say and read everything; in the middle of the faults their
+    /// rights change.
+    bool has_rights = false;
     /// Brokers send once for many; three robots of four listen, and all have one topic more.
     bool has_cells = false;
     std::string profile{};

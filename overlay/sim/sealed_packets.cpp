@@ -15,7 +15,7 @@ std::vector<broker::ProtectedClient> SealedPackets::clients(std::size_t robots) 
     std::vector<broker::ProtectedClient> all;
     for (std::size_t i = 0; i < robots; ++i) {
         std::string name = "robot" + std::to_string(i);
-        for (std::size_t life = 0; life < most_lives; ++life, name += '\'') {
+        for (std::size_t life = 0; life < most_lives; ++life, name += '-') {
             all.push_back({name, key_of(name)});
         }
     }

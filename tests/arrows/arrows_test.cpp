@@ -75,8 +75,8 @@ const std::map<std::string, Folders>& allowed() {
           "overlay/dds", "overlay/ros2"}},
         {"overlay/sim",
          {"romano/base", "romano/mqttsn", "romano/protection", "romano/dtls/record",
-          "romano/client", "election", "broker/core", "broker/protection", "broker/dtls", "overlay",
-          "overlay/cluster", "overlay/member"}},
+          "romano/client", "election", "broker/core", "broker/protection", "broker/dtls",
+          "broker/rights", "overlay", "overlay/cluster", "overlay/member"}},
         {"overlay/radio", {"romano/base", "firmware/hdlc", "overlay/sim"}},
         // the fleet's picture, a core among programs
         {"experiments/fleet",

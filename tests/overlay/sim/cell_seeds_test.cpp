@@ -84,7 +84,7 @@ TEST_P(LossyCell, KeepsEveryPromiseBesideClientsThatDoNotListen) {
 
     Violations violations;
     judge_safety(world.ledger(), {}, violations);
-    judge_completeness(world.ledger(), violations);
+    judge_completeness(world.ledger(), {}, violations);
     EXPECT_TRUE(violations.empty()) << "seed " << GetParam() << "\n" << to_text(violations);
     expect_no_doubles(world.ledger());
     EXPECT_GT(world.clients().sent_to_groups(), 50U) << "seed " << GetParam();
@@ -133,7 +133,7 @@ TEST(DyingCell, IsRepairedByTheHeir) {
     scenario.world.run_for(5s);
     Violations violations;
     judge_safety(scenario.world.ledger(), {}, violations);
-    judge_completeness(scenario.world.ledger(), violations);
+    judge_completeness(scenario.world.ledger(), {}, violations);
     EXPECT_TRUE(violations.empty()) << to_text(violations);
     for (std::size_t i = 0; i < 6; ++i) EXPECT_EQ(scenario.world.robot(i).connects(), 1U);
 }

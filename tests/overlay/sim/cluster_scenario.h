@@ -74,7 +74,7 @@ public:
                                     std::chrono::seconds{20}));
         world.run_for(std::chrono::seconds{5});
         Violations violations = world.violations();
-        judge_completeness(world.ledger(), violations);
+        judge_completeness(world.ledger(), {}, violations);
         judge_settlement(world, violations);
         EXPECT_EQ(to_text(violations), "");
     }

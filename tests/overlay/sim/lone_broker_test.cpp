@@ -37,7 +37,7 @@ RobotOptions listener(const std::string& filter, Qos qos) {
 Violations judged(const World& world) {
     Violations violations;
     judge_safety(world.ledger(), {}, violations);
-    judge_completeness(world.ledger(), violations);
+    judge_completeness(world.ledger(), {}, violations);
     return violations;
 }
 

@@ -42,7 +42,7 @@ protected:
     std::vector<Promise> judged(std::vector<Span> parted = {}) {
         Violations violations;
         judge_safety(ledger, {.links_keep_order = true, .parted = std::move(parted)}, violations);
-        judge_completeness(ledger, violations);
+        judge_completeness(ledger, {}, violations);
         std::vector<Promise> promises;
         for (const Violation& violation : violations) promises.push_back(violation.promise);
         return promises;
