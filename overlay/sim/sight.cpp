@@ -13,12 +13,19 @@ namespace romano::sim {
 namespace {
 
 /// The messages that a home says it routes, of those events that were acknowledged since.
-void find_references(const LogCopy& copy, broker::Seq before, const cluster::LogHistory& history,
+void find_references(const LogCopy& copy, broker::Seq before, const cluster::ClusterCore& cluster,
                      std::vector<Reference>& found) {
+    const cluster::PeerLog& log = cluster.peer_logs().at(copy.log);
+    const cluster::LogHistory& history = log.history();
     if (copy.acknowledged <= before || !history.reaches_back_to(before)) return;
     for (const broker::LogEvent& event : history.events_after(before, copy.acknowledged - before)) {
         const auto* routed = std::get_if<broker::Routed>(&event);
-        if (routed != nullptr) found.push_back({copy.log, routed->message});
+        if (routed == nullptr) continue;
+        const auto named = cluster.peer_logs().find(routed->message.log);
+        const bool is_held =
+            (named != cluster.peer_logs().end() && named->second.holds(routed->message.seq)) ||
+            !log.mirror().is_unresolved(routed->message);
+        found.push_back({copy.log, routed->message, is_held});
     }
 }
 
@@ -31,7 +38,7 @@ void look_at_copies(const cluster::ClusterCore& cluster, Sight& sight) {
         if (const auto end = log.agreed_end()) copy.end = LogCopy::End{end->seq, end->in};
         const LogCopy* before = sight.copy_of(id);
         if (before != nullptr && !log.is_frozen()) {
-            find_references(copy, before->acknowledged, log.history(), sight.references);
+            find_references(copy, before->acknowledged, cluster, sight.references);
         }
         copies.push_back(copy);
     }

@@ -33,6 +33,7 @@ struct LogCopy {
 struct Reference {
     broker::LogId by{};
     broker::LogPosition to{};
+    bool is_held = false;  // the message: applied in its own log, or no copy of a session lacks it
 };
 
 struct Sight {

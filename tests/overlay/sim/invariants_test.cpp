@@ -164,10 +164,17 @@ TEST_F(InvariantsTest, OneOwnerHoldsWhenAnAddressChangesHandsByAView) {
 
 TEST_F(InvariantsTest, WhatIsNamedComesFirstBreaksWhenAMessageIsMissingThatWasAcknowledged) {
     brokers[0].copies = {{log(1), 3, 3, {}}, {log(2), 5, 5, {}}};
-    brokers[0].references = {{log(1), {log(2), 5}}};
+    brokers[0].references = {{log(1), {log(2), 5}, true}};
     EXPECT_THAT(after_step_of(0), IsEmpty());
-    brokers[0].references = {{log(1), {log(2), 6}}};
+    brokers[0].references = {{log(1), {log(2), 6}, false}};
     EXPECT_THAT(after_step_of(0), ElementsAre(Invariant::named_first));
+}
+
+TEST_F(InvariantsTest, WhatIsNamedComesFirstIsForMembersAsNoOtherAcknowledgementCounts) {
+    brokers[0].copies = {{log(1), 3, 3, {}}};
+    brokers[0].references = {{log(1), {log(2), 6}, false}};
+    std::erase(brokers[0].view.members, log(0));
+    EXPECT_THAT(after_step_of(0), IsEmpty());
 }
 
 TEST_F(InvariantsTest, OneShardBreaksWhenTwoOfOneViewSpeakToOneClient) {
