@@ -7,6 +7,7 @@
 #include "broker/dtls/own_id.h"
 #include "broker/protection/client_names.h"
 #include "broker/protection/protected_node.h"
+#include "romano/dtls/record/alert.h"
 #include "romano/mqttsn/decode.h"
 
 namespace romano::dtls {
@@ -19,12 +20,6 @@ namespace {
 constexpr std::size_t most_associations = 2;  // of a client
 // In front of a message there is room for the header of its forwarder.
 constexpr std::size_t room_in_front = 256;
-
-// RFC 5246 section 7.2.
-constexpr std::uint8_t warning = 1;
-constexpr std::uint8_t fatal = 2;
-constexpr std::uint8_t close_notify = 0;
-constexpr std::array<std::uint8_t, 2> goodbye{warning, close_notify};
 
 // PINGREQ: whoever is there answers it (MQTT-SN 1.2 section 6.11).
 constexpr std::array<std::uint8_t, 2> are_you_there{2, static_cast<std::uint8_t>(MsgType::pingreq)};
@@ -225,13 +220,11 @@ Bytes DtlsClients::take_message(const Taken& taken, const Path& path, broker::Ac
     return Bytes{room_}.subspan(room_in_front - header, header + size);
 }
 
-/// RFC 5246 section 7.2.1: close_notify is answered by the same.
 void DtlsClients::take_alert(const Taken& taken, const Endpoint& via, broker::Actions& out) {
-    if (taken.opened.size != goodbye.size()) return count(Refusal::malformed);
-    const std::uint8_t level = room_[room_in_front];
-    const bool closes = room_[room_in_front + 1] == close_notify;
-    if (!closes && level != fatal) return;
-    if (closes) say(*taken.entry, ContentType::alert, goodbye, via, out);
+    const auto alert = alert_in(Bytes{room_}.subspan(room_in_front, taken.opened.size));
+    if (!alert) return count(Refusal::malformed);
+    if (*alert == Alert::warning) return;
+    if (*alert == Alert::goodbye) say(*taken.entry, ContentType::alert, goodbye, via, out);
     close(*taken.entry);
 }
 

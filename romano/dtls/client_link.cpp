@@ -23,7 +23,7 @@ void ClientLink::send(Bytes message) {
 }
 
 bool ClientLink::is_handshake_due(bool is_connect) {
-    if (handshakes_ == 0 || end_.is_closed()) return true;
+    if (end_.is_closed()) return true;
     if (!is_connect) return false;
     return was_heard_ || ++unanswered_ == unanswered_connects;
 }

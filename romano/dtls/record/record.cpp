@@ -7,12 +7,6 @@ namespace {
 
 constexpr std::size_t id_at = 11;
 
-std::uint64_t be48(Bytes octets, std::size_t at) {
-    std::uint64_t value = 0;
-    for (std::size_t i = 0; i < 6; ++i) value = value << 8U | octets[at + i];
-    return value;
-}
-
 }  // namespace
 
 std::optional<Record> first_record(Bytes datagram, std::size_t id_octets) {
@@ -30,10 +24,16 @@ std::optional<Record> first_record(Bytes datagram, std::size_t id_octets) {
     return Record{.type = type,
                   .version = be16(datagram, 1),
                   .epoch = be16(datagram, 3),
-                  .number = be48(datagram, 5),
+                  .number = be64(datagram, 3) & most_number,
                   .id = datagram.subspan(id_at, header - header_octets),
                   .body = datagram.subspan(header, body),
                   .whole = datagram.first(header + body)};
+}
+
+std::uint64_t be64(Bytes octets, std::size_t at) {
+    std::uint64_t value = 0;
+    for (const std::uint8_t octet : octets.subspan(at, 8)) value = value << 8U | octet;
+    return value;
 }
 
 void put_be64(MutableBytes octets, std::size_t at, std::uint64_t value) {

@@ -43,6 +43,7 @@ struct Record {
     return std::uint64_t{epoch} << 48U | number;
 }
 
+[[nodiscard]] std::uint64_t be64(Bytes octets, std::size_t at);
 void put_be64(MutableBytes octets, std::size_t at, std::uint64_t value);
 
 /// `out` has room for header_octets and the id.

@@ -1,8 +1,12 @@
 // A broker core behind its DTLS address, as a shell composes them, for clients without sockets.
 #pragma once
 
+#include <gtest/gtest.h>
+
 #include <chrono>
 #include <cstdint>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "broker/core/broker_core.h"
@@ -57,6 +61,18 @@ struct Broker {
     }
     std::uint64_t refused(Refusal why) const {
         return listener.clients().counters().refused.of(why);
+    }
+
+    // --- several brokers
+    /// What the other has to tell.
+    void hear(Broker& other) { listener.clients().on_told(other.listener.clients().to_tell()); }
+    /// Goes on in the other's place.
+    void adopt(Broker& other, const std::string& client) {
+        auto image = other.core.image(client);
+        ASSERT_TRUE(image);
+        broker::Actions actions;
+        ASSERT_TRUE(core.adopt(now, std::move(*image), {}, actions));
+        (void)drain(actions);
     }
 
     std::uint32_t place_of;

@@ -13,15 +13,13 @@
 #include "broker/protection/protected_node.h"
 #include "romano/base/random.h"
 #include "romano/mqttsn/decode.h"
-#include "tests/broker/dtls/broker_with_dtls.h"
-#include "tests/broker/dtls/openssl_client.h"
+#include "tests/broker/dtls/client.h"
 
 namespace romano::dtls::listener_test {
 namespace {
 
 using namespace std::chrono_literals;
 using namespace broker_with_dtls;
-using broker::Actions;
 using mqttsn::MsgType;
 
 struct AtADtlsAddress : testing::Test {
@@ -235,26 +233,18 @@ TEST_F(AtADtlsAddress, LateRecordsAreTakenOnceInsideTheWindow) {
 struct WithAnHeir : AtADtlsAddress {
     void SetUp() override {
         ASSERT_TRUE(a.connect(broker));
-        heir.listener.clients().on_told(broker.listener.clients().to_tell());
+        heir.hear(broker);
         ASSERT_EQ(a.ask(broker, connect_as("a")), MsgType::connack);
-    }
-    void tell_heir() { heir.listener.clients().on_told(broker.listener.clients().to_tell()); }
-    void adopt() {
-        Actions actions;
-        auto image = broker.core.image("a");
-        ASSERT_TRUE(image);
-        ASSERT_TRUE(heir.core.adopt(heir.now, std::move(*image), {}, actions));
-        (void)heir.drain(actions);
     }
     Broker heir{2};
 };
 
 TEST_F(WithAnHeir, TheClientGoesOnWithoutAHandshake) {
-    tell_heir();
-    adopt();
+    heir.hear(broker);
+    heir.adopt(broker, "a");
     EXPECT_EQ(a.ask(heir, ping), MsgType::pingresp);
     EXPECT_EQ(heir.listener.handshakes().agreed(), 0U);
-    broker.listener.clients().on_told(heir.listener.clients().to_tell());
+    broker.hear(heir);
     EXPECT_EQ(a.ask(broker, ping), MsgType::pingresp) << "and back";
     EXPECT_EQ(a.ask(broker, ping), MsgType::pingresp);
 }
@@ -262,35 +252,35 @@ TEST_F(WithAnHeir, TheClientGoesOnWithoutAHandshake) {
 TEST_F(WithAnHeir, TheHeirTakesNoOldRecord) {
     ASSERT_EQ(a.ask(broker, ping), MsgType::pingresp);
     const Octets old = a.last_sent;
-    tell_heir();
-    adopt();
+    heir.hear(broker);
+    heir.adopt(broker, "a");
     EXPECT_TRUE(heir.take(place, old).empty());
     EXPECT_EQ(heir.refused(Refusal::replayed), 1U);
 }
 
 TEST_F(WithAnHeir, ThatABrokerBeginsToSpeakIsNews) {
-    tell_heir();
-    adopt();
+    heir.hear(broker);
+    heir.adopt(broker, "a");
     EXPECT_FALSE(heir.listener.clients().has_news());
     ASSERT_EQ(a.ask(heir, ping), MsgType::pingresp);
     EXPECT_TRUE(heir.listener.clients().has_news());
 }
 
 TEST_F(WithAnHeir, AClosedAssociationIsClosedEverywhere) {
-    tell_heir();
+    heir.hear(broker);
     a.end.close();
     (void)broker.take(place, a.outbox.at(0));
-    tell_heir();
+    heir.hear(broker);
     EXPECT_EQ(heir.listener.clients().size(), 0U);
 }
 
 TEST_F(WithAnHeir, ANewcomerHearsOfAllThatThereIs) {
-    tell_heir();
+    heir.hear(broker);
     Broker newcomer{3};
-    newcomer.listener.clients().on_told(broker.listener.clients().to_tell());
+    newcomer.hear(broker);
     EXPECT_EQ(newcomer.listener.clients().size(), 0U) << "nothing is new";
     broker.listener.clients().tell_all();
-    newcomer.listener.clients().on_told(broker.listener.clients().to_tell());
+    newcomer.hear(broker);
     EXPECT_EQ(newcomer.listener.clients().size(), 1U);
 }
 

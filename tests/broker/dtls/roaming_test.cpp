@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "tests/broker/dtls/openssl_client.h"
+#include "tests/broker/dtls/client.h"
 
 namespace romano::dtls::roaming_test {
 namespace {
@@ -18,8 +18,8 @@ using mqttsn::MsgType;
 
 const Octets pong = octets_of(mqttsn::Pingresp{});
 
-struct Roamer : Client {
-    Roamer() : Client("a", key_a, ClientEnd::default_suites, ClientEnd::Wants::connection_id) {}
+struct Roamer : OwnClient {
+    Roamer() : OwnClient("a", key_a) {}
 
     Octets record_of(const Octets& message) {
         EXPECT_TRUE(end.seal(message));
@@ -63,7 +63,7 @@ TEST_F(ARoamingClient, HasAnIdOfItsBrokersInEveryRecord) {
     EXPECT_EQ(record[0], 25);
     EXPECT_EQ(record[11], 1) << "the broker's place";
     EXPECT_EQ(record.size(), ping.size() + overhead(Suite::aes_128_ccm_8, 8));
-    Client another{"a", key_a, ClientEnd::default_suites, ClientEnd::Wants::connection_id};
+    OwnClient another{"a", key_a};
     ASSERT_TRUE(another.connect(broker));
     ASSERT_EQ(another.ask(broker, connect_as("a")), MsgType::connack);
     EXPECT_FALSE(
@@ -136,7 +136,7 @@ TEST_F(ARoamingClient, LeavesItsOldAddressToOthers) {
     (void)take(other_place, a.record_of(ping));
     (void)take(other_place, a.record_of(pong));
     for (const auto wants : {ClientEnd::Wants::none, ClientEnd::Wants::connection_id}) {
-        Client b{"b", key_b, ClientEnd::default_suites, wants};
+        OwnClient b{"b", key_b, ClientEnd::default_suites, wants};
         ASSERT_TRUE(b.connect(broker));
         ASSERT_EQ(b.ask(broker, connect_as("b")), MsgType::connack);
         EXPECT_EQ(b.ask(broker, ping), MsgType::pingresp);
@@ -184,21 +184,13 @@ TEST_F(ARoamingClient, LosesItsAssociationWithItsKey) {
 
 // --- several brokers
 
-struct WithAnHeirToo : ARoamingClient {
-    void tell_heir() { heir.listener.clients().on_told(broker.listener.clients().to_tell()); }
-    void adopt() {
-        Actions actions;
-        auto image = broker.core.image("a");
-        ASSERT_TRUE(image);
-        ASSERT_TRUE(heir.core.adopt(heir.now, std::move(*image), {}, actions));
-        (void)heir.drain(actions);
-    }
+struct ARoamingClientOfTwoBrokers : ARoamingClient {
     Broker heir{2};
 };
 
-TEST_F(WithAnHeirToo, TheHeirFindsItByItsIdFromANewAddress) {
-    tell_heir();
-    adopt();
+TEST_F(ARoamingClientOfTwoBrokers, TheHeirFindsItByItsIdFromANewAddress) {
+    heir.hear(broker);
+    heir.adopt(broker, "a");
     const auto answers = heir.take(other_place, a.record_of(ping));
     EXPECT_THAT(a.hear_all(answers), testing::Contains(MsgType::pingresp));
     for (const Sent& answer : answers) EXPECT_EQ(answer.to, other_place);
@@ -206,24 +198,24 @@ TEST_F(WithAnHeirToo, TheHeirFindsItByItsIdFromANewAddress) {
     EXPECT_EQ(heir.listener.handshakes().agreed(), 0U);
 }
 
-TEST_F(WithAnHeirToo, ThatItMovedIsNewsAndTheHeirSpeaksToWhereItIs) {
-    tell_heir();
+TEST_F(ARoamingClientOfTwoBrokers, ThatItMovedIsNewsAndTheHeirSpeaksToWhereItIs) {
+    heir.hear(broker);
     (void)take(other_place, a.record_of(ping));
     (void)take(other_place, a.record_of(pong));
     EXPECT_TRUE(broker.listener.clients().has_news());
-    tell_heir();
-    adopt();
+    heir.hear(broker);
+    heir.adopt(broker, "a");
     const auto answers = heir.take(other_place, a.record_of(ping));
     ASSERT_EQ(answers.size(), 1U) << "it knew that already";
     EXPECT_EQ(heir.listener.clients().counters().moved, 0U);
 }
 
-TEST_F(WithAnHeirToo, OldNewsMoveItNotBack) {
-    tell_heir();
+TEST_F(ARoamingClientOfTwoBrokers, OldNewsMoveItNotBack) {
+    heir.hear(broker);
     (void)take(other_place, a.record_of(ping));
     (void)take(other_place, a.record_of(pong));
     const Told old = broker.listener.clients().to_tell();
-    adopt();
+    heir.adopt(broker, "a");
     const Endpoint third = endpoint(12, 5000);
     (void)heir.take(third, a.record_of(ping));
     (void)heir.take(third, a.record_of(pong));
@@ -234,11 +226,11 @@ TEST_F(WithAnHeirToo, OldNewsMoveItNotBack) {
     EXPECT_EQ(heir.listener.clients().counters().moved, 1U);
 }
 
-TEST_F(WithAnHeirToo, TheHeirTakesNoOldRecordFromAnywhere) {
+TEST_F(ARoamingClientOfTwoBrokers, TheHeirTakesNoOldRecordFromAnywhere) {
     const Octets old = a.record_of(ping);
     (void)take(place, old);
-    tell_heir();
-    adopt();
+    heir.hear(broker);
+    heir.adopt(broker, "a");
     EXPECT_TRUE(heir.take(other_place, old).empty());
     EXPECT_EQ(heir.refused(Refusal::replayed), 1U);
 }

@@ -140,11 +140,8 @@ TEST_F(ALink, GoesOnAfterForgeriesWhenItIsConnected) {
 TEST_F(ALink, SpeaksToAnHeirWithoutAHandshake) {
     ASSERT_TRUE(connects(broker));
     Broker heir{2};
-    heir.listener.clients().on_told(broker.listener.clients().to_tell());
-    broker::Actions actions;
-    auto image = broker.core.image("a");
-    ASSERT_TRUE(image);
-    ASSERT_TRUE(heir.core.adopt(heir.now, std::move(*image), {}, actions));
+    heir.hear(broker);
+    heir.adopt(broker, "a");
     EXPECT_TRUE(is_answered(heir));
     EXPECT_EQ(link.handshakes(), 1U);
 }

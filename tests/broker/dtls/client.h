@@ -1,4 +1,4 @@
-// A client of DTLS in front of a broker without sockets.
+// Clients of DTLS in front of a broker without sockets.
 #pragma once
 
 #include <optional>
@@ -9,18 +9,19 @@
 #include "romano/dtls/client_end.h"
 #include "romano/mqttsn/decode.h"
 #include "tests/broker/dtls/broker_with_dtls.h"
+#include "tests/romano/dtls/openssl_ends.h"
 
 namespace romano::dtls::broker_with_dtls {
 
-/// OpenSSL's client, and the datagrams between it and a broker.
-struct Client {
-    explicit Client(std::string identity, const protection::RobotKey& key,
-                    const char* suites = ClientEnd::default_suites,
-                    ClientEnd::Wants wants = ClientEnd::Wants::none)
+/// A client's end, and the datagrams between it and a broker.
+template <typename End>
+struct ClientWith {
+    /// `more` for the end.
+    explicit ClientWith(std::string identity, const protection::RobotKey& key, auto... more)
         : end(
               std::move(identity), protection::pre_shared_key(key),
               [this](Bytes datagram) { outbox.emplace_back(datagram.begin(), datagram.end()); },
-              suites, wants) {}
+              more...) {}
 
     /// Until nobody has anything to say.
     void exchange(Broker& broker) {
@@ -53,11 +54,15 @@ struct Client {
     }
 
     std::vector<Octets> outbox;
-    ClientEnd end;
+    End end;
     Endpoint from = place;
     Octets last_sent;
     Octets last_heard;
     std::vector<Octets> received;
 };
+
+/// OpenSSL's, with its record layer; and ours.
+using Client = ClientWith<openssl_ends::Client>;
+using OwnClient = ClientWith<ClientEnd>;
 
 }  // namespace romano::dtls::broker_with_dtls
