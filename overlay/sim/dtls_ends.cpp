@@ -20,10 +20,6 @@ constexpr unsigned unanswered_connects = 2;
 constexpr std::size_t name_at = 9;
 constexpr std::size_t answer_octets = 16;
 
-std::uint64_t be64(Bytes octets) {
-    return static_cast<std::uint64_t>(dtls::own_id_of(octets.first(8)));
-}
-
 Octets handshake_record(Bytes body) {
     Octets out(dtls::header_octets);
     dtls::put_header(out, dtls::ContentType::handshake, 0, {}, body.size());
@@ -46,7 +42,7 @@ void DtlsRobotEnd::send(Bytes message, const Put& put) {
     if (is_handshake_due(message)) {
         question_ = draw64(random_);
         world_.on_asked(*question_);
-        id_.reset();
+        records_.reset();
         was_heard_ = false;
         unanswered_ = 0;
         waiting_.clear();
@@ -58,7 +54,7 @@ void DtlsRobotEnd::send(Bytes message, const Put& put) {
 }
 
 bool DtlsRobotEnd::is_handshake_due(Bytes message) {
-    if (!question_ && !id_) return true;
+    if (!question_ && !records_) return true;
     const auto frame = mqttsn::decode_frame(message);
     if (!frame || frame->type != mqttsn::MsgType::connect) return false;
     return was_heard_ || ++unanswered_ == unanswered_connects;
@@ -73,12 +69,8 @@ void DtlsRobotEnd::ask(const Put& put) {
 }
 
 void DtlsRobotEnd::seal(Bytes message, const Put& put) {
-    Octets id(8);
-    dtls::put_be64(id, 0, static_cast<std::uint64_t>(*id_));
-    Octets record(message.size() + dtls::most_overhead);
-    record.resize(cipher_.seal(keys_.suite, keys_.client, dtls::ContentType::application_data,
-                               next_++, message, record, wants_id_ ? Bytes{id} : Bytes{}));
-    world_.on_robot_sealed(*id_, record, message);
+    const Bytes record = records_->seal(dtls::ContentType::application_data, message);
+    world_.on_robot_sealed(id_, record, message);
     put(record);
 }
 
@@ -90,28 +82,25 @@ Bytes DtlsRobotEnd::open(Bytes datagram, const Put& put) {
         if (answer != nullptr && std::ranges::equal(*answer, datagram)) on_answer(*answer, put);
         return {};
     }
-    room_.resize(datagram.size());
-    if (!id_ || heard_.has_seen(record->number)) return {};
-    const auto opened = cipher_.open(keys_.suite, keys_.server, *record, room_);
-    if (!opened || opened->type != dtls::ContentType::application_data) return {};
-    heard_.note(record->number);
+    const auto heard = records_ ? records_->open(*record) : std::nullopt;
+    if (!heard || heard->type != dtls::ContentType::application_data) return {};
     was_heard_ = true;
-    return Bytes{room_}.first(opened->size);
+    return heard->message;
 }
 
 void DtlsRobotEnd::on_answer(Bytes answer, const Put& put) {
-    id_ = dtls::own_id_of(answer.last(8));
-    keys_ = DtlsRecords::keys_of(robot_, *question_);
+    const Bytes id = answer.last(8);
+    id_ = dtls::own_id_of(id);
+    records_.emplace(DtlsRecords::keys_of(robot_, *question_),
+                     wants_id_ ? *dtls::ConnectionId::of(id) : dtls::ConnectionId{}, 1);
     question_.reset();
-    next_ = 1;
-    heard_ = {};
     for (const auto& message : std::exchange(waiting_, {})) seal(message, put);
 }
 
 void DtlsRobotEnd::on_other_broker() {
     if (wants_id_) return;
     question_.reset();
-    id_.reset();
+    records_.reset();
 }
 
 // --- a broker's
@@ -142,7 +131,7 @@ void DtlsBrokerEnd::take(const dtls::Path& path, Bytes datagram, broker::Actions
 
 void DtlsBrokerEnd::on_question(const dtls::Path& path, Bytes body, broker::Actions& out) {
     if (body.size() < name_at) return;
-    const std::uint64_t question = be64(body);
+    const std::uint64_t question = dtls::be64(body, 0);
     const std::string robot{as_text(body.subspan(name_at))};
     if (!world_.was_asked(question) || clients_.key_of(robot) == nullptr) return;
     if (world_.answered(question) == nullptr) {

@@ -17,8 +17,7 @@
 #include "overlay/sim/dtls_records.h"
 #include "romano/base/bytes.h"
 #include "romano/base/random.h"
-#include "romano/dtls/record/record_cipher.h"
-#include "romano/protection/replay_window.h"
+#include "romano/dtls/record/client_records.h"
 #include "romano/protection/reserve.h"
 
 namespace romano::sim {
@@ -49,15 +48,11 @@ private:
     DtlsRecords& world_;
     Random random_;
     std::optional<std::uint64_t> question_;  // while a handshake goes on
-    std::optional<dtls::AssociationId> id_;
-    dtls::RecordKeys keys_;
-    std::uint64_t next_ = 0;
-    protection::WindowOf<std::uint64_t> heard_;
+    std::optional<dtls::ClientRecords> records_;
+    dtls::AssociationId id_{};  // of the association whose records these are
     bool was_heard_ = false;
     unsigned unanswered_ = 0;
     std::vector<std::vector<std::uint8_t>> waiting_;
-    std::vector<std::uint8_t> room_;
-    dtls::RecordCipher cipher_;
 };
 
 class DtlsBrokerEnd {
