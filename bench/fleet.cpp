@@ -43,8 +43,7 @@ private:
     std::vector<std::uint8_t> in_;
 };
 
-/// As standard clients are: one of ours, which wants a Connection ID, opens and seals what OpenSSL
-/// has sealed once more.
+/// Without a Connection ID, as standard clients are.
 class Dtls final : public keys::ClientSpeech {
 public:
     Dtls(const protection::RobotKey& key, const std::string& id, Put put)
