@@ -14,14 +14,13 @@ void ComponentElector::on_claim(Instant now, const Claim& claim) {
     if (node == self_.id) return;
     highest_term_ = std::max(highest_term_, claim.term);
 
-    const auto known = rank_of_.find(node);
-    if (known != rank_of_.end() && known->second != claim.rank) {  // a battery went down
-        auto moved = heard_.extract(known->second);
-        moved.key() = claim.rank;
-        heard_.insert(std::move(moved));
-        known->second = claim.rank;
+    Rank& rank = rank_of_.try_emplace(node, claim.rank).first->second;
+    if (rank != claim.rank) {  // a battery went down
+        const Heard moved = heard_.at(rank);
+        heard_.erase(rank);
+        heard_.insert_or_assign(claim.rank, moved);
+        rank = claim.rank;
     }
-    rank_of_.emplace(node, claim.rank);
     const auto [entry, is_new] = heard_.try_emplace(claim.rank, Heard{claim, now});
     if (!is_new) {
         if (leads_itself(entry->second.claim) && !leads_itself(claim)) {
@@ -36,7 +35,7 @@ void ComponentElector::on_suspect(Instant now, NodeId node) {
     const auto known = rank_of_.find(node);
     if (known == rank_of_.end()) return;
     heard_.erase(known->second);
-    rank_of_.erase(known);
+    rank_of_.erase(node);
     // Whoever followed it has to find that out as well.
     for (auto& [rank, heard] : heard_) heard.not_leading_since = now;
     settle(now);

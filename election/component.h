@@ -6,9 +6,8 @@
 // highest node that claims. No quorum: a component of one node leads itself.
 #pragma once
 
-#include <map>
-
 #include "election/elector.h"
+#include "romano/base/flat_map.h"
 
 namespace romano::election {
 
@@ -45,8 +44,8 @@ private:
     Rank self_;
     Duration patience_;  // how long a node that should lead is waited for
     Duration listens_alone_for_;
-    std::map<Rank, Heard> heard_;
-    std::map<NodeId, Rank> rank_of_;
+    FlatMap<Rank, Heard> heard_;
+    FlatMap<NodeId, Rank> rank_of_;
     Leadership leadership_;
     Term highest_term_ = 0;       // of all claims that were ever heard
     Instant started_at_ = never;  // a starting node first learns who is there

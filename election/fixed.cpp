@@ -26,14 +26,10 @@ void FixedDetector::on_gone(Instant, NodeId node) {
 void FixedDetector::on_tick(Instant now) {
     if (now < next_tick_) return;
     next_tick_ = now + beacon_every_;
-    for (auto entry = missed_.begin(); entry != missed_.end();) {
-        if (++entry->second < missed_limit_) {
-            ++entry;
-            continue;
-        }
-        suspects_.push_back(entry->first);
-        entry = missed_.erase(entry);
+    for (auto& [node, missed] : missed_) {
+        if (++missed >= missed_limit_) suspects_.push_back(node);
     }
+    erase_if(missed_, [this](const auto& entry) { return entry.second >= missed_limit_; });
 }
 
 std::vector<NodeId> FixedDetector::take_suspects() {

@@ -5,9 +5,8 @@
 // nobody.
 #pragma once
 
-#include <map>
-
 #include "election/failure_detector.h"
+#include "romano/base/flat_map.h"
 
 namespace romano::election {
 
@@ -28,7 +27,7 @@ private:
     Duration timeout_;
     std::int64_t missed_limit_;
     Instant next_tick_ = Instant::min();
-    std::map<NodeId, std::int64_t> missed_;  // ticks since the last beacon, of the living
+    FlatMap<NodeId, std::int64_t> missed_;  // ticks since the last beacon, of the living
     std::vector<NodeId> suspects_;
 };
 

@@ -6,12 +6,12 @@
 #include <algorithm>
 #include <cstdint>
 #include <functional>
-#include <map>
 #include <span>
 #include <utility>
 #include <vector>
 
 #include "broker/core/log_position.h"
+#include "romano/base/flat_map.h"
 
 namespace romano::cluster {
 
@@ -69,7 +69,7 @@ private:
     }
 
     std::uint32_t acks_;
-    std::map<broker::LogId, broker::Seq> held_;
+    FlatMap<broker::LogId, broker::Seq> held_;
     broker::Seq most_held_ = 0;
     broker::Seq safe_ = 0;
     broker::Seq last_ = 0;     // as of the last advance()

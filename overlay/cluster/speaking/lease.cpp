@@ -45,18 +45,27 @@ std::optional<Duration> Lease::notice_standstill(Instant now) {
 }
 
 void Lease::on_echo(const LogId& by, std::uint64_t tick, const ViewNumber& installed,
-                    std::vector<BrokerId> vouched) {
+                    const std::vector<BrokerId>& vouched) {
     const auto beat = std::ranges::lower_bound(beats_, tick, {}, &Beat::tick);
     if (beat == beats_.end() || beat->tick != tick) return;
-    Echoed echo{installed, beat->stamped_at, std::move(vouched)};
-    if (installed <= view_.number) return take(by, std::move(echo));
-    if (ahead_.size() < heard_most) ahead_.insert_or_assign(by, std::move(echo));
+    if (installed <= view_.number) return take(by, installed, beat->stamped_at, vouched);
+    if (ahead_.size() < heard_most) {
+        ahead_.insert_or_assign(by, {installed, beat->stamped_at, vouched});
+    }
 }
 
-void Lease::take(const LogId& by, Echoed echo) {
-    if (!view_.contains(by)) return;
-    Echoed& newest = echoed_[by];
-    if (echo.stamped_at >= newest.stamped_at) newest = std::move(echo);
+void Lease::take(const LogId& by, const ViewNumber& installed, Instant stamped_at,
+                 const std::vector<BrokerId>& vouched) {
+    const auto known = echoed_.find(by);
+    if (known == echoed_.end()) {
+        if (view_.contains(by)) echoed_.try_emplace(by, installed, stamped_at, vouched);
+        return;
+    }
+    Echoed& newest = known->second;
+    if (stamped_at < newest.stamped_at) return;
+    newest.installed = installed;
+    newest.stamped_at = stamped_at;
+    if (newest.vouched != vouched) newest.vouched = vouched;
 }
 
 bool Lease::is_held(Instant now) const {
@@ -120,7 +129,7 @@ Instant Lease::majority_ends_at(const std::vector<LogId>& members) const {
 
 void Lease::on_heard(Instant now, const LogId& peer, std::uint64_t tick) {
     if (heard_.size() >= heard_most && !heard_.contains(peer)) {
-        std::erase_if(heard_, [this](const auto& entry) { return !view_.contains(entry.first); });
+        erase_if(heard_, [this](const auto& entry) { return !view_.contains(entry.first); });
     }
     Heard& heard = heard_[peer];
     if (tick > heard.tick) heard = {tick, now, heard.late_tick};
@@ -133,6 +142,7 @@ bool Lease::may_be_outdated(const LogId& peer) const {
 
 std::vector<Echo> Lease::echoes() const {
     std::vector<Echo> all;
+    all.reserve(view_.members.size());
     for (const LogId& member : view_.members) {
         const auto heard = heard_.find(member);
         if (member == self_ || heard == heard_.end() || refused_.contains(member)) continue;
@@ -143,6 +153,7 @@ std::vector<Echo> Lease::echoes() const {
 
 std::vector<BrokerId> Lease::vouched(Instant now) const {
     std::vector<BrokerId> all;
+    all.reserve(echoed_.size());
     for (const auto& [by, echo] : echoed_) {
         if (now < echo.stamped_at + term_ - margin_) all.push_back(by.broker);
     }
@@ -159,7 +170,7 @@ Instant Lease::echoed_heard_at(const LogId& peer) const {
 }
 
 void Lease::want(const View* wanted) {
-    std::erase_if(refused_, [&](const auto& entry) {
+    erase_if(refused_, [&](const auto& entry) {
         const auto& [member, refusal] = entry;
         return !refusal.is_promised && (wanted == nullptr || wanted->contains(member));
     });
@@ -209,17 +220,20 @@ void Lease::on_promise(const View& promised) {
 
 void Lease::on_view(Instant now, const View& installed) {
     view_ = installed;
-    std::erase_if(members_since_,
-                  [this](const auto& entry) { return !view_.contains(entry.first); });
+    erase_if(members_since_, [this](const auto& entry) { return !view_.contains(entry.first); });
     for (const LogId& member : view_.members) members_since_.try_emplace(member, now);
     promised_.clear();
     refused_.clear();
-    std::erase_if(echoed_, [this](const auto& echo) { return !view_.contains(echo.first); });
-    std::erase_if(ahead_, [this](auto& entry) {
-        if (entry.second.installed > view_.number) return false;
-        take(entry.first, std::move(entry.second));
-        return true;
-    });
+    erase_if(echoed_, [this](const auto& echo) { return !view_.contains(echo.first); });
+    const auto is_here = [this](const auto& entry) {
+        return entry.second.installed <= view_.number;
+    };
+    for (const auto& entry : ahead_) {
+        if (!is_here(entry)) continue;
+        const auto& [by, echo] = entry;
+        take(by, echo.installed, echo.stamped_at, echo.vouched);
+    }
+    erase_if(ahead_, is_here);
     held_until_ = Instant::min();
 }
 

@@ -22,12 +22,12 @@
 #include <cstdint>
 #include <deque>
 #include <functional>
-#include <map>
 #include <optional>
 #include <utility>
 #include <vector>
 
 #include "overlay/cluster/messages.h"
+#include "romano/base/flat_map.h"
 #include "romano/base/time.h"
 
 namespace romano::cluster {
@@ -45,7 +45,7 @@ public:
     /// `by` heard that tick of ours, and says so in the view that it has installed. `vouched`: who
     /// echoed a tick of its own within a term, as it says.
     void on_echo(const LogId& by, std::uint64_t tick, const ViewNumber& installed,
-                 std::vector<BrokerId> vouched);
+                 const std::vector<BrokerId>& vouched);
     [[nodiscard]] bool is_held(Instant now) const;
 
     // --- the leases of others
@@ -96,25 +96,26 @@ private:
     [[nodiscard]] Instant stamped_at(const LogId& echoed_by) const;
     [[nodiscard]] Instant echoed_heard_at(const LogId& peer) const;
     [[nodiscard]] bool keeps_less_than_half(const View& next) const;
-    void take(const LogId& by, Echoed echo);
+    void take(const LogId& by, const ViewNumber& installed, Instant stamped_at,
+              const std::vector<BrokerId>& vouched);
 
     LogId self_;
     Duration beacon_every_;
     Duration term_;
     Duration margin_;  // by which the holder's term is shorter
     View view_;
-    std::map<LogId, Instant> members_since_;
+    FlatMap<LogId, Instant> members_since_;
     std::vector<View> promised_;  // since the view was installed
     struct Beat {
         std::uint64_t tick = 0;
         Instant stamped_at{};
     };
-    std::deque<Beat> beats_;          // the own ones that may still be echoed in time
-    Instant acted_at_ = never;        // the last heartbeat, or the end of the last standstill
-    std::map<LogId, Echoed> echoed_;  // by members: the newest own tick
-    std::map<LogId, Echoed> ahead_;   // by those who are in a later view than we are
-    std::map<LogId, Heard> heard_;
-    std::map<LogId, Refusal> refused_;             // members that are not echoed
+    std::deque<Beat> beats_;         // the own ones that may still be echoed in time
+    Instant acted_at_ = never;       // the last heartbeat, or the end of the last standstill
+    FlatMap<LogId, Echoed> echoed_;  // by members: the newest own tick
+    FlatMap<LogId, Echoed> ahead_;   // by those who are in a later view than we are
+    FlatMap<LogId, Heard> heard_;
+    FlatMap<LogId, Refusal> refused_;              // members that are not echoed
     Instant missed_until_ = Instant::min();        // after a standstill
     mutable Instant held_until_ = Instant::min();  // as far as it was looked up
 };
