@@ -209,27 +209,32 @@ void ClusterCore::say_again(Effects& effects) {
 
 void ClusterCore::on(Effects& effects, BrokerId from, const Heartbeat& heartbeat) {
     if (heartbeat.log.broker != from) return;
-    const Beacon* beacon = peers_beacons_.read(heartbeat, view(), beacons_sent_);
+    const auto heard = membership_.on_heartbeat(effects.now, heartbeat.log, [&](Beacon* last) {
+        return peers_beacons_.read(heartbeat, last, view(), beacons_sent_);
+    });
     if (peers_beacons_.must_ask(effects.now, effects.times.particulars_asked_again_after(), from)) {
         effects.peers.push_back({from, ParticularsRequest{}});
     }
-    if (beacon != nullptr) on_beacon(effects, *beacon);
+    if (heard != Membership::Heard::nothing) heed(effects, membership_.find(from)->beacon, heard);
 }
 
 void ClusterCore::on(Effects& effects, BrokerId from, const Particulars& particulars) {
     if (particulars.beacon.log.broker != from) return;
     settings_.on_told(from, particulars.settings);
-    const Beacon* beacon = peers_beacons_.read(particulars, view());
-    if (beacon != nullptr) on_beacon(effects, *beacon);
+    const Peer* peer = membership_.find(from);
+    const bool is_known = peer != nullptr && peer->beacon.log == particulars.beacon.log;
+    const auto beacon =
+        peers_beacons_.read(particulars, is_known ? &peer->beacon : nullptr, view());
+    if (!beacon) return;
+    const auto heard = membership_.on_beacon(effects.now, *beacon);
+    if (heard != Membership::Heard::nothing) heed(effects, *beacon, heard);
 }
 
 void ClusterCore::on(Effects& effects, BrokerId from, const ParticularsRequest&) {
     effects.peers.push_back({from, Particulars{beacon(effects.broker), settings_.own()}});
 }
 
-void ClusterCore::on_beacon(Effects& effects, const Beacon& beacon) {
-    const Membership::Heard heard = membership_.on_beacon(effects.now, beacon);
-    if (heard == Membership::Heard::nothing) return;
+void ClusterCore::heed(Effects& effects, const Beacon& beacon, Membership::Heard heard) {
     lease_.on_heard(effects.now, beacon.log, beacon.tick);
     for (const Echo& echo : beacon.echoes) {
         if (echo.of == own_.id())
@@ -237,7 +242,7 @@ void ClusterCore::on_beacon(Effects& effects, const Beacon& beacon) {
     }
     if (is_back() && leaves_out(beacon)) handoffs_.forget_waiting();
     if (membership_.is_alive(beacon.log)) {
-        heed(beacon);
+        heed_log_of(beacon);
         if (heard == Membership::Heard::news) ended_.learn(view(), beacon.ended);
         settings_.on_beacon(effects, beacon);
     }
@@ -254,14 +259,15 @@ void ClusterCore::heed_news_of_peers(Effects& effects) {
     view_change_.on_tick(effects.now, surroundings(effects), effects.peers);
 }
 
-void ClusterCore::heed(const Beacon& beacon) {
+void ClusterCore::heed_log_of(const Beacon& beacon) {
     PeerLog& log = log_of(beacon.log);
     acquaintance_.meet(beacon.log, beacon.last_seq);
     log.heard_end(beacon.last_seq, beacon.view.number);
     log.heard_serving(beacon.serving);
     log.set_foreign(beacon.predefined != predefined_);
-    if (beacon.knows(own_.id())) log.heard_by_writer();
-    watermark_.on_beacon(beacon.log, beacon.applied_through(own_.id()));
+    const auto own_held = beacon.held_of(own_.id());
+    if (own_held) log.heard_by_writer();
+    watermark_.on_beacon(beacon.log, own_held.value_or(0));
     if (!has_frozen_logs_) return;
     for (auto& [id, held] : logs_) {
         if (!held.is_frozen() || id.broker == beacon.log.broker) continue;
@@ -462,6 +468,7 @@ Beacon ClusterCore::beacon(const broker::BrokerCore& broker) const {
                   .predefined = predefined_};
     membership_.describe(beacon);
     beacon.echoes = lease_.echoes();
+    beacon.applied.reserve(logs_.size());
     for (const auto& [id, log] : logs_) beacon.applied.push_back({id, held_of(id, log)});
     return beacon;
 }

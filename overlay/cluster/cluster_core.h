@@ -205,8 +205,8 @@ private:
     static void on(Effects&, BrokerId, const SecuredTold&) {}
 
     void say(Effects& effects, const Beacon& beacon);
-    void on_beacon(Effects& effects, const Beacon& beacon);
-    void heed(const Beacon& beacon);
+    void heed(Effects& effects, const Beacon& beacon, Membership::Heard heard);
+    void heed_log_of(const Beacon& beacon);
     [[nodiscard]] bool is_back() const { return stood_still_for_ != Duration{}; }
     [[nodiscard]] bool knows_its_place(Instant now) const;
     [[nodiscard]] bool is_for_later(Instant now, const ClusterMessage& message) const;

@@ -13,9 +13,10 @@ bool View::has_later_life_of(const LogId& log) const {
     return next != members.end() && next->broker == log.broker;
 }
 
-Seq Beacon::applied_through(const LogId& of) const {
-    const auto found = std::ranges::find(applied, of, &LogPosition::log);
-    return found == applied.end() ? 0 : found->seq;
+std::optional<Seq> Beacon::held_of(const LogId& other) const {
+    const auto found = std::ranges::find(applied, other, &LogPosition::log);
+    if (found == applied.end()) return std::nullopt;
+    return found->seq;
 }
 
 bool Beacon::hears_from(BrokerId broker) const {

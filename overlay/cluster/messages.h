@@ -103,7 +103,8 @@ struct Beacon {
     std::uint32_t predefined = 0;  // of the predefined topics; 0: there are none
 
     /// How far the sender holds the log: applied it, with what it tells of (acknowledgements.h).
-    [[nodiscard]] Seq applied_through(const LogId& of) const;
+    [[nodiscard]] std::optional<Seq> held_of(const LogId& other) const;
+    [[nodiscard]] Seq applied_through(const LogId& of) const { return held_of(of).value_or(0); }
     [[nodiscard]] bool hears_from(BrokerId broker) const;
     [[nodiscard]] bool knows(const LogId& other) const;
     [[nodiscard]] std::optional<Seq> end_of(const LogId& of) const;

@@ -39,6 +39,15 @@ bool has_member(const View& view, BrokerId broker) {
 constexpr std::uint64_t ticks_told_apart = 127;  // by an echo's octet
 constexpr std::uint8_t vouches = 0x80;           // in the same octet
 
+/// Of the members of one view, and of others: whom it hears, and for whom it vouches.
+bool says_the_same_of_others(const Heartbeat& a, const Heartbeat& b) {
+    const auto vouch_alike = [](std::uint8_t one, std::uint8_t other) {
+        return ((one ^ other) & vouches) == 0;
+    };
+    return a.hears_members == b.hears_members && a.hears_others == b.hears_others &&
+           std::ranges::equal(a.echoes, b.echoes, vouch_alike);
+}
+
 /// `held` is in the order of logs.
 void set_held(std::vector<LogPosition>& held, const LogPosition& position) {
     const auto found = std::ranges::lower_bound(held, position.log, {}, &LogPosition::log);
@@ -141,7 +150,7 @@ Heartbeat HeartbeatWriter::write(const Beacon& beacon) {
 bool HeartbeatReader::Peer::lacks_something() const {
     const std::uint64_t all_are_said_in =
         heartbeat.logs_held / HeartbeatWriter::repeated + 2 * HeartbeatWriter::said_in;
-    return !beacon || particulars != heartbeat.particulars || lacks_view || lacks_echo ||
+    return !is_known || particulars != heartbeat.particulars || lacks_view || lacks_echo ||
            (counts_differ_since != 0 && heartbeat.tick > counts_differ_since + all_are_said_in);
 }
 
@@ -160,29 +169,33 @@ HeartbeatReader::Peer* HeartbeatReader::find_or_add(const LogId& log) {
     return &peer;
 }
 
-const Beacon* HeartbeatReader::read(const Heartbeat& heartbeat, const View& own_view,
-                                    std::uint64_t own_tick) {
+bool HeartbeatReader::read(const Heartbeat& heartbeat, Beacon* last, const View& own_view,
+                           std::uint64_t own_tick) {
     Peer* peer = find_or_add(heartbeat.log);
-    if (peer == nullptr || heartbeat.tick <= peer->heartbeat.tick) return nullptr;
+    if (peer == nullptr || heartbeat.tick <= peer->heartbeat.tick) return false;
+    peer->is_joined = peer->is_joined && says_the_same_of_others(heartbeat, peer->heartbeat);
     peer->heartbeat = heartbeat;
-    const Beacon* joined = join(*peer, own_view);
-    if (joined != nullptr) join_echo(*peer, own_tick);
-    return joined;
+    peer->is_known = last != nullptr;
+    if (last == nullptr) {
+        peer->is_joined = false;
+        return false;
+    }
+    join(*peer, *last, own_view);
+    join_echo(*peer, *last, own_tick);
+    return true;
 }
 
 /// The oldest tick that it may be: of two echoes the later one is of no older tick. What is far
 /// behind our own one went round while nothing was heard: the particulars name the whole tick.
-void HeartbeatReader::join_echo(Peer& peer, std::uint64_t own_tick) const {
-    Beacon& beacon = *peer.beacon;
+void HeartbeatReader::join_echo(Peer& peer, Beacon& beacon, std::uint64_t own_tick) const {
     beacon.echoes.clear();
-    beacon.vouched.clear();
     peer.lacks_echo = false;
-    if (peer.lacks_view) return;
+    if (peer.lacks_view) {
+        beacon.vouched.clear();
+        return;
+    }
     const auto& members = beacon.view.members;
     const auto& octets = peer.heartbeat.echoes;
-    for (std::size_t i = 0; i < std::min(members.size(), octets.size()); ++i) {
-        if ((octets[i] & vouches) != 0) beacon.vouched.push_back(members[i].broker);
-    }
     const auto self = std::ranges::lower_bound(members, self_, {}, &LogId::broker);
     if (self == members.end() || self->broker != self_) return;
     const auto place = static_cast<std::size_t>(self - members.begin());
@@ -199,16 +212,19 @@ void HeartbeatReader::join_echo(Peer& peer, std::uint64_t own_tick) const {
     beacon.echoes.push_back(*peer.echo);
 }
 
-const Beacon* HeartbeatReader::read(const Particulars& told, const View& own_view) {
+std::optional<Beacon> HeartbeatReader::read(const Particulars& told, const Beacon* last,
+                                            const View& own_view) {
     const auto found = peers_.find(told.beacon.log.broker);
-    if (found == peers_.end() || found->second.heartbeat.log != told.beacon.log) return nullptr;
+    if (found == peers_.end() || found->second.heartbeat.log != told.beacon.log) {
+        return std::nullopt;
+    }
     Peer& peer = found->second;
     Beacon joined = told.beacon;
     std::ranges::sort(joined.applied);
-    if (peer.beacon && told.beacon.tick <= peer.beacon->tick) {
+    if (last != nullptr && told.beacon.tick <= last->tick) {
         // Heartbeats that came since tell more of the logs that are held.
         for (LogPosition& position : joined.applied) {
-            position.seq = std::max(position.seq, peer.beacon->applied_through(position.log));
+            position.seq = std::max(position.seq, last->applied_through(position.log));
         }
     }
     std::erase_if(joined.echoes, [this](const Echo& echo) { return echo.of.broker != self_; });
@@ -219,24 +235,28 @@ const Beacon* HeartbeatReader::read(const Particulars& told, const View& own_vie
         if (!is_older) peer.echo = told_echo;
         peer.lacks_echo = false;
     }
-    peer.beacon = std::move(joined);
-    peer.particulars = digest_of_particulars(*peer.beacon);
+    peer.is_known = true;
+    peer.is_joined = false;
+    peer.particulars = digest_of_particulars(joined);
     peer.counts_differ_since = 0;
     peer.asked_at.reset();
-    if (told.beacon.tick < peer.heartbeat.tick) return join(peer, own_view);
+    if (told.beacon.tick < peer.heartbeat.tick) {
+        join(peer, joined, own_view);
+        joined.vouched = told.beacon.vouched;  // as old as its echo
+        peer.is_joined = false;
+        return joined;
+    }
     peer.heartbeat.tick = told.beacon.tick;
     peer.heartbeat.view = told.beacon.view.number;
     peer.heartbeat.promised = told.beacon.promised;
     peer.heartbeat.members = static_cast<std::uint32_t>(told.beacon.view.members.size());
     peer.heartbeat.particulars = peer.particulars;
     peer.lacks_view = false;
-    return &*peer.beacon;
+    return joined;
 }
 
-const Beacon* HeartbeatReader::join(Peer& peer, const View& own_view) const {
-    if (!peer.beacon) return nullptr;
+void HeartbeatReader::join(Peer& peer, Beacon& beacon, const View& own_view) const {
     const Heartbeat& said = peer.heartbeat;
-    Beacon& beacon = *peer.beacon;
     beacon.tick = said.tick;
     beacon.last_seq = said.last_seq;
     beacon.promised = said.promised;
@@ -250,25 +270,26 @@ const Beacon* HeartbeatReader::join(Peer& peer, const View& own_view) const {
         beacon.cpu_percent = said.cpu_percent;
     }
     beacon.leaving = said.leaving;
-    join_view(peer, own_view);
+    join_view(peer, beacon, own_view);
     for (const LogPosition& position : said.held_others) set_held(beacon.applied, position);
     if (beacon.applied.size() == said.logs_held) {
         peer.counts_differ_since = 0;
     } else if (peer.counts_differ_since == 0) {
         peer.counts_differ_since = said.tick;
     }
-    return &beacon;
 }
 
 /// In a view that is not known here the sender hears whom it heard before, but us it may name.
-void HeartbeatReader::join_view(Peer& peer, const View& own_view) const {
+void HeartbeatReader::join_view(Peer& peer, Beacon& beacon, const View& own_view) const {
     const Heartbeat& said = peer.heartbeat;
-    Beacon& beacon = *peer.beacon;
     const auto is_said = [&](const View& view) {
         return view.number == said.view && view.members.size() == said.members;
     };
-    if (said.members == 0) beacon.view = {.number = said.view, .members = {}};
-    if (is_said(own_view)) beacon.view = own_view;
+    if (!is_said(beacon.view)) {
+        peer.is_joined = false;
+        if (said.members == 0) beacon.view = {.number = said.view, .members = {}};
+        if (is_said(own_view)) beacon.view = own_view;
+    }
     peer.lacks_view = !is_said(beacon.view);
     if (peer.lacks_view) {
         if (std::ranges::count(said.hears_others, self_) != 0 && !beacon.hears_from(self_)) {
@@ -276,18 +297,29 @@ void HeartbeatReader::join_view(Peer& peer, const View& own_view) const {
         }
         return;
     }
+    if (!std::exchange(peer.is_joined, true)) join_hears(peer, beacon);
+    const auto& members = beacon.view.members;
+    for (const auto& [member, through] : said.held) {
+        if (member < members.size()) set_held(beacon.applied, {members[member], through});
+    }
+}
+
+/// Whom it hears, and for whom it vouches.
+void HeartbeatReader::join_hears(Peer& peer, Beacon& beacon) {
+    const Heartbeat& said = peer.heartbeat;
     const auto& members = beacon.view.members;
     beacon.hears.clear();
+    beacon.vouched.clear();
     for (std::size_t place = 0; place < members.size(); ++place) {
         const std::size_t octet = place / 8;
         if (octet < said.hears_members.size() && (said.hears_members[octet] >> (place % 8U) & 1U)) {
             beacon.hears.push_back(members[place].broker);
         }
+        if (place < said.echoes.size() && (said.echoes[place] & vouches) != 0) {
+            beacon.vouched.push_back(members[place].broker);
+        }
     }
     beacon.hears.insert(beacon.hears.end(), said.hears_others.begin(), said.hears_others.end());
-    for (const auto& [member, through] : said.held) {
-        if (member < members.size()) set_held(beacon.applied, {members[member], through});
-    }
 }
 
 bool HeartbeatReader::is_complete(BrokerId broker) const {

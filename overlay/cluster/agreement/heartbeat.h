@@ -46,19 +46,22 @@ private:
     bool has_news_ = false;
 };
 
-/// Puts the peers' beacons together.
+/// Puts the peers' beacons together. The newest one of each peer is its owner's to keep: brokers
+/// that hear a hundred of them should find each in one place.
 class HeartbeatReader {
 public:
     explicit HeartbeatReader(BrokerId self) : self_(self) {}
 
-    /// The peer's newest beacon, as far as it is known; null while its particulars are not here,
-    /// and when it was heard before. Valid until the next call. A sender in `own_view` needs not
-    /// say who is in it.
+    /// Brings `last` up to date, the newest beacon of that log that is known: null while its
+    /// particulars are not here. False when the heartbeat is older. A sender in `own_view` needs
+    /// not say who is in it.
     /// `own_tick`: the newest that the sender may have heard.
-    [[nodiscard]] const Beacon* read(const Heartbeat& heartbeat, const View& own_view,
-                                     std::uint64_t own_tick);
-    /// The same. Null when they are old, or no heartbeat of that log was heard yet.
-    [[nodiscard]] const Beacon* read(const Particulars& particulars, const View& own_view);
+    [[nodiscard]] bool read(const Heartbeat& heartbeat, Beacon* last, const View& own_view,
+                            std::uint64_t own_tick);
+    /// The beacon that particulars are with what heartbeats said since. None when they are old, or
+    /// no heartbeat of that log was heard yet.
+    [[nodiscard]] std::optional<Beacon> read(const Particulars& particulars, const Beacon* last,
+                                             const View& own_view);
     /// Something is lacking that only the particulars tell, and it was not asked for just now.
     [[nodiscard]] bool must_ask(Instant now, Duration again_after, BrokerId peer);
 
@@ -71,7 +74,9 @@ public:
 private:
     struct Peer {
         Heartbeat heartbeat;
-        std::optional<Beacon> beacon;  // of that log
+        bool is_known = false;  // a beacon of that log is
+        /// Whom it hears and vouches for stands in that beacon as the heartbeat has it.
+        bool is_joined = false;
         std::uint32_t particulars = 0;
         bool lacks_view = false;
         std::uint64_t counts_differ_since = 0;  // tick; 0: they do not
@@ -82,9 +87,10 @@ private:
         [[nodiscard]] bool lacks_something() const;
     };
 
-    [[nodiscard]] const Beacon* join(Peer& peer, const View& own_view) const;
-    void join_view(Peer& peer, const View& own_view) const;
-    void join_echo(Peer& peer, std::uint64_t own_tick) const;
+    void join(Peer& peer, Beacon& beacon, const View& own_view) const;
+    void join_view(Peer& peer, Beacon& beacon, const View& own_view) const;
+    void join_echo(Peer& peer, Beacon& beacon, std::uint64_t own_tick) const;
+    static void join_hears(Peer& peer, Beacon& beacon);
     [[nodiscard]] Peer* find_or_add(const LogId& log);
 
     BrokerId self_;

@@ -60,21 +60,41 @@ Membership::Heard Membership::on_beacon(Instant now, const Beacon& beacon) {
     if (beacon.log.incarnation < peer.beacon.log.incarnation) return Heard::nothing;
     const bool is_same_life = beacon.log == peer.beacon.log;
     if (is_same_life && beacon.tick < peer.beacon.tick) return Heard::nothing;
-    const bool was_alive = peer.alive;
-    const bool was_heard = is_heard(id);
-    const bool has_news = is_news(peer, beacon);
+    const News before = news_of(peer);
+    bool has_news = is_news(peer.beacon, beacon);
     const bool is_new_tick = !is_same_life || beacon.tick > peer.beacon.tick;
-    const election::NodeId node = node_of(id);
     if (!is_same_life) {
         ++changes_;
-        heard_->on_restart(node);
-        linked_->on_restart(node);
+        heard_->on_restart(node_of(id));
+        linked_->on_restart(node_of(id));
     }
     peer.beacon = beacon;
+    peer.hears_us = beacon.hears_from(self_);
+    has_news = has_news || news_of(peer) != before;
     // Its particulars came after its heartbeat, and may have waited.
     if (!is_new_tick) return has_news ? Heard::news : Heard::life;
-    peer.heard_at = now;
+    return on_tick_of(now, peer, has_news);
+}
 
+Membership::Heard Membership::on_heartbeat(Instant now, const LogId& log, const Join& join) {
+    const auto known = peers_.find(log.broker);
+    if (known == peers_.end() || known->second.beacon.log != log) {
+        (void)join(nullptr);
+        return Heard::nothing;
+    }
+    Peer& peer = known->second;
+    const News before = news_of(peer);
+    if (!join(&peer.beacon)) return Heard::nothing;
+    peer.hears_us = peer.beacon.hears_from(self_);
+    return on_tick_of(now, peer, news_of(peer) != before);
+}
+
+Membership::Heard Membership::on_tick_of(Instant now, Peer& peer, bool has_news) {
+    const Beacon& beacon = peer.beacon;
+    const election::NodeId node = node_of(beacon.log.broker);
+    const bool was_alive = peer.alive;
+    const bool was_heard = heard_->is_alive(node);
+    peer.heard_at = now;
     if (beacon.leaving) {
         peer.ended = true;
         heard_->on_gone(now, node);
@@ -83,7 +103,7 @@ Membership::Heard Membership::on_beacon(Instant now, const Beacon& beacon) {
         return Heard::news;
     }
     heard_->on_beacon(now, node);
-    if (peer.hears(self_)) {
+    if (peer.hears_us) {
         linked_->on_beacon(now, node);
         peer.alive = linked_->is_alive(node);
         if (peer.alive != was_alive) ++changes_;
@@ -92,18 +112,22 @@ Membership::Heard Membership::on_beacon(Instant now, const Beacon& beacon) {
             elector_->on_claim(now, beacon.claim);
         }
     }
-    const bool is_changed = peer.alive != was_alive || is_heard(id) != was_heard;
+    const bool is_changed = peer.alive != was_alive || heard_->is_alive(node) != was_heard;
     return has_news || is_changed ? Heard::news : Heard::life;
 }
 
-bool Membership::is_news(const Peer& before, const Beacon& beacon) const {
-    const Beacon& last = before.beacon;
-    return beacon.log != last.log || beacon.view.number != last.view.number ||
-           beacon.claim != last.claim || beacon.leaving != last.leaving ||
-           beacon.hears_from(self_) != last.hears_from(self_) || beacon.serving != last.serving ||
-           beacon.home_addresses != last.home_addresses || beacon.ended != last.ended ||
-           beacon.settings != last.settings || beacon.predefined != last.predefined ||
-           beacon.link != last.link;
+Membership::News Membership::news_of(const Peer& peer) {
+    return {.view = peer.beacon.view.number,
+            .claim = peer.beacon.claim,
+            .leaving = peer.beacon.leaving,
+            .hears_us = peer.hears_us};
+}
+
+bool Membership::is_news(const Beacon& before, const Beacon& beacon) {
+    return beacon.log != before.log || beacon.serving != before.serving ||
+           beacon.home_addresses != before.home_addresses || beacon.ended != before.ended ||
+           beacon.settings != before.settings || beacon.predefined != before.predefined ||
+           beacon.link != before.link;
 }
 
 void Membership::on_pulse(Instant now, const Pulse& pulse) {
@@ -116,7 +140,7 @@ void Membership::on_pulse(Instant now, const Pulse& pulse) {
     if (!heard_->is_alive(node)) return;
     peer.heard_at = now;
     heard_->on_beacon(now, node);
-    if (peer.hears(self_) && linked_->is_alive(node)) linked_->on_beacon(now, node);
+    if (peer.hears_us && linked_->is_alive(node)) linked_->on_beacon(now, node);
 }
 
 void Membership::on_leader(Instant now, BrokerId leader, election::Term term) {

@@ -5,6 +5,7 @@
 // that ours reach it. One way only, it could neither acknowledge our log nor follow our view.
 #pragma once
 
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -32,8 +33,9 @@ namespace romano::cluster {
 struct Peer {
     Beacon beacon;
     bool alive = false;
-    Instant heard_at{};  // its last beacon or pulse
-    bool ended = false;  // it said goodbye, or its process is gone; it did not just fall silent
+    Instant heard_at{};     // its last beacon or pulse
+    bool ended = false;     // it said goodbye, or its process is gone; it did not just fall silent
+    bool hears_us = false;  // as that beacon says
     [[nodiscard]] bool is_home_of(const Endpoint& address) const;
     [[nodiscard]] bool is_serving(const Endpoint& address) const;
     /// It says so, and in this life: what is sent to it arrives.
@@ -53,6 +55,10 @@ public:
         news,     // others act on it
     };
     Heard on_beacon(Instant now, const Beacon& beacon);
+    /// A heartbeat of that log came. `join` brings its last beacon up to date, or is given null
+    /// where none is known; it says whether that was done.
+    using Join = std::function<bool(Beacon* last)>;
+    Heard on_heartbeat(Instant now, const LogId& log, const Join& join);
     /// A sign of life, and only of those who are alive: the next beacon tells the rest.
     void on_pulse(Instant now, const Pulse& pulse);
     /// The leader's claim comes with its proposals too, and may come there before its beacon. Not
@@ -103,7 +109,18 @@ public:
     }
 
 private:
-    [[nodiscard]] bool is_news(const Peer& before, const Beacon& beacon) const;
+    /// What others act on, of what heartbeats tell.
+    struct News {
+        ViewNumber view{};
+        election::Claim claim{};
+        bool leaving = false;
+        bool hears_us = false;
+
+        friend bool operator==(const News&, const News&) = default;
+    };
+    [[nodiscard]] static News news_of(const Peer& peer);
+    [[nodiscard]] static bool is_news(const Beacon& before, const Beacon& beacon);
+    Heard on_tick_of(Instant now, Peer& peer, bool has_news);
     void bury_suspects(Instant now);
     [[nodiscard]] bool was_heard_just_now(const Peer& peer, Instant now) const;
 

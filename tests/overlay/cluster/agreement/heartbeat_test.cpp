@@ -3,7 +3,9 @@
 #include <gmock/gmock.h>
 
 #include <algorithm>
+#include <optional>
 #include <string>
+#include <utility>
 
 #include "romano/base/random.h"
 #include "tests/overlay/cluster/events.h"
@@ -38,9 +40,21 @@ struct HeartbeatTest : testing::Test {
         const Heartbeat heartbeat = writer.write(beacon);
         octets_of_places = heartbeat.hears_members.size();
         named = heartbeat.hears_others.size() + heartbeat.held_others.size();
-        return is_lost ? nullptr : reader.read(heartbeat, own_view, own_tick);
+        return is_lost ? nullptr : hear(heartbeat);
     }
-    const Beacon* tell() { return reader.read(Particulars{beacon}, own_view); }
+    const Beacon* hear(const Heartbeat& heartbeat) {
+        return reader.read(heartbeat, last_of(heartbeat.log), own_view, own_tick) ? &*last
+                                                                                  : nullptr;
+    }
+    const Beacon* tell() { return tell(Particulars{beacon}); }
+    const Beacon* tell(const Particulars& particulars) {
+        auto joined = reader.read(particulars, last_of(particulars.beacon.log), own_view);
+        if (!joined) return nullptr;
+        last = *std::move(joined);
+        return &*last;
+    }
+    /// Of that life of the peer.
+    Beacon* last_of(const LogId& log) { return last && last->log == log ? &*last : nullptr; }
     /// What the reader believes is what the writer says.
     void expect_equal(const Beacon* read) const {
         ASSERT_NE(read, nullptr);
@@ -60,6 +74,7 @@ struct HeartbeatTest : testing::Test {
 
     HeartbeatWriter writer;
     HeartbeatReader reader{self.broker};
+    std::optional<Beacon> last;  // as Membership keeps it
     View own_view = view_of(1, {self, peer, third});
     std::uint64_t own_tick = 0;  // the newest that the peer may have heard
     Beacon beacon{.name = "peer", .log = peer, .view = view_of(1, {self, peer, third})};
@@ -127,6 +142,32 @@ TEST_F(HeartbeatTest, OneInNoViewNamesWhomItHears) {
     expect_equal(tell());
 }
 
+// Particulars say whom the sender hears as of their own tick.
+TEST_F(HeartbeatTest, WhomItHearsIsReadAnewAfterParticulars) {
+    say();
+    tell();
+    say();
+    Particulars other{beacon};
+    ++other.beacon.tick;
+    other.beacon.hears = {};
+    ASSERT_THAT(tell(other)->hears, IsEmpty());
+    ++beacon.tick;
+    expect_equal(say());
+}
+
+TEST_F(HeartbeatTest, VouchersAreReadWithTheMembersOfTheView) {
+    say();
+    tell();
+    beacon.vouched = {self.broker, third.broker};
+    EXPECT_THAT(say()->vouched, UnorderedElementsAreArray(beacon.vouched));
+    beacon.vouched = {third.broker};
+    EXPECT_THAT(say()->vouched, UnorderedElementsAreArray(beacon.vouched));
+    EXPECT_THAT(say()->vouched, UnorderedElementsAreArray(beacon.vouched));
+    own_view = beacon.view = view_of(2, {peer, self, stranger});
+    beacon.vouched = {stranger.broker};
+    EXPECT_THAT(say()->vouched, UnorderedElementsAreArray(beacon.vouched));
+}
+
 TEST_F(HeartbeatTest, WhatIsServedChangesTheDigest) {
     say();
     tell();
@@ -158,15 +199,15 @@ TEST_F(HeartbeatTest, ParticularsThatWaitedTakeNothingBackThatCameSince) {
     const Particulars late{beacon};
     beacon.applied.front().seq += 7;
     say();
-    expect_equal(reader.read(late, own_view) == nullptr ? nullptr : say());
+    expect_equal(tell(late) == nullptr ? nullptr : say());
 }
 
 TEST_F(HeartbeatTest, OfAnEarlierLifeIsNotHeeded) {
     say();
     tell();
     const Heartbeat old{.log = {peer.broker, peer.incarnation - 1}, .tick = 1'000};
-    EXPECT_EQ(reader.read(old, own_view, own_tick), nullptr);
-    EXPECT_EQ(reader.read(Particulars{{.log = old.log, .tick = 1'000}}, own_view), nullptr);
+    EXPECT_EQ(hear(old), nullptr);
+    EXPECT_EQ(tell(Particulars{{.log = old.log, .tick = 1'000}}), nullptr);
     expect_equal(say());
 }
 
@@ -187,7 +228,7 @@ TEST_F(HeartbeatTest, NoOctetsFromAPeerBreakIt) {
     Heartbeat strange{.log = peer, .tick = ++beacon.tick, .view = own_view.number, .members = 3};
     strange.hears_members.assign(1'000, 0xFF);
     strange.held = {{0, 1}, {4'000'000'000, 2}};
-    const Beacon* read = reader.read(strange, own_view, own_tick);
+    const Beacon* read = hear(strange);
     ASSERT_NE(read, nullptr);
     EXPECT_EQ(read->hears.size(), own_view.members.size());
 }
@@ -199,6 +240,7 @@ TEST_F(HeartbeatTest, LossIsMadeUpFor) {
         Random random{seed};
         writer = {};
         reader = HeartbeatReader{self.broker};
+        last.reset();
         beacon = {.name = "peer", .log = peer, .view = view_of(1, {self, peer, third})};
         for (int host = 0; host < 20; ++host) {
             beacon.applied.push_back({test::log_of("b" + std::to_string(host)), 1});
