@@ -19,9 +19,10 @@ void ClusterCore::append(Seq seq, LogEvent event) {
 Seq ClusterCore::safe(Instant now) {
     // Whoever says nothing promises nothing, though there may be no peer left to wait for.
     if (!may_speak(now)) return watermark_.safe();
-    // In no view there are no clients: whoever promised them something alone is not replaced.
-    if (!is_in_view() || view_change_.is_stranded(membership_, logs_)) return watermark_.safe();
     const auto& peers = live_peers();
+    // In no view there are no clients: whoever promised them something alone is not replaced.
+    const bool is_stranded = peers.empty() && view_change_.is_stranded(membership_, logs_);
+    if (!is_in_view() || is_stranded) return watermark_.safe();
     return watermark_.advance(own_.last(), peers, live_peers_.version());
 }
 

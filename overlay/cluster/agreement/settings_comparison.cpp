@@ -19,14 +19,15 @@ void SettingsComparison::on_told(BrokerId from, const std::vector<Setting>& sett
         if (theirs == settings.end()) continue;
         known.push_back({ours.name, cut(theirs->value, longest_believed_value), theirs->digest});
     }
-    Other& other = others_[from];
-    if (digest_of(other.settings) != digest_of(known)) other = {.settings = std::move(known)};
+    const auto [other, is_new] = others_.try_emplace(from);
+    const bool is_changed = digest_of(other->second.settings) != digest_of(known);
+    if (is_changed) other->second = {.settings = std::move(known)};
+    if (is_new || is_changed) not_compared_.insert(from);
 }
 
 void SettingsComparison::on_beacon(Effects& effects, const Beacon& beacon) {
-    const auto found = others_.find(beacon.log.broker);
-    if (found == others_.end() || std::exchange(found->second.is_compared, true)) return;
-    Other& other = found->second;
+    if (not_compared_.erase(beacon.log.broker) == 0) return;
+    Other& other = others_.at(beacon.log.broker);
     other.differences.clear();
     for (const Setting& theirs : other.settings) {
         const Setting& ours = *std::ranges::find(own_, theirs.name, &Setting::name);
@@ -46,7 +47,7 @@ void SettingsComparison::change(const std::string& name, const std::string& valu
     if (own->digest == changed.digest) return;
     *own = changed;
     digest_ = digest_of(own_);
-    for (auto& [id, other] : others_) other.is_compared = false;
+    for (const auto& [id, other] : others_) not_compared_.insert(id);
 }
 
 std::string SettingsComparison::own_value(const std::string& name) const {

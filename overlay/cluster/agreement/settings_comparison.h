@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <map>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -40,7 +41,6 @@ public:
 private:
     struct Other {
         std::vector<Setting> settings{};
-        bool is_compared = false;
         std::vector<Difference> differences{};
     };
 
@@ -48,6 +48,7 @@ private:
     std::vector<Setting> own_;
     std::uint32_t digest_;
     std::map<BrokerId, Other> others_;
+    std::set<BrokerId> not_compared_;  // of them
 };
 
 }  // namespace romano::cluster

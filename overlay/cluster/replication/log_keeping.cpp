@@ -35,13 +35,13 @@ void lower(std::vector<Common>& common, Seq Common::*which, const PeerLogs& logs
 /// A removed broker may come back as a home that has not seen what was published since.
 std::vector<Common> common_to_all(const PeerLogs& logs, const Membership& members) {
     constexpr Seq endless = std::numeric_limits<Seq>::max();
+    const std::vector<LogPosition> none;
     std::vector<Common> common(logs.size(), Common{endless, endless});
     for (const auto& [id, log] : logs) {
         lower(common, &Common::passed, logs, id, log.mirror().cursors());
         if (log.is_frozen()) continue;
         const Peer* peer = members.find(id.broker);
-        lower(common, &Common::held, logs, id,
-              peer == nullptr ? std::vector<LogPosition>{} : peer->beacon.applied);
+        lower(common, &Common::held, logs, id, peer == nullptr ? none : peer->beacon.applied);
     }
     return common;
 }

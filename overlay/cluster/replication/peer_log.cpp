@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <set>
 #include <utility>
 
 namespace romano::cluster {
@@ -176,7 +177,7 @@ std::size_t PeerLog::count_left(const Endpoint& address) const {
 }
 
 std::vector<Endpoint> PeerLog::addresses_left() const {
-    std::set<Endpoint> addresses = serving_;
+    std::set<Endpoint> addresses{serving_.begin(), serving_.end()};
     const Endpoint* last = nullptr;  // most sessions have the same
     visit_left([&](const broker::SessionImage& image) {
         if (last == nullptr || *last != image.header.via) addresses.insert(image.header.via);

@@ -11,7 +11,6 @@
 #include <deque>
 #include <map>
 #include <optional>
-#include <set>
 #include <unordered_set>
 #include <vector>
 
@@ -105,14 +104,14 @@ public:
     }
     /// The addresses that the writer's beacon names: robots may come there at any time.
     void heard_serving(const std::vector<Endpoint>& addresses) {
-        if (!frozen_) serving_ = {addresses.begin(), addresses.end()};
+        if (!frozen_ && serving_ != addresses) serving_ = addresses;
     }
     /// Of a frozen log: the session has a new home, in another log.
     void mark_taken(const broker::ClientId& client) {
         if (frozen_ && mirror_.contains(client)) taken_.insert(client);
     }
     /// Of a frozen log: the address has a new broker.
-    void mark_served(const Endpoint& address) { serving_.erase(address); }
+    void mark_served(const Endpoint& address) { std::erase(serving_, address); }
     /// What there is to go on from, should this log's broker be gone; null when it is not home to
     /// the client, or when the session of a frozen log has a new home, for all we know.
     [[nodiscard]] const broker::SessionHeader* session(const broker::ClientId& client) const {
@@ -160,7 +159,7 @@ private:
     ViewNumber ended_in_;                         // the first view that agreed on that
     bool lived_on_ = false;                       // its writer was heard in a later one
     std::unordered_set<broker::ClientId> taken_;  // of a frozen log: sessions with a new home
-    std::set<Endpoint> serving_;
+    std::vector<Endpoint> serving_;
 };
 
 /// All peers' logs that are held: of members, of peers that are about to join, and for some time of
