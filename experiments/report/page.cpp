@@ -26,11 +26,13 @@ table { border-collapse: collapse; font-size: .9rem; font-variant-numeric: tabul
 th, td { padding: .32rem .45rem; text-align: right; border-bottom: 1px solid var(--line);
          white-space: nowrap; } th { vertical-align: bottom; } th small { color: var(--soft);
          font-weight: normal; } tbody tr:hover { background: #f5f7fa; }
-.words td:last-child { white-space: normal; } .wide + .wide { margin-top: 1.2rem; }
+.words td:last-child { white-space: normal; min-width: 16rem; } .wide + .wide { margin-top: 1.2rem; }
 pre { background: #f5f7fa; border: 1px solid var(--line); border-radius: 8px; padding: .8rem 1rem;
       overflow-x: auto; font-size: .86rem; } code { font-size: .92em; }
 dl { display: grid; grid-template-columns: max-content 1fr; gap: .2rem 1.2rem; }
-dt { color: var(--soft); } dd { margin: 0; }
+dt { color: var(--soft); } dd { margin: 0; overflow-wrap: anywhere; } code { overflow-wrap: anywhere; }
+@media (max-width: 30rem) { body { padding: 1.2rem .8rem 3rem; } dl { grid-template-columns: 1fr; }
+                            dd { margin-bottom: .4rem; } }
 )";
 
 }  // namespace
@@ -42,12 +44,16 @@ std::string page_begin(std::string_view title, std::string_view heading) {
            "</style>\n</head>\n<body>\n<h1>" + html_text(heading) + "</h1>\n";
 }
 
-std::string to_html(const Figure& figure, const std::filesystem::path& scripts) {
-    std::string html = "<figure>\n<div class=\"panels\">\n";
-    for (const Plot& panel : one_by_one(figure.plot)) {
+std::string panels_to_html(const Plot& plot, const std::filesystem::path& scripts) {
+    std::string html = "<div class=\"panels\">\n";
+    for (const Plot& panel : one_by_one(plot)) {
         html += draw(panel, scripts).value_or("<p><em>Not drawn: gnuplot is missing.</em></p>");
     }
-    return html + "</div>\n<figcaption><p>" + figure.shows +
+    return html + "</div>\n";
+}
+
+std::string to_html(const Figure& figure, const std::filesystem::path& scripts) {
+    return "<figure>\n" + panels_to_html(figure.plot, scripts) + "<figcaption><p>" + figure.shows +
            "</p><p class=\"how\">How it was measured: " + figure.measured +
            "</p></figcaption>\n</figure>\n";
 }

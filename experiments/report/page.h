@@ -15,7 +15,11 @@ inline constexpr std::string_view project_title = "ROMANO without a central brok
                                      std::string_view heading = project_title);
 inline constexpr std::string_view page_end = "</body>\n</html>\n";
 
-/// The drawn panels with their words; the plots' scripts are left in `scripts`.
+/// The drawn panels, as many beside each other as the reader's screen has room for; their scripts
+/// are left in `scripts`.
+[[nodiscard]] std::string panels_to_html(const Plot& plot, const std::filesystem::path& scripts);
+
+/// The drawn panels with their words.
 [[nodiscard]] std::string to_html(const Figure& figure, const std::filesystem::path& scripts);
 
 }  // namespace romano::experiments

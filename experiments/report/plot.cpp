@@ -8,6 +8,7 @@
 #include <map>
 #include <set>
 #include <sstream>
+#include <string_view>
 
 #include "experiments/measure/percentile.h"
 #include "experiments/process/program.h"
@@ -61,6 +62,43 @@ constexpr std::size_t line_height = 21;
 constexpr double key_width = 42.5;
 constexpr double beside_label = 4.5;
 
+/// A longer label goes on in the next row: gnuplot would draw it beyond the edge.
+constexpr std::size_t label_width = 40;
+
+bool begins_character(char octet) {  // of UTF-8
+    return (static_cast<unsigned char>(octet) & 0xC0U) != 0x80U;
+}
+
+std::size_t characters_of(std::string_view text) {
+    return static_cast<std::size_t>(std::ranges::count_if(text, begins_character));
+}
+
+/// The rows of a label, broken between words, and within a word that is longer than a row.
+std::vector<std::string> rows_of(const std::string& label) {
+    std::vector<std::string> rows(1);
+    std::size_t used = 0;  // characters of the last row
+    const auto begin_row = [&] {
+        rows.emplace_back();
+        used = 0;
+    };
+    std::istringstream words(label);
+    for (std::string word; words >> word;) {
+        if (used != 0 && used + 1 + characters_of(word) > label_width) begin_row();
+        if (used != 0) {
+            rows.back() += ' ';
+            ++used;
+        }
+        for (const char octet : word) {
+            if (begins_character(octet)) {
+                if (used == label_width) begin_row();
+                ++used;
+            }
+            rows.back() += octet;
+        }
+    }
+    return rows;
+}
+
 /// The key stands below its panel, and gets the room that it needs there: of a panel with many
 /// series, gnuplot would draw it over the axis. One layout for all, so that the axes are level.
 struct KeyLayout {
@@ -75,8 +113,10 @@ KeyLayout key_of(const std::vector<PlotPanel>& panels) {
         std::size_t labelled = 0;
         for (const PlotSeries& one : panel.series) {
             if (one.label.empty() || one.points.empty()) continue;
-            ++labelled;
-            longest = std::max(longest, one.label.size());
+            for (const std::string& row : rows_of(one.label)) {
+                ++labelled;
+                longest = std::max(longest, characters_of(row));
+            }
         }
         entries = std::max(entries, labelled);
     }
@@ -163,17 +203,26 @@ void write_panel(const PlotPanel& panel, std::size_t number, std::ostream& out) 
         };
         std::ostringstream style;
         style << "lc rgb '" << colour << "' ";
-        const std::string title =
-            series.label.empty() ? " notitle" : " title " + quoted(series.label);
+        const std::vector<std::string> rows = rows_of(series.label);
+        const std::string title = series.label.empty() ? " notitle" : " title " + quoted(rows[0]);
+        const auto go_on_in_key = [&] {
+            for (std::size_t row = 1; row < rows.size(); ++row) {
+                part("keyentry title " + quoted(rows[row]));
+            }
+        };
         if (series.line) {
             part(block_name(number, i, "line") + " using 1:2 with lines lw 1.6 " + style.str() +
                  (series.marked ? " notitle" : title));
         }
-        if (!series.marked) continue;
+        if (!series.marked) {
+            go_on_in_key();
+            continue;
+        }
         style << "pt " << mark << " ps " << (series.small ? 0.25 : 0.75);
         part(block_name(number, i, "runs") +
              (bars ? " using 1:2:3:4 with yerrorbars lw 1.6 " : " using 1:2 with points ") +
              style.str() + title);
+        go_on_in_key();
     }
     out << '\n';
 }

@@ -34,7 +34,7 @@ void write_report(const ReportHead& head, const std::vector<Section>& sections,
             "<h2>" + html_text(section.title) + "</h2>\n<p>" + html_text(section.words) + "</p>\n";
         if (const auto svg = draw(section.figure, folder)) {
             write(folder / (section.figure.name + ".svg"), *svg + '\n');
-            html += "<div class=\"wide\">\n" + *svg + "</div>\n";
+            html += panels_to_html(section.figure, folder);
         }
         for (const auto& [name, table, is_only_csv] : section.tables) {
             write(folder / (name + ".csv"), to_csv(table));

@@ -12,6 +12,9 @@
 #include <filesystem>
 #include <fstream>
 #include <set>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "experiments/report/configuration.h"
 #include "experiments/report/crowd.h"
@@ -211,6 +214,42 @@ TEST_F(Reports, DrawTheKeyBelowTheAxisHoweverLongItsLabelsAre) {
             EXPECT_GT(y_of(*svg, '>' + label + '<'), axis + 8) << length;
         }
     }
+}
+
+/// The texts of a drawing, each with its place from the left.
+std::vector<std::pair<double, std::string>> texts_of(const std::string& svg) {
+    std::vector<std::pair<double, std::string>> texts;
+    for (std::size_t at = svg.find("<text>"); at != std::string::npos;
+         at = svg.find("<text>", at + 1)) {
+        const std::size_t place = svg.rfind("translate(", at);
+        const std::size_t begin = at + 6;
+        texts.emplace_back(std::stod(svg.substr(place + 10)),
+                           svg.substr(begin, svg.find('<', begin) - begin));
+    }
+    return texts;
+}
+
+TEST_F(Reports, BreakLabelsThatAreLongerThanAFigureIsWide) {
+    const std::string label =
+        "3 brokers, QoS 1, backbone radio, router baud 115200, robot baud none, broker dies";
+    const std::string word(100, 'm');
+    PlotPanel panel{.title = "t", .x_label = "x axis", .y_label = "y", .series = {}};
+    panel.series.push_back({.label = label, .points = {{1, 1}, {2, 2}}});
+    panel.series.push_back({.label = word, .points = {{1, 2}, {2, 3}}, .marked = false});
+    panel.series.push_back({.label = "last", .points = {{1, 3}, {2, 4}}});
+    const auto svg = draw({.name = "keys", .panels = {panel}}, folder_ / "plots");
+    ASSERT_TRUE(svg);
+    std::string drawn;
+    for (const auto& [x, text] : texts_of(*svg)) {
+        EXPECT_GE(x, 0);
+        EXPECT_LE(text.size(), 40U) << "it is cut at the edge";
+        drawn += text + ' ';
+    }
+    EXPECT_THAT(drawn, HasSubstr("QoS 1, backbone radio, router"));
+    EXPECT_THAT(drawn, HasSubstr("baud 115200, robot baud none, broker dies"));
+    EXPECT_EQ(std::ranges::count(drawn, 'm'), 100);
+    EXPECT_GT(y_of(*svg, "robot baud none"), y_of(*svg, "3 brokers")) << "in the next row";
+    EXPECT_GT(y_of(*svg, ">last<"), y_of(*svg, "robot baud none"));
 }
 
 TEST_F(Reports, LeaveOutPanelsWithoutAPoint) {
