@@ -174,7 +174,10 @@ void Protection::seal(broker::Actions& actions) {
 }
 
 void Protection::on_time(Instant now, broker::Actions& out) {
-    if (dtls_) dtls_->on_time(now, out);
+    if (!dtls_) return;
+    dtls_->on_time(now, out);
+    const dtls::Handshakes& handshakes = dtls_->handshakes();
+    handshake_memory_.on_time(now, handshakes.size(), handshakes.agreed() + handshakes.failed());
 }
 
 /// Nothing is sealed beyond what is stored. There is a block ahead of the next one to be stored, so

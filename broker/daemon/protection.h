@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "broker/core/actions.h"
+#include "broker/daemon/handshake_memory.h"
 #include "broker/daemon/heard_file.h"
 #include "broker/daemon/settings.h"
 #include "broker/dtls/openssl/listener.h"
@@ -71,6 +72,7 @@ private:
     HeardFile heard_;
     broker::ProtectedClients clients_;
     std::optional<dtls::Listener> dtls_;
+    HandshakeMemory handshake_memory_;
     std::vector<broker::ProtectedClient> with_keys_;
     std::vector<rights::KeyOwner> owners_;
     std::filesystem::file_time_type table_of_;
