@@ -54,10 +54,11 @@ struct Options {
 Row run(const Scenario& scenario, const Entrant& entrant, unsigned repetition) {
     Contestant contestant{entrant, scenario.plan.clients()};
     Row row{.scenario = scenario.name, .contestant = entrant.name, .repetition = repetition};
-    row.resident_start_kib = contestant.resident_kib();
+    row.resident_start_kib = contestant.memory().resident_kib;
     row.sessions = scenario.plan.clients();
     double cpu_before = 0;
     double cpu_after = 0;
+    Memory memory;
     const auto clients =
         contestant.clients(scenario.plan, scenario.is_for_cells ? experiments::SocketUse::one_each
                                                                 : experiments::SocketUse::shared);
@@ -66,23 +67,26 @@ Row run(const Scenario& scenario, const Entrant& entrant, unsigned repetition) {
         flood.emplace(dynamic_cast<experiments::MqttsnClients&>(*clients), scenario.plan.clients(),
                       entrant.packets, entrant.forged_per_s);
     }
-    experiments::LoadRun load{scenario.plan,
-                              *clients,
-                              {.on_progress =
-                                   [&](const std::string& phase, double) {
-                                       contestant.check();
-                                       if (phase == "joining")
-                                           row.resident_joined_kib = contestant.resident_kib();
-                                   },
-                               .on_measuring = [&] { cpu_before = contestant.cpu_s(); },
-                               .on_measured = [&] { cpu_after = contestant.cpu_s(); },
-                               .is_stopped = {},
-                               .on_turn =
-                                   [&] {
-                                       if (flood) flood->go_on(net::now());
-                                   },
-                               .never_sleeps = scenario.is_about_latency()}};
+    experiments::LoadRun load{
+        scenario.plan,
+        *clients,
+        {.on_progress = [&](const std::string&, double) { contestant.check(); },
+         .on_measuring = [&] { cpu_before = contestant.cpu_s(); },
+         .on_measured =
+             [&] {
+                 cpu_after = contestant.cpu_s();
+                 memory = contestant.memory();
+             },
+         .is_stopped = {},
+         .on_turn =
+             [&] {
+                 if (flood) flood->go_on(net::now());
+             },
+         .never_sleeps = scenario.is_about_latency()}};
     const experiments::LoadFigures figures = load.run();
+    row.resident_joined_kib = memory.resident_kib;
+    row.proportional_joined_kib = memory.proportional_kib;
+    row.anonymous_joined_kib = memory.anonymous_kib;
     row.deliveries_per_s = figures.delivered_per_s();
     row.p50_us = static_cast<double>(figures.latency.at(0.5).count()) * 1e-3;
     row.p99_us = static_cast<double>(figures.latency.at(0.99).count()) * 1e-3;

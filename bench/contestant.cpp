@@ -59,11 +59,11 @@ std::string mosquitto_configuration(const std::string& host, int port) {
            "max_queued_messages 0\nmax_inflight_messages 0\nuser root\n";
 }
 
-double status_field_kib(pid_t process, const std::string& field) {
-    std::ifstream status("/proc/" + std::to_string(process) + "/status");
-    for (std::string word; status >> word;) {
+double field_kib(pid_t process, const std::string& file, const std::string& field) {
+    std::ifstream fields("/proc/" + std::to_string(process) + "/" + file);
+    for (std::string word; fields >> word;) {
         double kib = 0;
-        if (word == field && status >> kib) return kib;
+        if (word == field && fields >> kib) return kib;
     }
     return 0;
 }
@@ -154,9 +154,12 @@ double Contestant::cpu_s() const {
     return ns * 1e-9;
 }
 
-double Contestant::resident_kib() const {
-    if (process_ == nullptr) return std::numeric_limits<double>::quiet_NaN();
-    return status_field_kib(process_->pid(), "VmRSS:");
+Memory Contestant::memory() const {
+    if (process_ == nullptr) return {};
+    const pid_t pid = process_->pid();
+    return {.resident_kib = field_kib(pid, "status", "VmRSS:"),
+            .proportional_kib = field_kib(pid, "smaps_rollup", "Pss:"),
+            .anonymous_kib = field_kib(pid, "status", "RssAnon:")};
 }
 
 void Contestant::check() {

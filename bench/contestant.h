@@ -2,6 +2,7 @@
 // clients that speak its protocol.
 #pragma once
 
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -28,6 +29,14 @@ struct Entrant {
     bool has_cell = false;    // subscribers listen to a multicast group (romano/mqttsn/cell.md)
 };
 
+/// Of a process. What files it has in memory other processes share: each has its part of the
+/// proportional octets, and all of the resident ones.
+struct Memory {
+    double resident_kib = std::numeric_limits<double>::quiet_NaN();
+    double proportional_kib = std::numeric_limits<double>::quiet_NaN();
+    double anonymous_kib = std::numeric_limits<double>::quiet_NaN();  // in no file: its own alone
+};
+
 class Contestant {
 public:
     /// Starts the program on a free address of 127.40.0.0/16, on a core of its own if there is one;
@@ -41,8 +50,8 @@ public:
 
     /// CPU time in seconds that it has used so far, all threads. NaN of another broker.
     [[nodiscard]] double cpu_s() const;
-    /// Resident memory now. NaN of another broker.
-    [[nodiscard]] double resident_kib() const;
+    /// Now. NaN of another broker.
+    [[nodiscard]] Memory memory() const;
     /// Throws std::runtime_error when it has ended by itself.
     void check();
 

@@ -28,7 +28,7 @@ std::vector<Scenario> scenarios(Duration measured, bool small) {
         return made;
     };
     const std::uint32_t many = small ? 100 : 10'000;
-    // A client of DTLS takes 100 KB of the generator's memory.
+    // A key is made for each, and its files are written.
     const std::uint32_t fewer = small ? 50 : 1'000;
     // In a fan-out fewer messages are on their way, so that the datagrams are about as many.
     return {

@@ -22,7 +22,9 @@ struct Row {
     double lost = 0;
     double duplicates = 0;
     double resident_start_kib = 0;
-    double resident_joined_kib = 0;
+    double resident_joined_kib = 0;  // and the two below: at the end, with all sessions
+    double proportional_joined_kib = 0;
+    double anonymous_joined_kib = 0;
     unsigned sessions = 0;
 };
 
