@@ -11,8 +11,7 @@ namespace romano::overlay {
 [[nodiscard]] inline bool is_waited_for(const cluster::Outgoing& outgoing) {
     return std::holds_alternative<cluster::LogBatch>(outgoing.message) ||
            std::holds_alternative<cluster::Heartbeat>(outgoing.message) ||
-           std::holds_alternative<cluster::SnapshotPart>(outgoing.message) ||
-           std::holds_alternative<cluster::SessionHandoff>(outgoing.message);
+           std::holds_alternative<cluster::SnapshotPart>(outgoing.message);
 }
 
 }  // namespace romano::overlay

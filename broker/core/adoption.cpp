@@ -50,7 +50,9 @@ std::uint16_t far_from(mqttsn::MsgId one, mqttsn::MsgId other, Random& random) {
 
 }  // namespace
 
-bool Adoption::adopt(SessionImage image, std::vector<MessagePtr> missed, Turn& turn) {
+bool Adoption::adopt(SessionImage image, std::vector<MessagePtr> missed,
+                     const std::optional<LogPosition>& moved, std::optional<SessionImage> ours,
+                     Turn& turn) {
     tables_.clock.observe(image.header.last_heard);
     Session* session = tables_.sessions.find(image.header.client_id);
     Settled settled;
@@ -62,7 +64,12 @@ bool Adoption::adopt(SessionImage image, std::vector<MessagePtr> missed, Turn& t
             lifecycle_.wipe(*session);
         }
     } else {
-        settled.image = std::move(image);
+        if (ours) {
+            settled = settle(*std::move(ours), std::move(image), missed);
+            settled.is_new = true;
+        } else {
+            settled.image = std::move(image);
+        }
         session = &tables_.sessions.create(settled.image.header.client_id);
         session->read_by_owner = settled.image.header.client_id == tables_.options.read_by_owner;
     }
@@ -73,7 +80,7 @@ bool Adoption::adopt(SessionImage image, std::vector<MessagePtr> missed, Turn& t
         restore(*session, settled.image, turn);
     }
     // Also when the own copy stays as it is: of the other one nothing is left for anybody else.
-    tables_.log.append(turn.out, [&] { return SessionPut{bare_image_of(*session)}; });
+    tables_.log.append(turn.out, [&] { return SessionPut{bare_image_of(*session), moved}; });
     if (settled.is_new) schedule(tables_, *session);
     if (settled.unfinished != mqttsn::no_msg_id) session->unfinished = settled.unfinished;
     deliveries_.release_unfinished(*session, turn);
@@ -191,6 +198,17 @@ std::optional<SessionImage> Adoption::release(std::string_view client_id, Action
     if (session == nullptr) return std::nullopt;
     SessionImage image = image_of(*session, tables_);
     lifecycle_.erase(*session, out);
+    return image;
+}
+
+std::optional<SessionImage> Adoption::move_away(std::string_view client_id, const LogId& to,
+                                                std::uint64_t epochs, Actions& out) {
+    Session* session = tables_.sessions.find(client_id);
+    if (session == nullptr) return std::nullopt;
+    SessionImage image = image_of(*session, tables_);
+    image.header.epoch += epochs;
+    tables_.log.append(out, [&] { return SessionMoved{image.header, to}; });
+    lifecycle_.forget(*session);
     return image;
 }
 

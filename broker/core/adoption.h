@@ -24,13 +24,18 @@ public:
           subscriptions_(subscriptions) {}
 
     /// See BrokerCore::adopt.
-    bool adopt(SessionImage image, std::vector<MessagePtr> missed, Turn& turn);
+    bool adopt(SessionImage image, std::vector<MessagePtr> missed,
+               const std::optional<LogPosition>& moved, std::optional<SessionImage> ours,
+               Turn& turn);
     /// See BrokerCore::caught_up.
     SessionImage caught_up(SessionImage image, std::span<const MessagePtr> missed);
     /// See BrokerCore::forget_logs.
     void forget_logs(const std::function<bool(const LogId&)>& are_over, Actions& out);
     /// See BrokerCore::release.
     std::optional<SessionImage> release(std::string_view client_id, Actions& out);
+    /// See BrokerCore::move_away.
+    std::optional<SessionImage> move_away(std::string_view client_id, const LogId& to,
+                                          std::uint64_t epochs, Actions& out);
 
 private:
     void restore(Session& session, SessionImage& image, Turn& turn);

@@ -381,11 +381,13 @@ void BrokerCore::forget_logs(const std::function<bool(const LogId&)>& are_over, 
 }
 
 bool BrokerCore::adopt(Instant now, SessionImage image, std::vector<MessagePtr> missed,
-                       Actions& out) {
+                       Actions& out, const std::optional<LogPosition>& moved,
+                       std::optional<SessionImage> ours) {
     // The image that goes into the log is worked through up to here, and its mirrors must know.
     append_cursors(out);
     Turn turn{now, out};
-    return state_->adoption.adopt(std::move(image), std::move(missed), turn);
+    return state_->adoption.adopt(std::move(image), std::move(missed), moved, std::move(ours),
+                                  turn);
 }
 
 SessionImage BrokerCore::caught_up(SessionImage image, std::span<const MessagePtr> missed) {
@@ -394,6 +396,22 @@ SessionImage BrokerCore::caught_up(SessionImage image, std::span<const MessagePt
 
 std::optional<SessionImage> BrokerCore::release(std::string_view client_id, Actions& out) {
     return state_->adoption.release(client_id, out);
+}
+
+std::optional<SessionImage> BrokerCore::move_away(std::string_view client_id, const LogId& to,
+                                                  std::uint64_t epochs, Actions& out) {
+    append_cursors(out);  // the new home reads there what was worked through
+    return state_->adoption.move_away(client_id, to, epochs, out);
+}
+
+void BrokerCore::pass_on(const SessionImage& image, const LogId& to, Actions& out) {
+    LogWriter& log = state_->tables.log;
+    log.append(out, [&] { return SessionPut{image}; });
+    log.append(out, [&] { return SessionMoved{image.header, to}; });
+}
+
+void BrokerCore::seal(const Endpoint& address, const LogId& to, Actions& out) {
+    state_->tables.log.append(out, [&] { return Sealed{address, to}; });
 }
 
 std::optional<std::uint32_t> BrokerCore::send_again(Instant now, const Endpoint& via,

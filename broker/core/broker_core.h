@@ -74,7 +74,12 @@ public:
     /// `missed`: what this broker has worked through and the image's `worked_through` has not, of
     /// all logs, the own one included. The other way round needs nothing: what the image is ahead
     /// of is skipped for this session when it comes here.
-    bool adopt(Instant now, SessionImage image, std::vector<MessagePtr> missed, Actions& out);
+    ///
+    /// `moved`: where the image's home said that it goes here (SessionMoved); none when that is
+    /// dead. `ours`: the own copy, caught up, which was on its way from here and is not there.
+    bool adopt(Instant now, SessionImage image, std::vector<MessagePtr> missed, Actions& out,
+               const std::optional<LogPosition>& moved = std::nullopt,
+               std::optional<SessionImage> ours = std::nullopt);
 
     /// The image as adopt() would take it, for another home that lacks what was `missed` and may
     /// lack the logs that it stands in: queued, and worked through as far as this broker is.
@@ -86,6 +91,16 @@ public:
     /// Stops being the home: appends SessionErased and forgets, publishing no will. Empty when
     /// unknown.
     std::optional<SessionImage> release(std::string_view client_id, Actions& out);
+
+    /// Stops being the home, for the broker with that log: appends SessionMoved and forgets,
+    /// publishing no will. Returns the session as that one adopts it, its epoch raised by `epochs`.
+    /// Empty when unknown.
+    std::optional<SessionImage> move_away(std::string_view client_id, const LogId& to,
+                                          std::uint64_t epochs, Actions& out);
+    /// Appends that this session, which was never here, goes to the broker with that log.
+    void pass_on(const SessionImage& image, const LogId& to, Actions& out);
+    /// Appends that all sessions of the address have gone there.
+    void seal(const Endpoint& address, const LogId& to, Actions& out);
 
     /// What was sent from `via` lately reached nobody: what is in flight goes out once more. Looks
     /// at `most` sessions, from that number on, and returns the next number; none when it was the

@@ -61,6 +61,10 @@ void Lifecycle::wipe(Session& session) {
 
 void Lifecycle::erase(Session& session, Actions& out) {
     tables_.log.append(out, [&] { return SessionErased{session.header.client_id}; });
+    forget(session);
+}
+
+void Lifecycle::forget(Session& session) {
     subscriptions_.leave_all(session);
     tables_.deadlines.remove(session.number);
     tables_.sessions.erase(session);

@@ -36,8 +36,10 @@ public:
     /// Subscriptions, topic ids, messages and will are gone (6.3, CleanSession 1). Not logged.
     void wipe(Session& session);
 
-    /// The session is gone for good, or for another home.
+    /// The session is gone for good.
     void erase(Session& session, Actions& out);
+    /// It is not here any more, and the log says why.
+    void forget(Session& session);
 
     /// The client is heard there: its datagrams lead to this session. True when that is news.
     bool move(Session& session, const Origin& place, Turn& turn);

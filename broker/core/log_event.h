@@ -19,6 +19,8 @@ namespace romano::broker {
 /// The session as it now stands, replacing all that was known: a clean connect, or an adoption.
 struct SessionPut {
     SessionImage image;
+    /// Of an adoption: the SessionMoved that it answers, in the log of the session's former home.
+    std::optional<LogPosition> adopted = {};
 };
 /// Address, state, keep-alive or epoch changed; the lists did not, except as `forgets_topics` says.
 struct SessionChanged {
@@ -26,9 +28,21 @@ struct SessionChanged {
     /// A kept session was connected anew: no topic id counts as known to the client any more (G14).
     bool forgets_topics = false;
 };
-/// The session is gone for good, or was handed to another home.
+/// The session is gone for good.
 struct SessionErased {
     ClientId client_id;
+};
+/// The session goes to the broker with that log, which adopts it from its mirror of this one: as it
+/// stands here, and with this header. Nothing follows of it.
+struct SessionMoved {
+    SessionHeader header;
+    LogId to;
+};
+/// All sessions of that service address that were here have moved: the broker with that log speaks
+/// there.
+struct Sealed {
+    Endpoint address;
+    LogId to;
 };
 struct WillChanged {
     ClientId client_id;
@@ -100,9 +114,17 @@ struct PublishReleased {
     mqttsn::MsgId msg_id;
 };
 
-using LogEvent = std::variant<SessionPut, SessionChanged, SessionErased, WillChanged, Subscribed,
-                              Unsubscribed, TopicBound, Published, Routed, Cursor, DeliveryStarted,
-                              DeliveryReleased, DeliveryEnded, PublishReleased>;
+using LogEvent =
+    std::variant<SessionPut, SessionChanged, SessionErased, WillChanged, Subscribed, Unsubscribed,
+                 TopicBound, Published, Routed, Cursor, DeliveryStarted, DeliveryReleased,
+                 DeliveryEnded, PublishReleased, SessionMoved, Sealed>;
+
+/// The session that is not at this home any more after the event; null when there is none.
+[[nodiscard]] inline const ClientId* leaver(const LogEvent& event) {
+    if (const auto* erased = std::get_if<SessionErased>(&event)) return &erased->client_id;
+    if (const auto* moved = std::get_if<SessionMoved>(&event)) return &moved->header.client_id;
+    return nullptr;
+}
 
 /// Calls `look(const ClientId&)` for each of the writer's sessions that the event changes; for some
 /// more than once.
@@ -116,7 +138,8 @@ void visit_changed_sessions(const LogEvent& event, Look&& look) {
             using Event = std::decay_t<decltype(e)>;
             if constexpr (std::is_same_v<Event, SessionPut>) {
                 look(e.image.header.client_id);
-            } else if constexpr (std::is_same_v<Event, SessionChanged>) {
+            } else if constexpr (std::is_same_v<Event, SessionChanged> ||
+                                 std::is_same_v<Event, SessionMoved>) {
                 look(e.header.client_id);
             } else if constexpr (std::is_same_v<Event, Published>) {
                 if (!e.publisher.empty()) look(e.publisher);
@@ -124,7 +147,7 @@ void visit_changed_sessions(const LogEvent& event, Look&& look) {
                 visit_routes(e.routes);
             } else if constexpr (std::is_same_v<Event, Routed>) {
                 visit_routes(e.routes);
-            } else if constexpr (!std::is_same_v<Event, Cursor>) {
+            } else if constexpr (!std::is_same_v<Event, Cursor> && !std::is_same_v<Event, Sealed>) {
                 look(e.client_id);
             }
         },

@@ -68,6 +68,10 @@ void Mirror::on(const SessionErased& event) {
     erase(event.client_id);
 }
 
+void Mirror::on(const SessionMoved& event) {
+    erase(event.header.client_id);
+}
+
 void Mirror::on(const WillChanged& event) {
     if (SessionImage* image = find(event.client_id)) image->will = event.will;
 }

@@ -81,6 +81,8 @@ private:
     void on(const SessionPut& event);
     void on(const SessionChanged& event);
     void on(const SessionErased& event);
+    void on(const SessionMoved& event);
+    static void on(const Sealed&) {}
     void on(const WillChanged& event);
     void on(const Subscribed& event);
     void on(const Unsubscribed& event);

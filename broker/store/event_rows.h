@@ -30,7 +30,9 @@ private:
     void on(const broker::TopicBound& event);
     void on(const broker::Published& event);
     void on(const broker::Routed& event);
-    void on(const broker::Cursor&) {}  // of peers' logs: there are none
+    void on(const broker::Cursor&) {}        // of peers' logs: there are none
+    void on(const broker::SessionMoved&) {}  // nor other homes
+    void on(const broker::Sealed&) {}
     void on(const broker::DeliveryStarted& event);
     void on(const broker::DeliveryReleased& event);
     void on(const broker::DeliveryEnded& event);

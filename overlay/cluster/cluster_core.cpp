@@ -22,7 +22,8 @@ ClusterCore::ClusterCore(const ClusterOptions& options, const Identity& identity
       take_over_(identity.log.broker, options.sessions_per_turn),
       fetching_(identity.log.broker),
       hand_back_(identity.log.broker, options.sessions_per_turn),
-      handoffs_(options.sessions_per_turn),
+      arrivals_(identity.log, options.sessions_per_turn),
+      departures_(options.sessions_per_turn),
       settlement_(identity.log.broker),
       roaming_(digest_of(identity.predefined)),
       predefined_(digest_of(identity.predefined)),
@@ -39,8 +40,6 @@ bool ClusterCore::is_for_later(Instant now, const ClusterMessage& message) const
     }
     return std::holds_alternative<ViewProposal>(message) ||
            std::holds_alternative<ViewHoldings>(message) ||
-           std::holds_alternative<AddressOffer>(message) ||
-           std::holds_alternative<AddressBound>(message) ||
            std::holds_alternative<SessionRequest>(message) ||
            std::holds_alternative<SessionClaim>(message);
 }
@@ -59,7 +58,8 @@ void ClusterCore::on_message(Effects& effects, const Envelope& envelope) {
 }
 
 void ClusterCore::on_tick(Effects& effects, const std::set<Endpoint>& pending_output) {
-    log_sender_.carry_on(effects, logs(), membership_);  // before the broker writes more events
+    // Before the broker writes more events.
+    log_sender_.carry_on(effects, logs(), membership_, departures_);
     membership_.on_tick(effects.now);
     has_frozen_logs_ =
         std::ranges::any_of(logs_, [](const auto& log) { return log.second.is_frozen(); });
@@ -67,11 +67,13 @@ void ClusterCore::on_tick(Effects& effects, const std::set<Endpoint>& pending_ou
         view_change_.on_tick(effects.now, surroundings(effects), effects.peers);
         take_view(effects);
         hand_back_.compare(effects, membership_, view(), addresses_);
-        hand_back_.carry_on(effects, membership_, view(), addresses_,
+        reclaim(effects);
+        hand_back_.carry_on(effects, logs(), membership_, view(), addresses_, departures_,
                             {.pending_output = pending_output,
                              .half_adopted = take_over_.half_adopted(),
                              .inheriting = take_over_.inheriting()});
-        settlement_.carry_on(effects, logs(), membership_, hand_back_);
+        departures_.carry_on(effects, logs(), view());
+        settlement_.carry_on(effects, logs_, hand_back_);
     }
     catch_up(effects);
     after_input(effects);
@@ -85,6 +87,10 @@ void ClusterCore::on_tick(Effects& effects, const std::set<Endpoint>& pending_ou
         trim(effects);
         next_trim_ = effects.now + (keeping_.is_behind() ? effects.times.beacon_every
                                                          : effects.times.logs_trimmed_every());
+    }
+    if (effects.now >= next_moved_) {
+        next_moved_ = effects.now + effects.times.moved_sessions_kept_for();
+        for (auto& [id, log] : logs_) log.forget_moved();
     }
     if (effects.now >= next_addresses_) {
         next_addresses_ = effects.now + effects.times.addresses_sought_every();
@@ -106,10 +112,10 @@ void ClusterCore::warn_when_leaderless(Effects& effects) {
 }
 
 Instant ClusterCore::next_wakeup() const {
-    const bool is_behind = publish_order_.is_behind() || handoffs_.is_half_done() ||
-                           hand_back_.is_half_done() || settlement_.is_half_done() ||
-                           !take_over_.half_adopted().empty() || !said_again_.empty() ||
-                           some_log_waits_;
+    const bool is_behind = publish_order_.is_behind() || (arrivals_.is_half_done() && !is_back()) ||
+                           departures_.is_half_done() || hand_back_.is_half_done() ||
+                           settlement_.is_half_done() || !take_over_.half_adopted().empty() ||
+                           !said_again_.empty() || some_log_waits_;
     if (is_behind) return Instant::min();
     return std::min({next_tick_, membership_.next_wakeup(), log_sender_.next_wakeup(),
                      view_change_.next_wakeup()});
@@ -128,7 +134,7 @@ void ClusterCore::seek_addresses(Effects& effects) {
 
 bool ClusterCore::must_wait(const Endpoint& via, const Endpoint& from) const {
     return !is_in_view() || !acquaintance_.has_met_all() || take_over_.is_half_adopted(via) ||
-           hand_back_.is_expecting(via) || hand_back_.is_leaving(from);
+           hand_back_.is_expecting(via) || departures_.is_leaving(from);
 }
 
 bool ClusterCore::must_fetch(Effects& effects, const Endpoint& via, const Endpoint& from,
@@ -140,7 +146,7 @@ bool ClusterCore::must_fetch(Effects& effects, const Endpoint& via, const Endpoi
 
 void ClusterCore::on_address(Effects& effects, const Endpoint& address, bool served) {
     addresses_.on_address(address, served);
-    hand_back_.on_address(effects, address, served);
+    hand_back_.on_address(effects.now, address, served);
     hand_back_.compare(effects, membership_, view(), addresses_);  // before anything is said there
     after_input(effects);
 }
@@ -164,19 +170,12 @@ void ClusterCore::after_input(Effects& effects) {
     take_view(effects);
     acquaintance_.carry_on(effects.now, logs_);
     membership_.send_ballots(effects.peers);
-    hand_back_.forget_for_the_dead(effects, view(), addresses_);
-    take_over_.carry_on(effects, logs(), membership_, view(), addresses_);
+    take_over_.carry_on(effects, logs(), membership_, view(), addresses_, departures_);
     fetching_.carry_on(effects, logs_, membership_, view(),
                        [this](const LogId& log) { return take_over_.awaits(log); });
     publish_order_.carry_on(effects, logs_, view());
-    if (!is_back()) heed_handoffs(effects);
-    for (const auto& [from, address] : handoffs_.take_adopted()) {
-        hand_back_.on_handed_over(from, address);
-        // It may have been handed on while they were on their way: they follow it.
-        if (address.family != Endpoint::Family::none) addresses_.take(effects, address);
-    }
-    handoffs_.carry_on(effects, safe(effects.now));
-    roaming_.carry_on(effects, logs(), peer_sessions_.homes(), handoffs_, membership_, view());
+    heed_arrivals(effects);
+    roaming_.carry_on(effects, logs(), peer_sessions_.homes(), arrivals_, membership_, view());
     break_silence();
     // Others wait for these news.
     const bool news = leadership() != last_leadership_ || view().number != last_view_;
@@ -213,12 +212,16 @@ void ClusterCore::on(Effects& effects, BrokerId from, const Heartbeat& heartbeat
         return peers_beacons_.read(heartbeat, last, view(), beacons_sent_);
     });
     if (peers_beacons_.must_ask(effects.now, effects.times.particulars_asked_again_after(), from)) {
-        effects.peers.push_back({from, ParticularsRequest{}});
+        effects.peers.push_back({from, Particulars{.wanted = true}});
     }
     if (heard != Membership::Heard::nothing) heed(effects, membership_.find(from)->beacon, heard);
 }
 
 void ClusterCore::on(Effects& effects, BrokerId from, const Particulars& particulars) {
+    if (particulars.wanted) {
+        effects.peers.push_back({from, Particulars{beacon(effects.broker), settings_.own()}});
+        return;
+    }
     if (particulars.beacon.log.broker != from) return;
     settings_.on_told(from, particulars.settings);
     const Peer* peer = membership_.find(from);
@@ -230,17 +233,13 @@ void ClusterCore::on(Effects& effects, BrokerId from, const Particulars& particu
     if (heard != Membership::Heard::nothing) heed(effects, *beacon, heard);
 }
 
-void ClusterCore::on(Effects& effects, BrokerId from, const ParticularsRequest&) {
-    effects.peers.push_back({from, Particulars{beacon(effects.broker), settings_.own()}});
-}
-
 void ClusterCore::heed(Effects& effects, const Beacon& beacon, Membership::Heard heard) {
     lease_.on_heard(effects.now, beacon.log, beacon.tick);
     for (const Echo& echo : beacon.echoes) {
         if (echo.of == own_.id())
             lease_.on_echo(beacon.log, echo.tick, beacon.view.number, beacon.vouched);
     }
-    if (is_back() && leaves_out(beacon)) handoffs_.forget_waiting();
+    if (is_back() && leaves_out(beacon)) arrivals_.forget_waiting(logs_);
     if (membership_.is_alive(beacon.log)) {
         heed_log_of(beacon);
         if (heard == Membership::Heard::news) ended_.learn(view(), beacon.ended);
@@ -319,8 +318,18 @@ void ClusterCore::on_view(Effects& effects, const ViewAnnouncement& announcement
     // An heir whose own detector is a little slower must not take the dead for a rival, and fall
     // silent, at the very moment at which it takes the address over.
     for (const LogPosition& end : announcement.ends) membership_.on_left_out(effects.now, end.log);
+    // It may have bound its address beside us, and stopped and not died: datagrams would go there.
+    for (const LogPosition& end : announcement.ends) {
+        const Peer* peer = membership_.find(end.log.broker);
+        if (peer == nullptr || peer->beacon.log != end.log) continue;
+        for (const Endpoint& address : addresses_.serving()) {
+            if (peer->is_home_of(address)) addresses_.take_anew(effects, address);
+        }
+    }
     for (const auto& [id, log] : logs_) {
-        if (log.is_frozen()) peer_sessions_.on_end(id);
+        if (!log.is_frozen()) continue;
+        peer_sessions_.on_end(id);
+        arrivals_.on_end(effects, log);
     }
     for (const LogId& member : view().members) {
         const auto log = logs_.find(member);
@@ -350,7 +359,6 @@ void ClusterCore::on_view(Effects& effects, const ViewAnnouncement& announcement
     }
     warn_of_foreign_sessions(effects, announcement);
     take_over_.on_view(effects.now, announcement);
-    hand_back_.on_view(announcement);
     fetching_.on_view(announcement);
     acknowledge_what_waited(effects);
     settlement_.compare(effects.broker, view());
@@ -366,7 +374,7 @@ void ClusterCore::warn_of_foreign_sessions(Effects& effects, const ViewAnnouncem
         const bool has_heir = std::ranges::any_of(
             announcement.assignments,
             [&](const Assignment& assignment) { return assignment.end.log == end.log; });
-        if (has_heir || log->second.addresses_left().empty()) {
+        if (has_heir || log->second.addresses_left(view()).empty()) {
             without_heir_.erase(end.log);
             continue;
         }
@@ -385,8 +393,8 @@ bool ClusterCore::leaves_out(const Beacon& beacon) const {
 
 void ClusterCore::heed_standstill(Instant now) {
     if (!is_back() || !may_speak(now)) return;
-    // Whoever hands sessions over gives up after ten detection times; then they live on there.
-    if (stood_still_for_ > times().waiting_handover_outlives()) handoffs_.forget_waiting();
+    // Whoever moves sessions takes them back after ten detection times; then they live on there.
+    if (stood_still_for_ > times().waiting_handover_outlives()) arrivals_.forget_waiting(logs_);
     stood_still_for_ = {};
 }
 
@@ -455,7 +463,7 @@ Beacon ClusterCore::beacon(const broker::BrokerCore& broker) const {
                   .promised = promised(),
                   .ended = ended_.list(),
                   .home_addresses = addresses_.home(),
-                  .serving = addresses_.claimed(),
+                  .binding = hand_back_.binding(),
                   .sessions = static_cast<std::uint32_t>(broker.session_count()),
                   .connected = static_cast<std::uint32_t>(broker.connected_count()),
                   .cannot_take = static_cast<std::uint32_t>(addresses_.cannot_take().size()),
@@ -466,6 +474,8 @@ Beacon ClusterCore::beacon(const broker::BrokerCore& broker) const {
                   .link = link_,
                   .settings = settings_.digest(),
                   .predefined = predefined_};
+    std::ranges::copy_if(addresses_.claimed(), std::back_inserter(beacon.serving),
+                         [this](const Endpoint& it) { return !hand_back_.is_reclaiming(it); });
     membership_.describe(beacon);
     beacon.echoes = lease_.echoes();
     beacon.applied.reserve(logs_.size());
@@ -516,7 +526,8 @@ void ClusterCore::restart(Effects& effects, LogId log) {
     take_over_.restart();
     fetching_ = Fetching(log.broker);
     hand_back_ = HandBack(log.broker, options_.sessions_per_turn);
-    handoffs_ = HandoffReceiver(options_.sessions_per_turn);
+    arrivals_ = Arrivals(log, options_.sessions_per_turn);
+    departures_ = Departures(options_.sessions_per_turn);
     settlement_ = Settlement(log.broker);
     roaming_ = Roaming(predefined_);
     log_sender_ = {};
@@ -530,52 +541,39 @@ void ClusterCore::restart(Effects& effects, LogId log) {
 
 // --- sessions and addresses that move
 
-void ClusterCore::on(Effects& effects, BrokerId from, const AddressOffer& offer) {
-    // Clients would wait here for those whom we have not met. It is offered again.
+/// Clients would wait here for those whom we have not met.
+void ClusterCore::reclaim(Effects& effects) {
     const bool may_serve = acquaintance_.has_met_all() && !strangers_may_roam();
-    if (may_serve && may_speak(effects.now)) hand_back_.on_offer(effects, from, offer, addresses_);
+    if (may_serve && may_speak(effects.now)) {
+        hand_back_.reclaim(effects, membership_, view(), addresses_);
+    }
 }
 
-void ClusterCore::on(Effects& effects, BrokerId from, const AddressBound& bound) {
-    hand_back_.on_bound(effects.now, from, bound);
-}
-
-void ClusterCore::on(Effects& effects, BrokerId from, const SessionHandoff& part) {
-    if (part.to != own_.id()) return;
-    const Peer* giver = membership_.find(from);
-    handoffs_.on_handoff(effects, from, part, giver != nullptr && is_foreign(*giver));
+void ClusterCore::heed_arrivals(Effects& effects) {
     if (is_back()) return;
-    heed_handoffs(effects);
-    handoffs_.on_turn(effects, logs());
-}
-
-void ClusterCore::heed_handoffs(const Effects& effects) {
-    handoffs_.heed(effects.now, [&](const LogPosition& position) {
+    arrivals_.heed(effects.now, [&](const LogPosition& position) {
         return publish_order_.is_worked_through(effects, position, logs_, view());
     });
-}
-
-void ClusterCore::on(Effects& effects, BrokerId from, const HandoffAck& ack) {
-    if (ack.address.family == Endpoint::Family::none) {
-        settlement_.on_ack(from, ack);
-    } else {
-        hand_back_.on_ack(effects, from, ack, addresses_);
+    arrivals_.carry_on(effects, logs(), departures_);
+    for (const auto& [from, address] : arrivals_.take_settled()) {
+        hand_back_.on_handed_over(from, address);
+        // It may have been handed on while they were on their way: they follow it.
+        if (address.family != Endpoint::Family::none) addresses_.take(effects, address);
     }
 }
 
 void ClusterCore::on(Effects& effects, BrokerId from, const SessionClaim& claim) {
     const Peer* peer = membership_.find(from);
     if (peer == nullptr) return;
-    settlement_.on_claim(effects, peer->beacon.log, claim, hand_back_, is_foreign(*peer));
+    settlement_.on_claim(effects, peer->beacon.log, claim, hand_back_, departures_, logs_);
 }
 
 void ClusterCore::on(Effects& effects, BrokerId from, const SessionRequest& request) {
     const Peer* peer = membership_.find(from);
     const broker::SessionHeader* own = effects.broker.header(request.client_id);
-    if (peer == nullptr || own == nullptr) return;
-    const broker::SessionHeader left = *own;
-    settlement_.on_request(effects, peer->beacon.log, request, hand_back_);
-    if (effects.broker.header(left.client_id) == nullptr) roaming_.on_let_go(effects, left);
+    if (peer == nullptr || own == nullptr || hand_back_.is_silent(own->via)) return;
+    roaming_.on_let_go(effects, *own);
+    departures_.move(effects, request.client_id, peer->beacon.log, 1, logs_);
 }
 
 void ClusterCore::check_invariants([[maybe_unused]] const broker::BrokerCore& broker) const {

@@ -34,10 +34,11 @@
 #include "overlay/cluster/agreement/view_change.h"
 #include "overlay/cluster/effects.h"
 #include "overlay/cluster/ownership/adoption.h"
+#include "overlay/cluster/ownership/arrivals.h"
+#include "overlay/cluster/ownership/departures.h"
 #include "overlay/cluster/ownership/hand_back.h"
 #include "overlay/cluster/ownership/roaming.h"
 #include "overlay/cluster/ownership/service_addresses.h"
-#include "overlay/cluster/ownership/session_handoff.h"
 #include "overlay/cluster/ownership/settlement.h"
 #include "overlay/cluster/ownership/take_over.h"
 #include "overlay/cluster/replication/acknowledgements.h"
@@ -163,6 +164,7 @@ public:
     [[nodiscard]] const OwnLog& own_log() const { return own_; }
     [[nodiscard]] const Watermark& watermark() const { return watermark_; }
     [[nodiscard]] const TakeOver& take_over() const { return take_over_; }
+    [[nodiscard]] const Departures& departures() const { return departures_; }
     /// Views that were agreed on so far.
     [[nodiscard]] std::uint64_t views_seen() const { return views_seen_; }
     /// Peers of the view that are alive.
@@ -185,7 +187,6 @@ public:
 private:
     void on(Effects& effects, BrokerId from, const Heartbeat& message);
     void on(Effects& effects, BrokerId from, const Particulars& message);
-    void on(Effects& effects, BrokerId from, const ParticularsRequest& message);
     void on(Effects& effects, BrokerId from, const Pulse& message);
     void on(Effects& effects, BrokerId from, const LogBatch& message);
     void on(Effects& effects, BrokerId from, const LogAck& message);
@@ -196,11 +197,7 @@ private:
     void on(Effects& effects, BrokerId from, const ViewAnnouncement& message);
     void on(Effects& effects, BrokerId from, const Fetch& message);
     void on(Effects& effects, BrokerId from, const SnapshotPart& message);
-    void on(Effects& effects, BrokerId from, const AddressOffer& message);
-    void on(Effects& effects, BrokerId from, const AddressBound& message);
-    void on(Effects& effects, BrokerId from, const SessionHandoff& message);
     void on(Effects& effects, BrokerId from, const SessionRequest& message);
-    void on(Effects& effects, BrokerId from, const HandoffAck& message);
     void on(Effects& effects, BrokerId from, const SessionClaim& message);
     static void on(Effects&, BrokerId, const SecuredTold&) {}
 
@@ -232,10 +229,13 @@ private:
     /// For messages that are held by now, or that nobody will ever bring.
     void acknowledge_what_waited(Effects& effects);
     [[nodiscard]] Acknowledgements::IsHeld is_held() const;
-    void heed_handoffs(const Effects& effects);
+    void heed_arrivals(Effects& effects);
+    void reclaim(Effects& effects);
     void apply_event(Effects& effects, const LogId& id, PeerLog& log);
     void take_last_publishes(Effects& effects, const SnapshotPart& part);
     void learn(const MessagePtr& message);
+    /// Its new home has the session that this event moved there.
+    void on_arrived(const broker::ClientId& client, const LogPosition& moved);
     void mark_taken(const broker::ClientId& client);
     void after_input(Effects& effects);
     void take_view(Effects& effects);
@@ -250,10 +250,6 @@ private:
     void warn_of_foreign_sessions(Effects& effects, const ViewAnnouncement& announcement);
     void trim(Effects& effects);
     void forget_old_lives(Effects& effects);
-    /// Predefined topic ids mean something else there.
-    [[nodiscard]] bool is_foreign(const Peer& peer) const {
-        return peer.beacon.predefined != predefined_;
-    }
     /// Its sender is in our view, and in a later one without us.
     [[nodiscard]] bool leaves_out(const Beacon& beacon) const;
     [[nodiscard]] Surroundings surroundings(const Effects& effects);
@@ -282,7 +278,8 @@ private:
     TakeOver take_over_;
     Fetching fetching_;
     HandBack hand_back_;
-    HandoffReceiver handoffs_;
+    Arrivals arrivals_;
+    Departures departures_;
     Settlement settlement_;
     Roaming roaming_;
     EndedLogs ended_;
@@ -305,6 +302,7 @@ private:
     Instant next_tick_ = Instant::min();
     Instant next_cursors_ = Instant::min();
     Instant next_trim_ = Instant::min();
+    Instant next_moved_ = Instant::min();
     Instant next_addresses_ = Instant::min();
     std::uint64_t views_seen_ = 0;
     std::uint64_t beacons_sent_ = 0;

@@ -65,7 +65,7 @@ void ClusterCore::on(Effects&, BrokerId, const LogAck& ack) {
 }
 
 void ClusterCore::on(Effects& effects, BrokerId, const Fetch& fetch) {
-    log_sender_.on_fetch(effects, fetch, logs(), membership_);
+    log_sender_.on_fetch(effects, fetch, logs(), membership_, departures_);
 }
 
 void ClusterCore::on(Effects& effects, BrokerId from, const SnapshotPart& part) {
@@ -94,6 +94,7 @@ void ClusterCore::on(Effects& effects, BrokerId from, const SnapshotPart& part) 
     }
     if (!is_first) peer_sessions_.reset(id, log.mirror());
     publish_order_.on_snapshot_end(effects, *as_of);
+    arrivals_.on_snapshot(effects, log);
     settlement_.compare(effects.broker, view());
     acknowledgements_.forget(id);
     log.mirror().visit([&](const broker::SessionImage& image) {
@@ -119,7 +120,7 @@ void ClusterCore::catch_up(Effects& effects) {
     publish_order_.allow(options_.events_per_turn);
     take_over_.on_turn();
     settlement_.compare_some(logs_);
-    if (!is_back()) handoffs_.on_turn(effects, logs());
+    arrivals_.on_turn();
     say_again(effects);
     some_log_waits_ = false;
     for (auto& [id, log] : logs_) apply(effects, id, log, options_.events_per_turn);
@@ -169,8 +170,8 @@ Acknowledgements::IsHeld ClusterCore::is_held() const {
 void ClusterCore::apply_event(Effects& effects, const LogId& id, PeerLog& log) {
     const LogEvent& event = *log.next();
     if (!log.is_frozen()) {
-        if (const auto* erased = std::get_if<broker::SessionErased>(&event)) {
-            const auto* session = log.session(erased->client_id);
+        if (const broker::ClientId* left = broker::leaver(event)) {
+            const auto* session = log.session(*left);
             if (session != nullptr) roaming_.on_let_go(effects, *session);
         }
         peer_sessions_.on_event(effects.now, log.mirror(), event,
@@ -181,17 +182,24 @@ void ClusterCore::apply_event(Effects& effects, const LogId& id, PeerLog& log) {
     MessagePtr published;
     if (const auto* publish = std::get_if<broker::Published>(&event)) published = publish->message;
     broker::ClientId put;
+    std::optional<LogPosition> adopted;
     if (const auto* session = std::get_if<broker::SessionPut>(&event)) {
         put = session->image.header.client_id;
+        adopted = session->adopted;
         publish_order_.on_session(effects, log, session->image, logs_, view());
     }
     std::optional<LogPosition> routed;
     if (const auto* route = std::get_if<broker::Routed>(&event)) routed = route->message;
+    const bool is_move = std::holds_alternative<broker::SessionMoved>(event) ||
+                         std::holds_alternative<broker::Sealed>(event);
+    const auto move = is_move ? std::optional{event} : std::nullopt;
 
     if (!log.is_frozen()) {
         acknowledgements_.on_event(id, log.applied() + 1, event, is_held());
     }
     log.apply();
+    if (move) arrivals_.on_event(effects, log, *move);
+    if (adopted) on_arrived(put, *adopted);
     if (published) {
         effects.broker.observe_time(published->published_at);
         publish_order_.on_publish(effects, published);
@@ -207,6 +215,12 @@ void ClusterCore::apply_event(Effects& effects, const LogId& id, PeerLog& log) {
         peer_sessions_.on_living_home(put, logs_);
         settlement_.on_peer_session(effects, id.broker, put);
     }
+}
+
+void ClusterCore::on_arrived(const broker::ClientId& client, const LogPosition& moved) {
+    if (moved.log == own_.id()) return departures_.on_arrived(client, moved.seq);
+    const auto log = logs_.find(moved.log);
+    if (log != logs_.end()) log->second.on_arrived(client, moved.seq);
 }
 
 /// A peer is home to the client now: what the dead left of it is nobody's to adopt any more.

@@ -90,6 +90,7 @@ struct Beacon {
     std::vector<Endpoint>
         home_addresses{};  // the service addresses that are the sender's by configuration
     std::vector<Endpoint> serving{};  // the service addresses that it answers on now
+    std::vector<Endpoint> binding{};  // of these: it waits there for the sessions, and says nothing
     std::uint32_t sessions = 0;
     std::uint32_t connected = 0;
     std::uint32_t cannot_take = 0;  // so many of the peers' home addresses, were they to die
@@ -148,9 +149,8 @@ struct Setting {
 struct Particulars {
     Beacon beacon{};
     std::vector<Setting> settings{};
+    bool wanted = false;  // "tell me yours": the sender says nothing of itself
 };
-/// "Tell me yours."
-struct ParticularsRequest {};
 
 /// "My process lives, though its next beacon is late": a turn takes long, or others have the
 /// processor. Tells nothing else, and not for long (overlay/pulses.h).
@@ -228,6 +228,12 @@ struct Fetch {
     LogPosition after{};  // exclusive
     BrokerId to{};
 };
+/// A session between two homes: as its former one left it with the event `at`, and for whom.
+struct MovedSession {
+    broker::SessionImage image;
+    LogId to;
+    Seq at = 0;
+};
 /// A part of a snapshot: of the sender's own state, or of what a removed broker published. Parts
 /// come in order. What a later part says of a session replaces what an earlier one said: with the
 /// last part the whole is as of its `as_of`.
@@ -241,39 +247,18 @@ struct SnapshotPart {
     std::vector<broker::MessagePtr> retained{};
     std::vector<broker::MessagePtr> publishes{};  // of the log, not yet passed by all cursors
     std::vector<LogPosition> cursors{};           // the sender's own
+    std::vector<MovedSession> moved{};            // of those that are gone: not yet elsewhere
 };
 
-// --- handing back an address, roaming
+// --- roaming
 // -------------------------------------------------------------
 
-/// Holder to owner: "bind this address beside me" (the holder goes on answering until it is told).
-struct AddressOffer {
-    Endpoint address{};
-};
-/// Owner to holder: "bound; hand over". When it cannot be bound, it is offered again.
-struct AddressBound {
-    Endpoint address{};
-};
-/// Holder to owner: the sessions, in parts; with `last`, the owner adopts them and speaks for them.
-/// The holder keeps its copies, silent, until HandoffAck, so that a crash in between loses nothing.
-struct SessionHandoff {
-    LogId to{};          // that life of the owner only: it may have waited since before a later one
-    Endpoint address{};  // family none: roaming, one session
-    std::uint32_t part = 0;
-    bool last = false;
-    std::vector<broker::SessionImage> sessions{};
-};
-/// Owner to holder: the sessions stand in my log and are held by peers; forget yours.
-struct HandoffAck {
-    Endpoint address{};
-    broker::ClientId client_id{};  // roaming only
-};
-/// "A client of yours talks to me now: hand its session over."
+/// "A client of yours talks to me now: move its session here" (broker::SessionMoved).
 struct SessionRequest {
     broker::ClientId client_id{};
 };
 /// After a heal two brokers may be home to one client: "this is my copy". A receiver whose own copy
-/// is outranked hands it over; another one answers with its own claim.
+/// is outranked moves it; another one answers with its own claim.
 struct SessionClaim {
     broker::SessionHeader header;
 };
@@ -323,9 +308,8 @@ struct SecuredTold {
 
 using ClusterMessage =
     std::variant<Heartbeat, LogBatch, LogAck, ForwardBatch, ElectionMessage, ViewProposal,
-                 ViewHoldings, ViewAnnouncement, Fetch, SnapshotPart, AddressOffer, AddressBound,
-                 SessionHandoff, SessionRequest, HandoffAck, SessionClaim, Pulse, Particulars,
-                 ParticularsRequest, SecuredTold>;
+                 ViewHoldings, ViewAnnouncement, Fetch, SnapshotPart, SessionRequest, SessionClaim,
+                 Pulse, Particulars, SecuredTold>;
 
 /// How a message travels.
 enum class Delivery : std::uint8_t {

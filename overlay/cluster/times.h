@@ -68,8 +68,12 @@ struct Times {
     /// Answers may leave from an address that its owner has bound as well.
     [[nodiscard]] Duration answers_leave_within() const { return beacon_every / 5; }
     [[nodiscard]] Duration answers_leave_at_most_within() const { return detection; }
-    [[nodiscard]] Duration offer_stands_for() const { return 3 * detection; }
+    [[nodiscard]] Duration binding_tried_every() const { return 3 * detection; }
     [[nodiscard]] Duration handover_acknowledged_within() const { return 10 * detection; }
+    /// Twice as long as their homes wait before they take them back.
+    [[nodiscard]] Duration moved_sessions_kept_for() const {
+        return 2 * handover_acknowledged_within();
+    }
     [[nodiscard]] Duration rival_hands_over_within() const { return 20 * detection; }
     [[nodiscard]] Duration rival_joins_within() const { return 40 * detection; }
     [[nodiscard]] Duration giver_met_within() const { return detection; }

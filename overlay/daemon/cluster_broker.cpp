@@ -277,10 +277,11 @@ void ClusterBroker::on_batch_end() {
 void ClusterBroker::on_peer_message(const overlay::Envelope& envelope) {
     turns_.begin(net::now());
     if (const auto* told = std::get_if<cluster::Particulars>(&envelope.message)) {
-        on_particulars(told->beacon);
+        if (!told->wanted) on_particulars(told->beacon);
     } else if (std::holds_alternative<cluster::Heartbeat>(envelope.message)) {
         if (links_) links_->on_heartbeat(envelope.from.broker);
-        if (!member_) transport_->send({envelope.from.broker, cluster::ParticularsRequest{}});
+        if (!member_)
+            transport_->send({envelope.from.broker, cluster::Particulars{.wanted = true}});
     }
     if (const auto* told = std::get_if<cluster::SecuredTold>(&envelope.message)) {
         if (!protection_) return;

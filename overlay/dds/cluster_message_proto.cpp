@@ -111,10 +111,11 @@ struct MessageWriter {
         to.set_cpu_percent(m.cpu_percent);
         to.set_leaving(m.leaving);
     }
-    void operator()(const cluster::ParticularsRequest&) const { out.mutable_particulars_request(); }
     void operator()(const cluster::Particulars& told) const {
         const cluster::Beacon& m = told.beacon;
         auto& particulars = *out.mutable_particulars();
+        particulars.set_wanted(told.wanted);
+        if (told.wanted) return;
         for (const auto& setting : told.settings) {
             auto& one = *particulars.add_settings();
             one.set_name(setting.name);
@@ -138,6 +139,7 @@ struct MessageWriter {
         all_to_proto(m.ended, *to.mutable_ended());
         all_to_proto(m.home_addresses, *to.mutable_home_addresses());
         all_to_proto(m.serving, *to.mutable_serving());
+        all_to_proto(m.binding, *to.mutable_binding());
         to.set_sessions(m.sessions);
         to.set_connected(m.connected);
         to.set_cannot_take(m.cannot_take);
@@ -207,25 +209,12 @@ struct MessageWriter {
         all_to_proto(m.cursors, *to.mutable_cursors());
         to.set_since(m.since);
         for (const auto& client : m.gone) to.add_gone(client);
-    }
-    void operator()(const cluster::AddressOffer& m) const {
-        to_proto(m.address, *out.mutable_address_offer());
-    }
-    void operator()(const cluster::AddressBound& m) const {
-        to_proto(m.address, *out.mutable_address_bound());
-    }
-    void operator()(const cluster::SessionHandoff& m) const {
-        auto& to = *out.mutable_session_handoff();
-        to_proto(m.to, *to.mutable_to());
-        to_proto(m.address, *to.mutable_address());
-        to.set_part(m.part);
-        to.set_last(m.last);
-        all_to_proto(m.sessions, *to.mutable_sessions());
-    }
-    void operator()(const cluster::HandoffAck& m) const {
-        auto& to = *out.mutable_handoff_ack();
-        to_proto(m.address, *to.mutable_address());
-        to.set_client_id(m.client_id);
+        for (const auto& session : m.moved) {
+            auto& one = *to.add_moved();
+            to_proto(session.image, *one.mutable_image());
+            to_proto(session.to, *one.mutable_to());
+            one.set_at(session.at);
+        }
     }
     void operator()(const cluster::SessionRequest& m) const {
         out.set_session_request(m.client_id);
@@ -298,6 +287,7 @@ MaybeMessage read_heartbeat(const Heartbeat& in) {
 }
 
 MaybeMessage read_particulars(const Particulars& all) {
+    if (all.wanted()) return cluster::Particulars{.wanted = true};
     const Beacon& in = all.beacon();
     const auto log = from_proto(in.log());
     auto view = from_proto(in.view());
@@ -335,7 +325,8 @@ MaybeMessage read_particulars(const Particulars& all) {
     if (!all_from_proto(in.ended(), out.ended)) return std::nullopt;
     if (!all_from_proto(in.home_addresses(), out.home_addresses)) return std::nullopt;
     if (!all_from_proto(in.serving(), out.serving)) return std::nullopt;
-    cluster::Particulars particulars{std::move(out), {}};
+    if (!all_from_proto(in.binding(), out.binding)) return std::nullopt;
+    cluster::Particulars particulars{std::move(out), {}, false};
     for (const auto& setting : all.settings()) {
         particulars.settings.push_back({setting.name(), setting.value(), setting.digest()});
     }
@@ -407,15 +398,12 @@ MaybeMessage read_snapshot_part(const SnapshotPart& in) {
     if (!all_from_proto(in.retained(), out.retained)) return std::nullopt;
     if (!all_from_proto(in.publishes(), out.publishes)) return std::nullopt;
     if (!all_from_proto(in.cursors(), out.cursors)) return std::nullopt;
-    return out;
-}
-
-MaybeMessage read_session_handoff(const SessionHandoff& in) {
-    const auto to = from_proto(in.to());
-    const auto address = from_proto(in.address());
-    if (!to || !address) return std::nullopt;
-    cluster::SessionHandoff out{*to, *address, in.part(), in.last(), {}};
-    if (!all_from_proto(in.sessions(), out.sessions)) return std::nullopt;
+    for (const MovedSession& session : in.moved()) {
+        auto image = from_proto(session.image());
+        const auto to = from_proto(session.to());
+        if (!image || !to) return std::nullopt;
+        out.moved.push_back({*std::move(image), *to, session.at()});
+    }
     return out;
 }
 
@@ -462,8 +450,6 @@ MaybeMessage from_proto(const ClusterMessage& in) {
             return read_heartbeat(in.heartbeat());
         case ClusterMessage::kParticulars:
             return read_particulars(in.particulars());
-        case ClusterMessage::kParticularsRequest:
-            return cluster::ParticularsRequest{};
         case ClusterMessage::kLogBatch:
             return read_log_batch(in.log_batch());
         case ClusterMessage::kLogAck:
@@ -485,25 +471,8 @@ MaybeMessage from_proto(const ClusterMessage& in) {
             break;
         case ClusterMessage::kSnapshotPart:
             return read_snapshot_part(in.snapshot_part());
-        case ClusterMessage::kAddressOffer:
-            if (const auto address = from_proto(in.address_offer())) {
-                return cluster::AddressOffer{*address};
-            }
-            break;
-        case ClusterMessage::kAddressBound:
-            if (const auto address = from_proto(in.address_bound())) {
-                return cluster::AddressBound{*address};
-            }
-            break;
-        case ClusterMessage::kSessionHandoff:
-            return read_session_handoff(in.session_handoff());
         case ClusterMessage::kSessionRequest:
             return cluster::SessionRequest{in.session_request()};
-        case ClusterMessage::kHandoffAck:
-            if (const auto address = from_proto(in.handoff_ack().address())) {
-                return cluster::HandoffAck{*address, in.handoff_ack().client_id()};
-            }
-            break;
         case ClusterMessage::kSessionClaim:
             if (auto header = from_proto(in.session_claim())) {
                 return cluster::SessionClaim{std::move(*header)};

@@ -24,7 +24,20 @@ struct EventWriter {
     LogEvent& out;
 
     void operator()(const broker::SessionPut& e) const {
-        to_proto(e.image, *out.mutable_session_put());
+        if (!e.adopted) return to_proto(e.image, *out.mutable_session_put());
+        auto& to = *out.mutable_session_adopted();
+        to_proto(e.image, *to.mutable_image());
+        to_proto(*e.adopted, *to.mutable_moved());
+    }
+    void operator()(const broker::SessionMoved& e) const {
+        auto& to = *out.mutable_session_moved();
+        to_proto(e.header, *to.mutable_header());
+        to_proto(e.to, *to.mutable_to());
+    }
+    void operator()(const broker::Sealed& e) const {
+        auto& to = *out.mutable_sealed();
+        to_proto(e.address, *to.mutable_address());
+        to_proto(e.to, *to.mutable_to());
     }
     void operator()(const broker::SessionChanged& e) const {
         auto& to = *out.mutable_session_changed();
@@ -143,6 +156,27 @@ MaybeEvent read_step(const DeliveryStep& in) {
     return Step{in.client_id(), *message};
 }
 
+MaybeEvent read_session_adopted(const SessionAdopted& in) {
+    auto image = from_proto(in.image());
+    const auto moved = from_proto(in.moved());
+    if (!image || !moved) return std::nullopt;
+    return broker::SessionPut{std::move(*image), *moved};
+}
+
+MaybeEvent read_session_moved(const SessionMoved& in) {
+    auto header = from_proto(in.header());
+    const auto to = from_proto(in.to());
+    if (!header || !to) return std::nullopt;
+    return broker::SessionMoved{std::move(*header), *to};
+}
+
+MaybeEvent read_sealed(const Sealed& in) {
+    const auto address = from_proto(in.address());
+    const auto to = from_proto(in.to());
+    if (!address || !to) return std::nullopt;
+    return broker::Sealed{*address, *to};
+}
+
 }  // namespace
 
 void to_proto(const broker::LogEvent& in, LogEvent& out) {
@@ -196,6 +230,12 @@ MaybeEvent from_proto(const LogEvent& in) {
                 return broker::PublishReleased{in.publish_released().client_id(), *msg_id};
             }
             break;
+        case LogEvent::kSessionAdopted:
+            return read_session_adopted(in.session_adopted());
+        case LogEvent::kSessionMoved:
+            return read_session_moved(in.session_moved());
+        case LogEvent::kSealed:
+            return read_sealed(in.sealed());
         case LogEvent::EVENT_NOT_SET:
             break;
     }

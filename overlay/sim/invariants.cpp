@@ -17,6 +17,20 @@ std::string text_of(const cluster::ViewNumber& number) {
     return std::to_string(number.term) + "." + std::to_string(number.count);
 }
 
+/// The same, but for positions that one of them does not know, and those in the log that says it:
+/// no publish stands between the image and the event.
+bool is_as_left(SessionBetween copy, SessionBetween left) {
+    const auto leave_out = [&](auto& positions, const auto& others) {
+        std::erase_if(positions, [&](const broker::LogPosition& position) {
+            return position.log == left.moved.log ||
+                   std::ranges::count(others, position.log, &broker::LogPosition::log) == 0;
+        });
+    };
+    leave_out(copy.image.worked_through, left.image.worked_through);
+    leave_out(left.image.worked_through, copy.image.worked_through);
+    return copy.image.header == left.image.header && broker::same_state(copy.image, left.image);
+}
+
 }  // namespace
 
 std::vector<Invariant> Invariants::judge(Instant now, std::span<const Sight> brokers,
@@ -28,6 +42,7 @@ std::vector<Invariant> Invariants::judge(Instant now, std::span<const Sight> bro
     shown_is_held(brokers, broker);
     never_back(broker);
     one_owner(broker);
+    as_at_the_seal(brokers, broker);
     named_first(broker);
     one_shard(brokers, broker);
     bounded(brokers, broker);
@@ -150,6 +165,20 @@ void Invariants::one_owner(const Sight& broker) {
         report(Invariant::one_owner, broker.name + " speaks from " + to_text(address) +
                                          ", as another broker did, in view " +
                                          text_of(broker.view.number));
+    }
+}
+
+/// I5: whoever adopts a session that another broker moved goes on from what that one left.
+void Invariants::as_at_the_seal(std::span<const Sight> brokers, const Sight& broker) {
+    for (const SessionBetween& copy : broker.mirrored) {
+        for (const Sight& home : brokers) {
+            const auto left = std::ranges::find(home.leaving, copy.moved, &SessionBetween::moved);
+            if (left == home.leaving.end()) continue;
+            if (is_as_left(copy, *left)) continue;
+            report(Invariant::as_at_the_seal, broker.name + " would adopt another state of " +
+                                                  copy.image.header.client_id + " than " +
+                                                  home.name + " left");
+        }
     }
 }
 

@@ -28,15 +28,22 @@ enum class Invariant : std::uint8_t {
     safe_is_safe,
     never_back,
     one_owner,
+    as_at_the_seal,
     named_first,
     one_shard,
     bounded,
 };
-inline constexpr std::size_t invariant_count = 8;
+inline constexpr std::size_t invariant_count = 9;
 inline constexpr std::array<std::string_view, invariant_count> invariant_names{
-    "I1 one speaker",        "I2 agreed end",       "I3 safe is safe",
-    "I4 never back",         "I5 one owner a view", "I6 what is named comes first",
-    "I7 one shard a client", "I8 bounded"};
+    "I1 one speaker",
+    "I2 agreed end",
+    "I3 safe is safe",
+    "I4 never back",
+    "I5 one owner a view",
+    "I5s state at the seal",
+    "I6 what is named comes first",
+    "I7 one shard a client",
+    "I8 bounded"};
 
 /// Of each invariant where it broke first; empty: it held.
 using Breaches = std::array<std::string, invariant_count>;
@@ -57,6 +64,7 @@ private:
     void shown_is_held(std::span<const Sight> brokers, const Sight& broker);
     void never_back(const Sight& broker);
     void one_owner(const Sight& broker);
+    void as_at_the_seal(std::span<const Sight> brokers, const Sight& broker);
     void named_first(const Sight& broker);
     void one_shard(std::span<const Sight> brokers, const Sight& broker);
     void bounded(std::span<const Sight> brokers, const Sight& broker);

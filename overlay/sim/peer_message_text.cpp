@@ -69,7 +69,13 @@ std::string text(const std::vector<Route>& routes) {
 }
 
 std::string event(const SessionPut& e) {
-    return "put [" + text(e.image) + ']';
+    return "put [" + text(e.image) + ']' + (e.adopted ? " of " + text(*e.adopted) : "");
+}
+std::string event(const SessionMoved& e) {
+    return "moved [" + text(e.header) + "] to " + text(e.to);
+}
+std::string event(const Sealed& e) {
+    return "sealed " + to_text(e.address) + " to " + text(e.to);
 }
 std::string event(const SessionChanged& e) {
     return "changed [" + text(e.header) + ']';
@@ -145,10 +151,8 @@ std::string line(const SecuredTold& m) {
     }
     return all;
 }
-std::string line(const ParticularsRequest&) {
-    return "ParticularsRequest";
-}
 std::string line(const Particulars& told) {
+    if (told.wanted) return "Particulars wanted";
     const Beacon& m = told.beacon;
     std::string all = "Particulars of " + text(m.log) + ':' + number(m.last_seq) + " view " +
                       text(m.view.number) + " follows " +
@@ -157,6 +161,8 @@ std::string line(const Particulars& told) {
     for (const BrokerId id : m.hears) all += ' ' + short_id(id);
     all += " applied" + text(m.applied) + " ended" + text(m.ended) + " serving";
     for (const Endpoint& address : m.serving) all += ' ' + to_text(address);
+    all += " binding";
+    for (const Endpoint& address : m.binding) all += ' ' + to_text(address);
     return all + (m.leaving ? " leaving" : "");
 }
 std::string line(const LogBatch& m) {
@@ -198,25 +204,13 @@ std::string line(const Fetch& m) {
 }
 std::string line(const SnapshotPart& m) {
     std::string all = "SnapshotPart " + text(m.as_of) + text(m.sessions) + " gone " +
-                      std::to_string(m.gone.size()) + " cursors" + text(m.cursors) + " publishes";
+                      std::to_string(m.gone.size()) + " moved " + std::to_string(m.moved.size()) +
+                      " cursors" + text(m.cursors) + " publishes";
     for (const MessagePtr& message : m.publishes) all += ' ' + text(message);
     return all;
 }
-std::string line(const AddressOffer& m) {
-    return "AddressOffer " + to_text(m.address);
-}
-std::string line(const AddressBound& m) {
-    return "AddressBound " + to_text(m.address);
-}
-std::string line(const SessionHandoff& m) {
-    return "SessionHandoff " + to_text(m.address) + " part " + std::to_string(m.part) +
-           (m.last ? ", last" : "") + text(m.sessions);
-}
 std::string line(const SessionRequest& m) {
     return "SessionRequest " + m.client_id;
-}
-std::string line(const HandoffAck& m) {
-    return "HandoffAck " + to_text(m.address) + m.client_id;
 }
 std::string line(const SessionClaim& m) {
     return "SessionClaim [" + text(m.header) + ']';

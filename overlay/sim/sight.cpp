@@ -45,6 +45,19 @@ void look_at_copies(const cluster::ClusterCore& cluster, Sight& sight) {
     sight.copies = std::move(copies);
 }
 
+void look_at_moves(const cluster::ClusterCore& cluster, Sight& sight) {
+    sight.leaving.clear();
+    for (const auto& [client, leaving] : cluster.departures().all()) {
+        sight.leaving.push_back({{sight.log, leaving.session.at}, leaving.session.image});
+    }
+    sight.mirrored.clear();
+    for (const auto& [id, log] : cluster.peer_logs()) {
+        for (const auto& [client, session] : log.moved()) {
+            sight.mirrored.push_back({{id, session.at}, session.image});
+        }
+    }
+}
+
 }  // namespace
 
 const LogCopy* Sight::copy_of(const broker::LogId& wanted) const {
@@ -77,6 +90,7 @@ void look_at(const ClusterBroker& broker, Instant now, const std::vector<std::st
         }
     }
     look_at_copies(cluster, sight);
+    look_at_moves(cluster, sight);
     look_again(broker, now, sight);
 }
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "broker/core/log_position.h"
+#include "broker/core/session_image.h"
 #include "overlay/cluster/messages.h"
 #include "romano/base/endpoint.h"
 #include "romano/base/time.h"
@@ -36,6 +37,12 @@ struct Reference {
     bool is_held = false;  // the message: applied in its own log, or no copy of a session lacks it
 };
 
+/// A session between two homes, as its former home or a mirror of that one's log has it.
+struct SessionBetween {
+    broker::LogPosition moved{};  // by this event
+    broker::SessionImage image{};
+};
+
 struct Sight {
     std::string name{};
     bool is_speaking = false;  // at this moment; all that follows is of its last step
@@ -46,9 +53,11 @@ struct Sight {
     std::size_t holders = 0;     // peers that must hold what it shows
     std::size_t own_events = 0;  // that it keeps
     std::vector<Endpoint> speaks_from{};
-    std::vector<std::string> speaks_to{};  // clients
-    std::vector<LogCopy> copies{};         // sorted
-    std::vector<Reference> references{};   // of this step
+    std::vector<std::string> speaks_to{};    // clients
+    std::vector<LogCopy> copies{};           // sorted
+    std::vector<Reference> references{};     // of this step
+    std::vector<SessionBetween> leaving{};   // its own
+    std::vector<SessionBetween> mirrored{};  // of others
 
     [[nodiscard]] const LogCopy* copy_of(const broker::LogId& wanted) const;
 };

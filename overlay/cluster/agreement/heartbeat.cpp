@@ -66,6 +66,7 @@ std::uint32_t digest_of_particulars(const Beacon& beacon) {
     digest.add(std::string_view{beacon.name});
     add(digest, beacon.home_addresses);
     add(digest, beacon.serving);
+    add(digest, beacon.binding);
     add(digest, beacon.link.endpoint);
     digest.add(beacon.link.process);
     digest.add(as_text(beacon.link.secret));

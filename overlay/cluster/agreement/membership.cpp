@@ -16,6 +16,14 @@ bool Peer::is_home_of(const Endpoint& address) const {
     return std::ranges::count(beacon.home_addresses, address) > 0;
 }
 
+bool Peer::speaks_at(const Endpoint& address) const {
+    return is_serving(address) && !is_binding(address);
+}
+
+bool Peer::is_binding(const Endpoint& address) const {
+    return std::ranges::count(beacon.binding, address) > 0;
+}
+
 bool Peer::is_serving(const Endpoint& address) const {
     return std::ranges::count(beacon.serving, address) > 0;
 }
@@ -125,9 +133,9 @@ Membership::News Membership::news_of(const Peer& peer) {
 
 bool Membership::is_news(const Beacon& before, const Beacon& beacon) {
     return beacon.log != before.log || beacon.serving != before.serving ||
-           beacon.home_addresses != before.home_addresses || beacon.ended != before.ended ||
-           beacon.settings != before.settings || beacon.predefined != before.predefined ||
-           beacon.link != before.link;
+           beacon.binding != before.binding || beacon.home_addresses != before.home_addresses ||
+           beacon.ended != before.ended || beacon.settings != before.settings ||
+           beacon.predefined != before.predefined || beacon.link != before.link;
 }
 
 void Membership::on_pulse(Instant now, const Pulse& pulse) {

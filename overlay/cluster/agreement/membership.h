@@ -38,6 +38,13 @@ struct Peer {
     bool hears_us = false;  // as that beacon says
     [[nodiscard]] bool is_home_of(const Endpoint& address) const;
     [[nodiscard]] bool is_serving(const Endpoint& address) const;
+    /// Its own address, served by another one yet: it waits there for the sessions.
+    [[nodiscard]] bool is_binding(const Endpoint& address) const;
+    [[nodiscard]] bool speaks_at(const Endpoint& address) const;
+    /// It follows that log, which ends there now: what is said in it reaches the peer.
+    [[nodiscard]] bool follows(const broker::LogPosition& end) const {
+        return end.seq == 0 || beacon.applied_through(end.log) > 0;
+    }
     /// It says so, and in this life: what is sent to it arrives.
     [[nodiscard]] bool hears(BrokerId broker) const;
 };

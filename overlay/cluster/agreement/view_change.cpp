@@ -424,7 +424,7 @@ ViewHoldings ViewChange::holdings(const View& view, Surroundings around) const {
         if (log.is_foreign()) answer.foreign.push_back(id);
         const Seq not_kept = log.applied() - log.history().events_kept();
         if (not_kept > 0) answer.kept_after.push_back({id, not_kept});
-        for (const Endpoint& address : log.addresses_left()) {
+        for (const Endpoint& address : log.addresses_left(view)) {
             answer.addresses.push_back({id, address});
         }
     }

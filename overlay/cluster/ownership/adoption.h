@@ -2,6 +2,7 @@
 // it, and the publishes that came between what that home had worked through and what we have.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "overlay/cluster/effects.h"
@@ -31,7 +32,10 @@ struct Logs {
 [[nodiscard]] broker::SessionImage caught_up(const Effects& effects, const Logs& logs,
                                              broker::SessionImage image);
 
-/// False when the own session of that client stays because it outranks the image.
-bool adopt(Effects& effects, const Logs& logs, broker::SessionImage image);
+/// `moved`: what its living home said of it. `ours`: the own copy that was on its way to another
+/// home. False when the own session of that client stays because it outranks the image.
+bool adopt(Effects& effects, const Logs& logs, broker::SessionImage image,
+           const std::optional<LogPosition>& moved = std::nullopt,
+           std::optional<broker::SessionImage> ours = std::nullopt);
 
 }  // namespace romano::cluster

@@ -2,20 +2,22 @@
 // section 3, "Taking over the address").
 //
 //     holder                                owner (in the view, does not serve its home address)
-//       |------------ AddressOffer ----------->|  binds beside the holder: datagrams come here now,
-//       |<----------- AddressBound ------------|  and wait
+//       |                                      |  hears who serves it, and binds it beside that
+//       one:
+//       |<--- Particulars: bound, waiting -----|  datagrams come here now, and wait
 //       |  lets pending answers leave,         |
-//       |  takes images, falls silent          |
-//       |------- SessionHandoff, last -------->|  adopts, serves what waited
-//       |<----------- HandoffAck --------------|  once the adoption is safe with peers
-//       |  forgets the sessions, unbinds       |
+//       |  falls silent                        |
+//       |------- log: SessionMoved ... ------->|  adopts from its mirror of the log
+//       |------- log: Sealed ----------------->|  serves what waited
+//       |<------ log: SessionPut ... ----------|
+//       |  unbinds                             |
 //
 // After a heal two brokers may serve an address: it belongs to the one whose home address it is,
 // else to the one with the higher id. Both fall silent as soon as they hear of each other; the home
 // claims the address, so that datagrams come to it and wait, as soon as the other one hears it.
-// That one begins at "takes images" when they are in one view; which copy of a session stays is
-// settled by their ranks (broker::outranks). A hand-over that both agreed on counts like being
-// heard: it raises the epoch, so that the holder's copy never wins again.
+// That one begins at "SessionMoved" when they are in one view; which copy of a session stays is
+// settled by their ranks (broker::outranks). A move that both want counts like being heard: it
+// raises the epoch, so that the holder's copy never wins again.
 //
 // A rival's machine may call datagrams to itself for as long as it has the address: what its kernel
 // still wants to send from there asks for the client's hardware address in the name of ours. So the
@@ -32,6 +34,7 @@
 
 #include "overlay/cluster/agreement/membership.h"
 #include "overlay/cluster/effects.h"
+#include "overlay/cluster/ownership/departures.h"
 #include "overlay/cluster/ownership/service_addresses.h"
 
 namespace romano::cluster {
@@ -48,19 +51,12 @@ public:
         const std::set<Endpoint>& half_adopted;    // its sessions are not all here
         const std::set<Endpoint>& inheriting;      // nor those that an heir, we, shall take over
     };
-    /// Offers what belongs to others, and goes on with what is under way; many sessions leave, and
-    /// are forgotten, in pieces.
-    void carry_on(Effects& effects, const Membership& membership, const View& view,
-                  ServiceAddresses& addresses, const NotYet& not_yet);
+    /// Gives what belongs to others, and goes on with what is under way; many sessions leave in
+    /// pieces.
+    void carry_on(Effects& effects, const Logs& logs, const Membership& membership,
+                  const View& view, ServiceAddresses& addresses, Departures& departures,
+                  const NotYet& not_yet);
     [[nodiscard]] bool is_half_done() const;
-    /// An owner that acknowledged and is no member any more: its heir goes on from its copies, and
-    /// may be us. All of ours must be gone then.
-    void forget_for_the_dead(Effects& effects, const View& view, ServiceAddresses& addresses);
-    /// An owner died before it acknowledged, and another member inherits what it had.
-    void on_view(const ViewAnnouncement& announcement);
-    void on_bound(Instant now, BrokerId from, const AddressBound& bound);
-    void on_ack(Effects& effects, BrokerId from, const HandoffAck& ack,
-                ServiceAddresses& addresses);
     /// Looks who else serves our addresses. Whoever did when it was heard last, and is a member
     /// still, may serve them now: that it fell silent here is no proof of its death. An own address
     /// is claimed as soon as a rival hears us, and so is silent there; another one when the broker
@@ -70,17 +66,21 @@ public:
     /// The address's sessions are on their way, or it belongs to another broker that serves it:
     /// nothing is heard for them here.
     [[nodiscard]] bool is_deaf(const Endpoint& address) const;
-    /// Its session was handed over, and is still here: what it says to another address of ours
-    /// waits until it is not.
-    [[nodiscard]] bool is_leaving(const Endpoint& client) const;
     /// Nor said; and the owner, too, says nothing before it has what its rival had, but it hears:
     /// that waits.
     [[nodiscard]] bool is_silent(const Endpoint& address) const;
 
     // --- the owner's side
-    void on_offer(Effects& effects, BrokerId from, const AddressOffer& offer,
-                  ServiceAddresses& addresses);
-    void on_address(Effects& effects, const Endpoint& address, bool served);
+    /// Binds home addresses beside members that serve them and hear us.
+    void reclaim(Effects& effects, const Membership& membership, const View& view,
+                 ServiceAddresses& addresses);
+    void on_address(Instant now, const Endpoint& address, bool served);
+    /// Bound beside another broker, or about to be.
+    [[nodiscard]] bool is_reclaiming(const Endpoint& address) const {
+        return reclaiming_.contains(address);
+    }
+    /// Bound, and silent until the sessions are here.
+    [[nodiscard]] std::vector<Endpoint> binding() const;
     /// The sessions of an own address are somewhere else and will come from there.
     void expect(Instant now, const Endpoint& address, std::set<BrokerId> from);
     void on_handed_over(BrokerId from, const Endpoint& address);
@@ -92,36 +92,28 @@ public:
     }
 
 private:
-    enum class Stage : std::uint8_t { offered, draining, handed, acknowledged };
+    enum class Stage : std::uint8_t { draining, moving, sealed };
     struct Giving {
         LogId owner;
-        Stage stage;
+        Stage stage = Stage::draining;
         Instant since;
-        bool contested;                              // the owner serves it as well
-        std::vector<broker::ClientId> clients = {};  // that are handed over
-        std::set<Endpoint> speaking_from = {};       // those that were sent
-        std::size_t sent = 0;
-        std::uint32_t next_part = 0;
-        bool all_sent = false;
-        std::size_t forgotten = 0;
-        std::optional<BrokerId> heir = {};  // of the owner; it says what the owner had
+        bool contested;                              // the owner speaks there as well
+        std::vector<broker::ClientId> clients = {};  // to be moved
+        std::size_t moved = 0;
     };
     struct Expected {
         std::set<BrokerId> from;
         Instant since;
     };
 
-    void begin(Effects& effects, const Endpoint& address, const Membership& membership,
-               const View& view);
-    [[nodiscard]] bool is_with_heir(const Endpoint& address, const Giving& giving,
-                                    const Membership& membership, const View& view) const;
+    void begin(Effects& effects, const Endpoint& address, const Logs& logs,
+               const Membership& membership, const View& view);
     [[nodiscard]] bool is_called_off(const Effects& effects, const Endpoint& address,
                                      const Giving& giving, const Membership& membership,
                                      const View& view, const NotYet& not_yet) const;
-    void hand_over(Effects& effects, const Endpoint& address, Giving& giving);
-    void send_some(Effects& effects, const Endpoint& address, Giving& giving) const;
-    /// True when all that were handed over are forgotten.
-    bool forget_some(Effects& effects, const Endpoint& address, Giving& giving) const;
+    /// True when all that were there have left.
+    bool move_some(Effects& effects, const Endpoint& address, Giving& giving, const PeerLogs& logs,
+                   Departures& departures) const;
     [[nodiscard]] std::optional<LogId> owner_of(const Endpoint& address,
                                                 const Membership& membership,
                                                 const View& view) const;
@@ -137,9 +129,10 @@ private:
         bool is_settled = false;  // handed over, or waited for in vain
         bool is_claimed = false;  // datagrams come here, and wait
     };
-    std::map<Endpoint, Rivalry> rivals_;     // for own addresses, that others serve as well
-    std::map<Endpoint, BrokerId> taking_;    // offered to us, being bound
-    std::map<Endpoint, Expected> expected_;  // bound, the sessions not here yet
+    std::map<Endpoint, Rivalry> rivals_;  // for own addresses, that others serve as well
+    std::map<Endpoint, std::set<BrokerId>> reclaiming_;  // own, being bound beside these
+    std::map<Endpoint, Instant> tried_;                  // own, could not be bound
+    std::map<Endpoint, Expected> expected_;              // bound, the sessions not here yet
 };
 
 }  // namespace romano::cluster

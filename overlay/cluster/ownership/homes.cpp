@@ -9,8 +9,8 @@ void Homes::on_event(BrokerId peer, const broker::LogEvent& event) {
         put(peer, session->image.header);
     } else if (const auto* changed = std::get_if<broker::SessionChanged>(&event)) {
         put(peer, changed->header);
-    } else if (const auto* erased = std::get_if<broker::SessionErased>(&event)) {
-        forget(peer, erased->client_id);
+    } else if (const broker::ClientId* left = broker::leaver(event)) {
+        forget(peer, *left);
     } else if (const auto* published = std::get_if<broker::Published>(&event)) {
         if (!published->will_of.empty()) lose(peer, published->will_of);
     }

@@ -119,8 +119,7 @@ void Roaming::on_standstill(Instant now) {
 }
 
 void Roaming::carry_on(Effects& effects, const Logs& logs, const Homes& homes,
-                       const HandoffReceiver& arriving, const Membership& membership,
-                       const View& view) {
+                       const Arrivals& arriving, const Membership& membership, const View& view) {
     while (!let_go_.empty() && let_go_.front().until < effects.now) let_go_.pop_front();
     std::erase_if(fetching_, [&](const auto& entry) {
         const Fetching& fetching = entry.second;

@@ -16,9 +16,8 @@
 
 #include "overlay/cluster/agreement/membership.h"
 #include "overlay/cluster/effects.h"
-#include "overlay/cluster/ownership/adoption.h"
+#include "overlay/cluster/ownership/arrivals.h"
 #include "overlay/cluster/ownership/homes.h"
-#include "overlay/cluster/ownership/session_handoff.h"
 #include "overlay/cluster/speaking/way.h"
 #include "romano/base/bytes.h"
 
@@ -35,8 +34,8 @@ public:
     /// We let it go to a peer, or a peer's log says that it is no longer home to the client.
     void on_let_go(const Effects& effects, const broker::SessionHeader& session);
     /// Looks again who is home to those whose sessions are awaited.
-    void carry_on(Effects& effects, const Logs& logs, const Homes& homes,
-                  const HandoffReceiver& arriving, const Membership& membership, const View& view);
+    void carry_on(Effects& effects, const Logs& logs, const Homes& homes, const Arrivals& arriving,
+                  const Membership& membership, const View& view);
     void on_standstill(Instant now);
     [[nodiscard]] bool is_fetching(const Way& way) const { return fetching_.contains(way); }
 

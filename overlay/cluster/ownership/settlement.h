@@ -1,20 +1,19 @@
 // One client, two homes: after a heal, or when two brokers adopted it. The copy that outranks the
-// other stays (broker::outranks; the higher broker id at a full tie), the other home hands its copy
-// over and forgets it (design section 3, "Joining and healing").
+// other stays (broker::outranks; the higher broker id at a full tie), the other home moves its copy
+// there (departures.h; design section 3, "Joining and healing").
 //
 // Mirrors know when a client was last heard only as of the last event, so the homes tell each other
 // directly: each claims its copy to the other, and who sees itself outranked gives way. Ranks of a
 // copy only grow, so never do both.
 #pragma once
 
-#include <map>
 #include <set>
 #include <utility>
 #include <vector>
 
 #include "overlay/cluster/agreement/membership.h"
 #include "overlay/cluster/effects.h"
-#include "overlay/cluster/ownership/adoption.h"
+#include "overlay/cluster/ownership/departures.h"
 #include "overlay/cluster/ownership/hand_back.h"
 #include "overlay/cluster/replication/peer_log.h"
 
@@ -34,35 +33,19 @@ public:
 
     /// Claims what both hold, from time to time.
     /// Sessions of an address that is on its way (`moving`) are settled by the address's owner.
-    void carry_on(Effects& effects, const Logs& logs, const Membership& membership,
-                  const HandBack& moving);
-    /// `is_foreign`: topic ids mean something else there. Neither copy goes on from the other; the
-    /// one stays to which the client spoke last.
+    void carry_on(Effects& effects, const PeerLogs& logs, const HandBack& moving);
+    /// Where topic ids mean something else, neither copy goes on from the other; the one stays to
+    /// which the client spoke last.
     void on_claim(Effects& effects, const LogId& from, const SessionClaim& claim,
-                  const HandBack& moving, bool is_foreign);
-    /// The client came to another broker: hand its session over.
-    void on_request(Effects& effects, const LogId& from, const SessionRequest& request,
-                    const HandBack& moving);
-    void on_ack(BrokerId from, const HandoffAck& ack);
+                  const HandBack& moving, Departures& departures, const PeerLogs& logs);
 
     static constexpr std::size_t compared_per_turn = 2'000;  // about a millisecond
 
 private:
-    /// On its way to its new home: forgotten here, so that two homes never speak to the client,
-    /// but kept until the new home has it in its log.
-    struct Leaving {
-        LogId to;
-        Instant since;
-        broker::SessionImage image;
-    };
-
-    void give_way(Effects& effects, const LogId& to, broker::SessionImage image);
-
     BrokerId self_;
     std::vector<broker::ClientId> to_compare_;
     std::vector<LogId> compared_with_;
     std::set<std::pair<broker::ClientId, BrokerId>> conflicts_;
-    std::map<broker::ClientId, Leaving> leaving_;
     Instant next_claims_ = Instant::min();
 };
 

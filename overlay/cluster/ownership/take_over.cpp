@@ -1,16 +1,11 @@
 #include "overlay/cluster/ownership/take_over.h"
 
 #include <algorithm>
-#include <limits>
 #include <optional>
 #include <utility>
 
-#include "overlay/cluster/ownership/session_handoff.h"
-
 namespace romano::cluster {
 namespace {
-
-constexpr std::size_t all = std::numeric_limits<std::size_t>::max();
 
 /// The member that answers on the address already: its own broker, when that is back, or an heir
 /// that an earlier life of it left the address to.
@@ -79,36 +74,43 @@ void TakeOver::on_view(Instant now, const ViewAnnouncement& announcement) {
 }
 
 void TakeOver::carry_on(Effects& effects, const Logs& logs, const Membership& membership,
-                        const View& view, ServiceAddresses& addresses) {
+                        const View& view, ServiceAddresses& addresses, Departures& departures) {
     const bool may_go_on = std::exchange(may_go_on_, false);
     std::erase_if(pending_, [&](Pending& pending) {
         const Endpoint& address = pending.assignment.address;
         const auto log = logs.peers.find(pending.assignment.end.log);
         if (log == logs.peers.end()) return true;
         if (!log->second.is_frozen()) return true;  // it is back
+        const bool are_known = log->second.call_back(view, logs.peers);
         if (pending.is_begun) {
-            return may_go_on && adopt_some(effects, address, log->second, logs);
+            return may_go_on && adopt_some(effects, pending, log->second, logs, departures);
         }
         // It was done already, and the leader had not heard of it.
-        if (addresses.is_serving(address) && log->second.count_left(address) == 0) return true;
+        const bool is_nothing_left = are_known && log->second.count_left(address) == 0;
+        if (is_nothing_left && addresses.is_serving(address)) return true;
         if (is_still_serving(pending.assignment, membership)) return false;
         if (log->second.is_foreign()) return true;  // its leader is of a version that knows no such
         if (log->second.is_outdated() && !holds_all(logs, membership, view)) return false;
         const auto owner = addresses.is_serving(address)
                                ? std::nullopt
                                : present_server(address, self_, membership, view);
-        if (owner && !membership.find(owner->broker)->hears(self_)) return false;
-        if (!is_complete(effects, log->second, logs, owner.has_value()) &&
+        if (owner) {
+            const Peer& server = *membership.find(owner->broker);
+            const LogPosition end{logs.own.id(), effects.broker.last_seq()};
+            if (!server.hears(self_) || !server.follows(end)) return false;
+        }
+        if ((!are_known || !is_complete(effects, log->second, logs, owner.has_value())) &&
             !is_out_of_patience(effects, pending)) {
             return false;
         }
-        if (owner) {
-            hand_on(effects, *owner, address, log->second, logs);
-            return true;
-        }
-        begin(effects, pending.assignment, log->second, membership, addresses);
         pending.is_begun = true;
-        return adopt_some(effects, address, log->second, logs);
+        pending.server = owner;
+        if (owner) {
+            log->second.mark_served(address);
+        } else {
+            begin(effects, pending.assignment, log->second, membership, addresses);
+        }
+        return adopt_some(effects, pending, log->second, logs, departures);
     });
 }
 
@@ -155,20 +157,6 @@ bool TakeOver::is_out_of_patience(Effects& effects, const Pending& pending) cons
     return true;
 }
 
-/// Those that the dead left, to the address's own broker, which is back and holds none of that.
-void TakeOver::hand_on(Effects& effects, const LogId& owner, const Endpoint& address, PeerLog& log,
-                       const Logs& logs) {
-    auto sessions = log.sessions_left(address, all);
-    std::erase_if(sessions, [&](const broker::SessionImage& image) {
-        if (!is_elsewhere(image.header, log, effects, logs.peers)) return false;
-        log.mark_taken(image.header.client_id);
-        return true;
-    });
-    for (auto& image : sessions) image = caught_up(effects, logs, std::move(image));
-    send_handoff(owner, address, std::move(sessions), effects.peers);
-    log.mark_served(address);
-}
-
 void TakeOver::begin(Effects& effects, const Assignment& assignment, PeerLog& log,
                      const Membership& membership, ServiceAddresses& addresses) {
     effects.local.push_back(Notice{"adopts " + std::to_string(log.count_left(assignment.address)) +
@@ -180,16 +168,25 @@ void TakeOver::begin(Effects& effects, const Assignment& assignment, PeerLog& lo
     log.mark_served(assignment.address);
 }
 
-bool TakeOver::adopt_some(Effects& effects, const Endpoint& address, PeerLog& log,
-                          const Logs& logs) const {
+bool TakeOver::adopt_some(Effects& effects, const Pending& pending, PeerLog& log, const Logs& logs,
+                          Departures& departures) const {
+    const Endpoint& address = pending.assignment.address;
     auto sessions = log.sessions_left(address, sessions_per_turn_);
     const bool may_be_more = sessions.size() == sessions_per_turn_;
     for (auto& image : sessions) {
         const broker::ClientId client = image.header.client_id;
         if (!is_elsewhere(image.header, log, effects, logs.peers)) {
-            adopt(effects, logs, std::move(image));
+            if (pending.server) {
+                auto whole = caught_up(effects, logs, std::move(image));
+                departures.pass_on(effects, std::move(whole), *pending.server, logs.peers);
+            } else {
+                adopt(effects, logs, std::move(image), std::nullopt, departures.call_off(client));
+            }
         }
         log.mark_taken(client);
+    }
+    if (pending.server && !may_be_more) {
+        effects.broker.seal(address, *pending.server, effects.clients);
     }
     return !may_be_more;
 }

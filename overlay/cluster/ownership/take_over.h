@@ -3,9 +3,10 @@
 //
 // It waits until it holds the dead broker's log up to the agreed end (fetching.h); after some time
 // it goes on with what it has. When the address's own
-// broker is back and serving by then, the sessions go to it instead, as soon as it hears us in its
-// new life, and with all that they missed: a newcomer holds none of the removed brokers' logs. And
-// while the removed broker itself is heard to serve the address, it is left there.
+// broker is back and serving by then, the sessions are passed on to it instead (departures.h), as
+// soon as it hears us in its new life, and with all that they missed: a newcomer holds none of the
+// removed brokers' logs. What its home had moved to a member of the view is that one's. And while
+// the removed broker itself is heard to serve the address, it is left there.
 //
 // From an outdated log it takes what is nowhere else, and must hold all that the members say for
 // that.
@@ -21,6 +22,7 @@
 #include "overlay/cluster/agreement/view_change.h"
 #include "overlay/cluster/effects.h"
 #include "overlay/cluster/ownership/adoption.h"
+#include "overlay/cluster/ownership/departures.h"
 #include "overlay/cluster/ownership/service_addresses.h"
 
 namespace romano::cluster {
@@ -35,7 +37,7 @@ public:
     void on_turn() { may_go_on_ = true; }
     /// Does what has become possible.
     void carry_on(Effects& effects, const Logs& logs, const Membership& membership,
-                  const View& view, ServiceAddresses& addresses);
+                  const View& view, ServiceAddresses& addresses, Departures& departures);
     /// We are to go on from that log, and have not begun.
     [[nodiscard]] bool awaits(const LogId& log) const;
     /// Addresses of which sessions are here, and others not yet.
@@ -55,6 +57,7 @@ private:
         Assignment assignment;
         Instant since;
         bool is_begun = false;
+        std::optional<LogId> server = {};  // to whom they are passed on
     };
 
     [[nodiscard]] bool holds_all(const Logs& logs, const Membership& membership,
@@ -62,13 +65,11 @@ private:
     [[nodiscard]] static bool is_complete(const Effects& effects, const PeerLog& dead,
                                           const Logs& logs, bool for_another);
     [[nodiscard]] bool is_out_of_patience(Effects& effects, const Pending& pending) const;
-    static void hand_on(Effects& effects, const LogId& owner, const Endpoint& address, PeerLog& log,
-                        const Logs& logs);
     void begin(Effects& effects, const Assignment& assignment, PeerLog& log,
                const Membership& membership, ServiceAddresses& addresses);
     /// True when none is left.
-    bool adopt_some(Effects& effects, const Endpoint& address, PeerLog& log,
-                    const Logs& logs) const;
+    bool adopt_some(Effects& effects, const Pending& pending, PeerLog& log, const Logs& logs,
+                    Departures& departures) const;
 
     BrokerId self_;
     std::size_t sessions_per_turn_;

@@ -14,8 +14,8 @@ void Interest::on_event(BrokerId peer, const broker::LogEvent& event) {
         }
     } else if (const auto* put_event = std::get_if<broker::SessionPut>(&event)) {
         put(peer, put_event->image);
-    } else if (const auto* erased = std::get_if<broker::SessionErased>(&event)) {
-        remove_session(peer, erased->client_id);
+    } else if (const broker::ClientId* left = broker::leaver(event)) {
+        remove_session(peer, *left);
     }
 }
 

@@ -11,7 +11,7 @@ void LogSender::send(const LogId& to, Snapshot snapshot) {
 
 /// Who holds nothing of a log is sent a snapshot, though its first events may be kept.
 void LogSender::on_fetch(Effects& effects, const Fetch& fetch, const Logs& logs,
-                         const Membership& membership) {
+                         const Membership& membership, const Departures& departures) {
     const auto& [id, after] = fetch.after;
     const bool is_own = id == logs.own.id();
     const auto log = logs.peers.find(id);
@@ -23,7 +23,7 @@ void LogSender::on_fetch(Effects& effects, const Fetch& fetch, const Logs& logs,
     const Peer* peer = membership.find(fetch.to);
     if (peer == nullptr || is_sending(peer->beacon.log, id)) return;
     if (is_own) {
-        send(peer->beacon.log, Snapshot(effects.broker, logs));
+        send(peer->beacon.log, Snapshot(effects.broker, logs, departures));
     } else if (log->second.is_frozen()) {
         send(peer->beacon.log, Snapshot(*log, after));
     }
@@ -35,21 +35,23 @@ void LogSender::on_own_event(const LogId& own, const broker::LogEvent& event) {
     }
 }
 
-void LogSender::carry_on(Effects& effects, const Logs& logs, const Membership& membership) {
+void LogSender::carry_on(Effects& effects, const Logs& logs, const Membership& membership,
+                         const Departures& departures) {
     if (underway_.empty() || effects.now < next_turn_) return;
     next_turn_ = effects.now + effects.times.snapshot_pieces_every();
     for (auto at = underway_.begin(); at != underway_.end();) {
         const LogId& to = at->first.first;
         const Peer* peer = membership.find(to.broker);
         const bool is_there = peer != nullptr && peer->beacon.log == to;
-        at = is_there && send_some(effects, to, at->second, logs) ? std::next(at)
-                                                                  : underway_.erase(at);
+        at = is_there && send_some(effects, to, at->second, logs, departures) ? std::next(at)
+                                                                              : underway_.erase(at);
     }
 }
 
-bool LogSender::send_some(Effects& effects, const LogId& to, Snapshot& snapshot, const Logs& logs) {
+bool LogSender::send_some(Effects& effects, const LogId& to, Snapshot& snapshot, const Logs& logs,
+                          const Departures& departures) {
     for (int i = 0; i < parts_at_once; ++i) {
-        SnapshotPart part = snapshot.next(effects.broker, logs);
+        SnapshotPart part = snapshot.next(effects.broker, logs, departures);
         const bool is_last = part.last;
         effects.peers.push_back({to.broker, std::move(part)});
         if (is_last) return false;

@@ -20,12 +20,13 @@ public:
     }
     void send(const LogId& to, Snapshot snapshot);
     void on_fetch(Effects& effects, const Fetch& fetch, const Logs& logs,
-                  const Membership& membership);
+                  const Membership& membership, const Departures& departures);
     /// The next event of the own log.
     void on_own_event(const LogId& own, const broker::LogEvent& event);
     /// Sends the next parts when it is time. What was for an earlier life of a peer is dropped.
     /// All of the broker's events must stand in the own log.
-    void carry_on(Effects& effects, const Logs& logs, const Membership& membership);
+    void carry_on(Effects& effects, const Logs& logs, const Membership& membership,
+                  const Departures& departures);
     /// Instant::max() when nothing is under way.
     [[nodiscard]] Instant next_wakeup() const {
         return underway_.empty() ? Instant::max() : next_turn_;
@@ -36,7 +37,8 @@ public:
 
 private:
     /// False when the last part is among them.
-    static bool send_some(Effects& effects, const LogId& to, Snapshot& snapshot, const Logs& logs);
+    static bool send_some(Effects& effects, const LogId& to, Snapshot& snapshot, const Logs& logs,
+                          const Departures& departures);
 
     std::map<std::pair<LogId, LogId>, Snapshot> underway_;  // by receiver and log
     Instant next_turn_ = Instant::min();

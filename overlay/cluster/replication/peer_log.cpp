@@ -9,6 +9,7 @@ namespace romano::cluster {
 namespace {
 
 constexpr std::size_t early_events_most = 20'000;
+constexpr std::size_t arrived_early_most = 20'000;
 
 }  // namespace
 
@@ -57,6 +58,7 @@ const LogEvent* PeerLog::next() const {
 }
 
 void PeerLog::apply() {
+    follow_moves(ready_.front());
     mirror_.apply(applied() + 1, ready_.front());
     if (frozen_) follow_in_tail(ready_.front());
     history_.append(std::move(ready_.front()));
@@ -67,9 +69,54 @@ void PeerLog::apply() {
 void PeerLog::follow_in_tail(const LogEvent& event) {
     if (const auto* put = std::get_if<broker::SessionPut>(&event)) {
         taken_.erase(put->image.header.client_id);
-    } else if (const auto* erased = std::get_if<broker::SessionErased>(&event)) {
-        taken_.erase(erased->client_id);
+    } else if (const broker::ClientId* left = broker::leaver(event)) {
+        taken_.erase(*left);
     }
+}
+
+void PeerLog::follow_moves(const LogEvent& event) {
+    const Seq seq = applied() + 1;
+    if (const auto* put = std::get_if<broker::SessionPut>(&event)) {
+        moved_.erase(put->image.header.client_id);
+    } else if (const auto* moved = std::get_if<broker::SessionMoved>(&event)) {
+        if (arrived_early_.erase(seq) != 0) return;
+        auto image = mirror_.image(moved->header.client_id);
+        if (!image) return;
+        image->header = moved->header;
+        moved_.insert_or_assign(moved->header.client_id,
+                                MovedSession{*std::move(image), moved->to, seq});
+    }
+}
+
+const MovedSession* PeerLog::moved(const broker::ClientId& client, Seq at) const {
+    const auto found = moved_.find(client);
+    return found == moved_.end() || found->second.at != at ? nullptr : &found->second;
+}
+
+void PeerLog::on_arrived(const broker::ClientId& client, Seq at) {
+    if (at > applied() && arrived_early_.size() < arrived_early_most) arrived_early_.insert(at);
+    if (moved(client, at) != nullptr) moved_.erase(client);
+}
+
+void PeerLog::forget_moved() {
+    std::erase_if(moved_, [this](const auto& entry) { return entry.second.at <= moved_before_; });
+    moved_before_ = frozen_ ? 0 : applied();
+}
+
+bool PeerLog::call_back(const View& view, const PeerLogs& logs) {
+    bool is_known = true;
+    called_back_.clear();
+    for (const auto& [client, session] : moved_) {
+        if (view.contains(session.to)) continue;
+        const auto to = logs.find(session.to);
+        const bool may_arrive = to != logs.end() && !to->second.has_agreed_end();
+        if (may_arrive) {
+            is_known = false;
+        } else {
+            called_back_.insert(client);
+        }
+    }
+    return is_known;
 }
 
 void PeerLog::offer_ahead(const std::vector<MessagePtr>& publishes) {
@@ -86,8 +133,17 @@ bool PeerLog::offer(const SnapshotPart& part) {
     }
     offer_ahead(part.publishes);
     ++snapshot_->next_part;
-    for (const auto& image : part.sessions) snapshot_->sessions.put(image);
-    for (const auto& client : part.gone) snapshot_->sessions.erase(client);
+    for (const auto& image : part.sessions) {
+        snapshot_->sessions.put(image);
+        snapshot_->moved.erase(image.header.client_id);
+    }
+    for (const auto& client : part.gone) {
+        snapshot_->sessions.erase(client);
+        snapshot_->moved.erase(client);
+    }
+    for (const auto& session : part.moved) {
+        snapshot_->moved.insert_or_assign(session.image.header.client_id, session);
+    }
     auto& publishes = snapshot_->publishes;
     publishes.insert(publishes.end(), part.publishes.begin(), part.publishes.end());
     if (part.last) {
@@ -103,9 +159,16 @@ std::optional<LogPosition> PeerLog::restart() {
     const Seq as_of = *snapshot.as_of;
     const Seq covered = std::min(received(), as_of) - applied();
     ready_.erase(ready_.begin(), ready_.begin() + static_cast<std::ptrdiff_t>(covered));
+    std::erase_if(snapshot.moved, [this](const auto& entry) {
+        const auto& [client, session] = entry;
+        return session.at <= applied() ? moved(client, session.at) == nullptr
+                                       : arrived_early_.contains(session.at);
+    });
+    moved_ = std::move(snapshot.moved);
     mirror_ = std::move(snapshot.sessions);
     history_.restart(as_of, std::move(snapshot.publishes));
     ahead_.clear();
+    std::erase_if(arrived_early_, [as_of](Seq seq) { return seq <= as_of; });
     known_end_ = std::max(known_end_, as_of);
     while (!early_.empty()) {
         auto next = early_.extract(early_.begin());
@@ -120,7 +183,8 @@ std::optional<LogPosition> PeerLog::restart() {
 void PeerLog::freeze() {
     if (frozen_) return;
     frozen_ = true;
-    ready_.clear();  // acknowledged to nobody, and perhaps beyond what the members agree on
+    moved_before_ = 0;  // who is dead takes nothing back
+    ready_.clear();     // acknowledged to nobody, and perhaps beyond what the members agree on
     early_.clear();
     early_events_ = 0;
     snapshot_.reset();
@@ -144,6 +208,7 @@ void PeerLog::thaw() {
     agreed_end_ = 0;
     lived_on_ = false;
     taken_.clear();
+    called_back_.clear();
 }
 
 template <typename Look>
@@ -152,6 +217,10 @@ void PeerLog::visit_left(Look&& look) const {
     mirror_.visit([&](const broker::SessionImage& image) {
         if (taken_.empty() || !taken_.contains(image.header.client_id)) look(image);
     });
+    for (const auto& client : called_back_) {
+        const auto session = moved_.find(client);
+        if (session != moved_.end()) look(session->second.image);
+    }
 }
 
 std::vector<broker::SessionImage> PeerLog::sessions_left(const Endpoint& address,
@@ -164,7 +233,10 @@ std::vector<broker::SessionImage> PeerLog::sessions_left(const Endpoint& address
     });
     std::vector<broker::SessionImage> images;
     images.reserve(clients.size());
-    for (const auto& client : clients) images.push_back(*mirror_.image(client));
+    for (const auto& client : clients) {
+        const auto moved = moved_.find(client);
+        images.push_back(moved == moved_.end() ? *mirror_.image(client) : moved->second.image);
+    }
     return images;
 }
 
@@ -176,8 +248,11 @@ std::size_t PeerLog::count_left(const Endpoint& address) const {
     return count;
 }
 
-std::vector<Endpoint> PeerLog::addresses_left() const {
+std::vector<Endpoint> PeerLog::addresses_left(const View& view) const {
     std::set<Endpoint> addresses{serving_.begin(), serving_.end()};
+    for (const auto& [client, session] : moved_) {
+        if (frozen_ && !view.contains(session.to)) addresses.insert(session.image.header.via);
+    }
     const Endpoint* last = nullptr;  // most sessions have the same
     visit_left([&](const broker::SessionImage& image) {
         if (last == nullptr || *last != image.header.via) addresses.insert(image.header.via);

@@ -11,6 +11,7 @@
 #include <deque>
 #include <map>
 #include <optional>
+#include <set>
 #include <unordered_set>
 #include <vector>
 
@@ -71,6 +72,21 @@ public:
     void set_foreign(bool foreign) { foreign_ = foreign; }
     [[nodiscard]] bool is_foreign() const { return foreign_; }
 
+    // --- sessions that go to another home
+    /// As the writer said that it goes, by the event `at`; null when it has arrived, or was taken
+    /// back.
+    [[nodiscard]] const MovedSession* moved(const broker::ClientId& client, Seq at) const;
+    [[nodiscard]] const std::map<broker::ClientId, MovedSession>& moved() const { return moved_; }
+    /// Its new home has it in its log: what the event `at` moved. That may not be here yet.
+    void on_arrived(const broker::ClientId& client, Seq at);
+    /// To be called every so often, and within that time a living home takes back what did not
+    /// arrive: what it had moved by the last call has arrived, though a snapshot left out the event
+    /// that says so.
+    void forget_moved();
+    /// Of a log that has ended: what went to nobody who is in the view, and did not arrive, is left
+    /// here. False while the log of one who is not may say that it did.
+    [[nodiscard]] bool call_back(const View& view, const std::map<LogId, PeerLog>& logs);
+
     // --- removal
     void freeze();
     void thaw();
@@ -108,7 +124,10 @@ public:
     }
     /// Of a frozen log: the session has a new home, in another log.
     void mark_taken(const broker::ClientId& client) {
-        if (frozen_ && mirror_.contains(client)) taken_.insert(client);
+        if (!frozen_) return;
+        moved_.erase(client);
+        called_back_.erase(client);
+        if (mirror_.contains(client)) taken_.insert(client);
     }
     /// Of a frozen log: the address has a new broker.
     void mark_served(const Endpoint& address) { std::erase(serving_, address); }
@@ -122,11 +141,12 @@ public:
     [[nodiscard]] std::vector<broker::SessionImage> sessions_left(const Endpoint& address,
                                                                   std::size_t most) const;
     [[nodiscard]] std::size_t count_left(const Endpoint& address) const;
-    /// Addresses without a new broker or with sessions left.
-    [[nodiscard]] std::vector<Endpoint> addresses_left() const;
+    /// Addresses without a new broker or with sessions left, were that the view.
+    [[nodiscard]] std::vector<Endpoint> addresses_left(const View& view) const;
 
 private:
     void follow_in_tail(const LogEvent& event);
+    void follow_moves(const LogEvent& event);
     template <typename Look>
     void visit_left(Look&& look) const;
 
@@ -145,12 +165,17 @@ private:
         Seq since;
         std::uint32_t next_part = 0;
         broker::Mirror sessions;
+        std::map<broker::ClientId, MovedSession> moved;
         std::vector<MessagePtr> publishes;
         std::optional<Seq> as_of;  // once it is whole
     };
     std::optional<Snapshot> snapshot_;
     std::vector<MessagePtr> ahead_;  // beyond applied(), in log order
 
+    std::map<broker::ClientId, MovedSession> moved_;
+    std::set<broker::ClientId> called_back_;  // of those: nobody is there to take them
+    std::set<Seq> arrived_early_;             // moved by events that are not here yet
+    Seq moved_before_ = 0;                    // the last forget_moved()
     bool was_apart_ = false;
     bool foreign_ = false;
     bool frozen_ = false;

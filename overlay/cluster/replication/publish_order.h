@@ -10,7 +10,7 @@
 // A snapshot does not tell which of its publishes followed what. Those of a broker from which we
 // were parted wait for all that its sessions have worked through and for all that the other living
 // brokers are known to have written by then, and no longer than a session that comes waits for what
-// its former home had (session_handoff.h): it would go on here before them. Logs that wait for each
+// its former home had (arrivals.h): it would go on here before them. Logs that wait for each
 // other, and have come so far, go on with what was published first. Nothing waits where we are new
 // ourselves: no session here is older.
 #pragma once

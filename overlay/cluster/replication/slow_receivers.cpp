@@ -44,8 +44,8 @@ void SlowReceivers::on_event(Instant now, const broker::Mirror& sessions,
     } else if (const auto* changed = std::get_if<broker::SessionChanged>(&event)) {
         const bool is_slow = find(home, changed->header.client_id) != nullptr;
         if (is_slow && !is_sent_messages(changed->header.state)) forget(changed->header.client_id);
-    } else if (const auto* erased = std::get_if<broker::SessionErased>(&event)) {
-        if (find(home, erased->client_id) != nullptr) forget(erased->client_id);
+    } else if (const broker::ClientId* left = broker::leaver(event)) {
+        if (find(home, *left) != nullptr) forget(*left);
     } else if (const auto* subscribed = std::get_if<broker::Subscribed>(&event)) {
         Receiver* receiver = find(home, subscribed->client_id);
         if (receiver != nullptr) receiver->wants(subscribed->subscription);

@@ -48,6 +48,11 @@ inline broker::LogEvent erased(std::string client) {
     return broker::SessionErased{std::move(client)};
 }
 
+/// That session, as it is, to the broker with that log.
+inline broker::LogEvent moved(const broker::LogEvent& session, const broker::LogId& to) {
+    return broker::SessionMoved{std::get<broker::SessionPut>(session).image.header, to};
+}
+
 inline broker::LogEvent subscribed(std::string client, std::string filter) {
     broker::Subscribed event{};
     event.client_id = std::move(client);

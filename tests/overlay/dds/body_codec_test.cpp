@@ -41,11 +41,11 @@ static_assert(field_count<election::Claim>() == 3);
 static_assert(field_count<election::Ballot>() == 2);
 static_assert(field_count<cluster::ViewNumber>() == 3);
 static_assert(field_count<cluster::View>() == 2);
-static_assert(field_count<cluster::Beacon>() == 25);
+static_assert(field_count<cluster::Beacon>() == 26);
 static_assert(field_count<cluster::Echo>() == 2);
 static_assert(field_count<cluster::HeldByMember>() == 2);
 static_assert(field_count<cluster::Heartbeat>() == 21);
-static_assert(field_count<cluster::Particulars>() == 2);
+static_assert(field_count<cluster::Particulars>() == 3);
 static_assert(field_count<cluster::Pulse>() == 2);
 static_assert(field_count<cluster::LogBatch>() == 4);
 static_assert(field_count<cluster::LogAck>() == 2);
@@ -55,9 +55,7 @@ static_assert(field_count<cluster::ViewHoldings>() == 7);
 static_assert(field_count<cluster::Assignment>() == 3);
 static_assert(field_count<cluster::ViewAnnouncement>() == 3);
 static_assert(field_count<cluster::Fetch>() == 2);
-static_assert(field_count<cluster::SnapshotPart>() == 9);
-static_assert(field_count<cluster::SessionHandoff>() == 5);
-static_assert(field_count<cluster::HandoffAck>() == 2);
+static_assert(field_count<cluster::SnapshotPart>() == 10);
 static_assert(field_count<cluster::Setting>() == 3);
 static_assert(field_count<cluster::PacketsOfClient>() == 3);
 static_assert(field_count<cluster::AssociationOfClient>() == 8);
@@ -112,10 +110,17 @@ TEST(BodyCodec, AHeartbeatKeepsItsFields) {
     EXPECT_EQ(out.leaving, in.leaving);
 }
 
+TEST(BodyCodec, WantedParticularsSayNothingElse) {
+    BodyCodec codec;
+    const auto decoded = codec.decode(copy(codec.encode(cluster::Particulars{.wanted = true})));
+    ASSERT_TRUE(decoded);
+    EXPECT_TRUE(std::get<cluster::Particulars>(*decoded).wanted);
+}
+
 TEST(BodyCodec, ParticularsKeepTheirFields) {
     Random random{2};
     BodyCodec codec;
-    const auto message = random_message(17, random);
+    const auto message = random_message(13, random);
     const auto& in = std::get<cluster::Particulars>(message).beacon;
     const auto decoded = codec.decode(copy(codec.encode(message)));
     ASSERT_TRUE(decoded);
@@ -150,18 +155,16 @@ TEST(BodyCodec, ASessionImageKeepsItsFields) {
     Random random{3};
     BodyCodec codec;
     for (int round = 0; round < 20; ++round) {
-        cluster::SessionHandoff handoff;
-        const auto part = random_message(12, random);
-        handoff = std::get<cluster::SessionHandoff>(part);
-        const auto decoded = codec.decode(copy(codec.encode(handoff)));
+        const auto message = random_message(9, random);
+        const auto& part = std::get<cluster::SnapshotPart>(message);
+        const auto decoded = codec.decode(copy(codec.encode(message)));
         ASSERT_TRUE(decoded);
-        const auto& out = std::get<cluster::SessionHandoff>(*decoded);
-        EXPECT_EQ(out.address, handoff.address);
-        EXPECT_EQ(out.last, handoff.last);
-        ASSERT_EQ(out.sessions.size(), handoff.sessions.size());
+        const auto& out = std::get<cluster::SnapshotPart>(*decoded);
+        EXPECT_EQ(out.last, part.last);
+        ASSERT_EQ(out.sessions.size(), part.sessions.size());
         for (std::size_t i = 0; i < out.sessions.size(); ++i) {
             const auto& a = out.sessions[i];
-            const auto& b = handoff.sessions[i];
+            const auto& b = part.sessions[i];
             EXPECT_EQ(a.header, b.header);
             EXPECT_EQ(a.will, b.will);
             EXPECT_EQ(a.subscriptions, b.subscriptions);
@@ -249,11 +252,12 @@ TEST(BodyCodec, AMessageOfAnotherProtocolIsNotReadAndNamesItsVersion) {
 
 TEST(BodyCodec, RefusesAnAddressThatIsNoIpAddress) {
     proto::ClusterMessage message;
-    message.mutable_address_offer()->set_address("12345");
+    auto& sealed = *message.mutable_log_batch()->add_events()->mutable_sealed();
+    sealed.mutable_address()->set_address("12345");
     EXPECT_FALSE(decode(message));
-    message.mutable_address_offer()->set_address("1234");
+    sealed.mutable_address()->set_address("1234");
     EXPECT_TRUE(decode(message));
-    message.mutable_address_offer()->set_port(0x10000);
+    sealed.mutable_address()->set_port(0x10000);
     EXPECT_FALSE(decode(message));
 }
 

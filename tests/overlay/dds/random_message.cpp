@@ -130,6 +130,10 @@ broker::SessionImage image(Random& r) {
             msg_id(r)};
 }
 
+cluster::MovedSession moved_session(Random& r) {
+    return {image(r), log_id(r), wide(r)};
+}
+
 broker::Route route(Random& r) {
     return {text(r), qos(r), flag(r)};
 }
@@ -137,6 +141,7 @@ broker::Route route(Random& r) {
 broker::LogEvent event_of(std::size_t kind, Random& r) {
     switch (kind) {
         case 0:
+            if (flag(r)) return broker::SessionPut{image(r), position(r)};
             return broker::SessionPut{image(r)};
         case 1:
             return broker::SessionChanged{header(r), flag(r)};
@@ -162,11 +167,15 @@ broker::LogEvent event_of(std::size_t kind, Random& r) {
             return broker::DeliveryReleased{text(r), position(r)};
         case 12:
             return broker::DeliveryEnded{text(r), position(r)};
-        default:
+        case 13:
             return broker::PublishReleased{text(r), msg_id(r)};
+        case 14:
+            return broker::SessionMoved{header(r), log_id(r)};
+        default:
+            return broker::Sealed{endpoint(r), log_id(r)};
     }
 }
-static_assert(std::variant_size_v<broker::LogEvent> == 14, "event_of() makes every kind");
+static_assert(std::variant_size_v<broker::LogEvent> == 16, "event_of() makes every kind");
 
 std::vector<broker::LogEvent> one_event_of_each_kind(Random& r) {
     std::vector<broker::LogEvent> out;
@@ -216,6 +225,7 @@ cluster::Beacon beacon(Random& r) {
     out.ended = some(r, position);
     out.home_addresses = some(r, endpoint);
     out.serving = some(r, endpoint);
+    out.binding = some(r, endpoint);
     out.sessions = r.next();
     out.connected = r.next();
     out.cannot_take = r.next();
@@ -287,35 +297,24 @@ cluster::ClusterMessage random_message(std::size_t kind, Random& r) {
             return cluster::Fetch{position(r), broker_id(r)};
         case 9:
             return cluster::SnapshotPart{
-                position(r),      wide(r),
-                r.next(),         flag(r),
-                some(r, image),   some(r, [](Random& from) { return text(from); }),
-                some(r, message), some(r, message),
-                some(r, position)};
+                position(r),       wide(r),
+                r.next(),          flag(r),
+                some(r, image),    some(r, [](Random& from) { return text(from); }),
+                some(r, message),  some(r, message),
+                some(r, position), some(r, moved_session)};
         case 10:
-            return cluster::AddressOffer{endpoint(r)};
-        case 11:
-            return cluster::AddressBound{endpoint(r)};
-        case 12:
-            return cluster::SessionHandoff{log_id(r), endpoint(r), r.next(), flag(r),
-                                           some(r, image)};
-        case 13:
             return cluster::SessionRequest{text(r)};
-        case 14:
-            return cluster::HandoffAck{endpoint(r), text(r)};
-        case 15:
+        case 11:
             return cluster::SessionClaim{header(r)};
-        case 16:
+        case 12:
             return cluster::Pulse{log_id(r), wide(r)};
-        case 17:
+        case 13:
             return cluster::Particulars{beacon(r), some(r, setting)};
-        case 18:
-            return cluster::ParticularsRequest{};
         default:
             return cluster::SecuredTold{some(r, packets_of_client), some(r, association_of_client),
                                         some(r, progress_of_association)};
     }
 }
-static_assert(message_kinds == 20, "random_message() makes every kind");
+static_assert(message_kinds == 15, "random_message() makes every kind");
 
 }  // namespace romano::dds

@@ -153,6 +153,30 @@ TEST_F(InvariantsTest, OneOwnerBreaksWhenAnAddressChangesHandsWithoutAView) {
     EXPECT_THAT(after_step_of(0), ElementsAre(Invariant::one_owner));
 }
 
+TEST_F(InvariantsTest, StateAtTheSealBreaksWhenAMirrorHasAnotherOneThanItsHomeLeft) {
+    SessionBetween session{.moved = {log(0), 7}};
+    session.image.header.client_id = "robot";
+    session.image.worked_through = {{log(0), 5}, {log(1), 3}};
+    brokers[0].leaving = {session};
+    session.image.worked_through = {{log(0), 6}, {log(1), 3}, {log(2), 9}};
+    brokers[1].mirrored = {session};
+    EXPECT_THAT(after_step_of(1), IsEmpty()) << "no publish is between these positions";
+    session.image.unreleased = {mqttsn::MsgId{1}};
+    brokers[1].mirrored = {{{log(0), 6}, session.image}};
+    EXPECT_THAT(after_step_of(1), IsEmpty()) << "that was another move";
+    brokers[1].mirrored = {session};
+    EXPECT_THAT(after_step_of(1), ElementsAre(Invariant::as_at_the_seal));
+}
+
+TEST_F(InvariantsTest, StateAtTheSealBreaksWhenAMirrorWorkedThroughLess) {
+    SessionBetween session{.moved = {log(0), 7}};
+    session.image.worked_through = {{log(1), 3}};
+    brokers[0].leaving = {session};
+    session.image.worked_through = {{log(1), 2}};
+    brokers[1].mirrored = {session};
+    EXPECT_THAT(after_step_of(1), ElementsAre(Invariant::as_at_the_seal));
+}
+
 TEST_F(InvariantsTest, OneOwnerHoldsWhenAnAddressChangesHandsByAView) {
     brokers[1].speaks_from = {address};
     EXPECT_THAT(after_step_of(1), IsEmpty());

@@ -29,16 +29,17 @@ protected:
         cluster.core.on_message(acting, {dead, LogBatch{dead, 1, {test::session("robot")}}});
         for (int beacon_time = 0; beacon_time < 20; ++beacon_time) hear_the_leader();
     }
-    /// Its home address is held by the peer, who offers it.
-    bool takes_what_is_offered() {
+    /// Its home address is held by the peer.
+    bool takes_what_is_held() {
         cluster.local.clear();
-        cluster.take(AddressOffer{ours});
+        hear_the_leader({ours});
         return std::ranges::any_of(cluster.local, [](const LocalAction& action) {
             return std::holds_alternative<TakeAddress>(action);
         });
     }
-    void hear_the_leader() {
+    void hear_the_leader(std::vector<Endpoint> serving = {}) {
         Beacon leads{.name = "peer", .log = peer, .tick = ++ticks, .hears = {self.broker}};
+        leads.serving = std::move(serving);
         leads.echoes = {{self, cluster.core.beacon(cluster.broker).tick}};
         leads.claim = {.rank = {.capability = 9, .id = node_of(peer.broker)},
                        .term = 5,
@@ -80,13 +81,13 @@ TEST_F(Newcomer, TakesNoAddressBackBeforeItHasMetAllMembers) {
     std::ranges::sort(view.members);
     cluster.take(ViewAnnouncement{.view = view});
     hear_the_leader();
-    EXPECT_FALSE(takes_what_is_offered());
+    EXPECT_FALSE(takes_what_is_held());
     Beacon met{.name = "third", .log = third, .tick = 1, .hears = {self.broker}};
     met.echoes = {{self, cluster.core.beacon(cluster.broker).tick}};
     Effects acting = cluster.effects();
     hear(cluster.core, acting, met);
     hear_the_leader();
-    EXPECT_TRUE(takes_what_is_offered());
+    EXPECT_TRUE(takes_what_is_held());
 }
 
 // What it promised alone would keep it from beginning anew when it is replaced.

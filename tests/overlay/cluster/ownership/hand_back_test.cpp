@@ -20,7 +20,10 @@ struct AfterAHeal {
     ServiceAddresses addresses{{ours}};
     HandBack hand_back{self.broker, 256};
     View view{.members = {self, rival}};
-    broker::BrokerCore broker{broker::BrokerOptions{}, 1};
+    Departures departures{256};
+    PeerLogs logs;
+    OwnLog own{self, 100};
+    broker::BrokerCore broker{test::writer_of(self), 1};
     broker::Actions clients;
     Outbox peers;
     std::vector<LocalAction> local;
@@ -45,10 +48,11 @@ struct AfterAHeal {
         compare();
     }
     [[nodiscard]] std::size_t handed_over() {
-        peers.clear();
+        clients.clear();
         Effects acting = effects();
-        hand_back.carry_on(acting, membership, view, addresses, {{}, {}, {}});
-        return peers.size();
+        hand_back.carry_on(acting, {logs, own}, membership, view, addresses, departures,
+                           {{}, {}, {}});
+        return clients.list().size();
     }
     void compare() {
         Effects acting = effects();
@@ -137,6 +141,29 @@ TEST(HandBack, NothingIsHandedToWhoDoesNotHearUsYet) {
     EXPECT_EQ(healed.handed_over(), 1U);
 }
 
+// What it is to adopt stands in our log, and a snapshot does not say that the address is sealed.
+TEST(HandBack, NothingIsHandedToWhoHoldsNothingOfOurLog) {
+    AfterAHeal healed;
+    (void)healed.broker.adopt(healed.now,
+                              std::get<broker::SessionPut>(test::session("robot", theirs)).image,
+                              {}, healed.clients);
+    const auto hear = [&healed](Seq holds) {
+        healed.membership.on_beacon(healed.now, Beacon{.log = rival,
+                                                       .tick = ++healed.tick,
+                                                       .hears = {self.broker},
+                                                       .applied = {{self, holds}},
+                                                       .home_addresses = {theirs},
+                                                       .serving = {theirs}});
+        healed.compare();
+    };
+    hear(0);
+    for (int i = 0; i < 3; ++i, healed.now += 50ms) EXPECT_EQ(healed.handed_over(), 0U);
+    hear(1);
+    EXPECT_EQ(healed.handed_over(), 0U) << "what is on its way to clients leaves first";
+    healed.now += 50ms;
+    EXPECT_EQ(healed.handed_over(), 2U) << "moved, and sealed";
+}
+
 // Who does not hear us answers there: to call its clients away from it would make them wait.
 TEST(HandBack, AnOwnAddressIsClaimedWhenTheRivalHearsUs) {
     AfterAHeal healed{std::vector<BrokerId>{}};
@@ -201,6 +228,82 @@ TEST(HandBack, AnOwnAddressIsSilentForARivalForSomeTimeOnly) {
     AfterAHeal healed;
     healed.hear_nothing_for(2100ms);
     EXPECT_FALSE(healed.hand_back.is_silent(ours)) << "what the rival has does not come";
+}
+
+/// Broker b1 is back, and b2 serves both addresses.
+struct Back : AfterAHeal {
+    Back() {
+        addresses.on_address(ours, false);
+        addresses.on_address(theirs, false);
+        hear({self.broker});
+        local.clear();
+    }
+    [[nodiscard]] std::size_t bindings() {
+        local.clear();
+        Effects acting = effects();
+        hand_back.reclaim(acting, membership, view, addresses);
+        return local.size();
+    }
+    void on_address(bool served) {
+        addresses.on_address(ours, served);
+        hand_back.on_address(now, ours, served);
+    }
+};
+
+TEST(HandBack, AnOwnerBindsItsAddressBesideTheHolderAndWaits) {
+    Back back;
+    ASSERT_EQ(back.bindings(), 1U);
+    EXPECT_TRUE(back.hand_back.is_reclaiming(ours)) << "that says nothing to anybody";
+    EXPECT_EQ(back.bindings(), 0U);
+    back.on_address(true);
+    EXPECT_FALSE(back.hand_back.is_reclaiming(ours));
+    EXPECT_TRUE(back.hand_back.is_expecting(ours));
+    EXPECT_EQ(back.hand_back.binding(), std::vector{ours});
+    back.hand_back.on_handed_over(rival.broker, ours);
+    EXPECT_TRUE(back.hand_back.binding().empty());
+}
+
+TEST(HandBack, WhatCannotBeBoundIsTriedAgainInTime) {
+    Back back;
+    ASSERT_EQ(back.bindings(), 1U);
+    back.on_address(false);
+    EXPECT_EQ(back.bindings(), 0U);
+    back.now += 300ms;
+    EXPECT_EQ(back.bindings(), 1U);
+}
+
+TEST(HandBack, NothingIsBoundBesideWhoDoesNotHearUs) {
+    Back back;
+    back.hear({});
+    EXPECT_EQ(back.bindings(), 0U);
+}
+
+TEST(HandBack, AHolderGoesOnUntilTheOwnerHasBoundAndAnswersHaveLeft) {
+    AfterAHeal holder;
+    const auto hear = [&](std::vector<Endpoint> serving, std::vector<Endpoint> binding) {
+        holder.membership.on_beacon(holder.now, Beacon{.log = rival,
+                                                       .tick = ++holder.tick,
+                                                       .hears = {self.broker},
+                                                       .home_addresses = {theirs},
+                                                       .serving = std::move(serving),
+                                                       .binding = std::move(binding)});
+        holder.compare();
+    };
+    hear({}, {});
+    EXPECT_EQ(holder.handed_over(), 0U);
+    holder.now += 50ms;
+    EXPECT_EQ(holder.handed_over(), 0U) << "the owner has not bound it";
+    hear({theirs}, {theirs});
+    EXPECT_EQ(holder.handed_over(), 0U);
+    EXPECT_FALSE(holder.hand_back.is_silent(theirs)) << "answers leave";
+    holder.now += 50ms;
+    EXPECT_EQ(holder.handed_over(), 1U) << "the seal";
+    EXPECT_TRUE(holder.hand_back.is_silent(theirs));
+    EXPECT_EQ(holder.handed_over(), 0U);
+    EXPECT_TRUE(holder.addresses.is_serving(theirs)) << "the owner has not read the seal";
+    hear({theirs}, {});
+    EXPECT_EQ(holder.handed_over(), 0U);
+    EXPECT_FALSE(holder.addresses.is_serving(theirs));
 }
 
 }  // namespace

@@ -42,7 +42,7 @@ struct RoamingTest : testing::Test, Owner {
     OwnLog own{self, 100};
     Membership membership{ClusterOptions{}, self.broker, 1};
     View view{.members = {self}};
-    HandoffReceiver arriving{256};
+    Arrivals arriving{self, 256};
     Roaming roaming{0};
 };
 
@@ -53,12 +53,17 @@ TEST_F(RoamingTest, IsAStrangerWhenItsHomeDoesNotAnswer) {
 
 TEST_F(RoamingTest, P2_IsNoStrangerWhileItsSessionWaitsToBeAdopted) {
     robot.worked_through = {{test::log_of("former"), 5}};
-    arriving.on_handoff(effects(), peer.broker, {.to = self, .last = true, .sessions = {robot}},
-                        false);
+    PeerLog& home = logs.try_emplace(peer, peer, 100).first->second;
+    home.offer(1, {broker::SessionPut{robot}, broker::SessionMoved{robot.header, self}});
+    home.apply();
+    home.apply();
+    arriving.on_event(effects(), home, broker::SessionMoved{robot.header, self});
     EXPECT_TRUE(is_waited_for_after(2 * patience + 1ms));
     arriving.heed(now, [](const LogPosition&) { return true; });
     Effects acting = effects();
-    arriving.on_turn(acting, {logs, own});
+    arriving.on_turn();
+    Departures departures{256};
+    arriving.carry_on(acting, {logs, own}, departures);
     EXPECT_FALSE(is_waited_for_after(1ms));
     EXPECT_NE(broker.header("robot"), nullptr);
 }

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "tests/overlay/cluster/events.h"
 
 namespace romano::cluster::take_over_test {
@@ -34,7 +36,7 @@ protected:
         view_and_heirs.assignments.push_back({{dead, 1}, theirs, self.broker});
         take_over.on_view(now, view_and_heirs);
         Effects effects{now, broker, clients, outbox, local, test::times};
-        take_over.carry_on(effects, {peers, own}, membership, view, addresses);
+        take_over.carry_on(effects, {peers, own}, membership, view, addresses, departures);
         return broker.session_count();
     }
 
@@ -47,6 +49,7 @@ protected:
     OwnLog own{self, 100};
     Membership membership{ClusterOptions{}, self.broker, 1};
     ServiceAddresses addresses{{}};
+    Departures departures{256};
     View view{.members = {self}};
 };
 
@@ -63,11 +66,47 @@ TEST_F(TakeOverTest, I1_WhereAMemberAnswersAlreadyNobodyElseTakesTheAddress) {
     (void)membership.on_beacon(now, server);
     EXPECT_EQ(inherit(), 0U);
     EXPECT_FALSE(addresses.is_taking(theirs));
-    ASSERT_EQ(outbox.size(), 1U);
-    const auto* handed = std::get_if<SessionHandoff>(&outbox[0].message);
-    ASSERT_TRUE(handed != nullptr);
-    EXPECT_EQ(handed->to, other);
-    EXPECT_EQ(handed->sessions.size(), 1U);
+    ASSERT_TRUE(departures.all().contains("robot"));
+    EXPECT_EQ(departures.all().at("robot").session.to, other);
+    const auto& sealed = std::get<broker::Append>(clients.list().back());
+    EXPECT_EQ(std::get<broker::Sealed>(*sealed.event).address, theirs);
+}
+
+// It waits to be adopted there.
+TEST_F(TakeOverTest, P2_WhatTheDeadHadMovedToAMemberIsLeftToThatOne) {
+    view.members.push_back(other);
+    std::ranges::sort(view.members);
+    peers.at(dead).offer(2, {test::moved(test::session("robot", theirs), other)});
+    peers.at(dead).apply();
+    EXPECT_EQ(inherit(), 0U);
+}
+
+TEST_F(TakeOverTest, P2_WhatTheDeadHadMovedToNobodyIsTheHeirs) {
+    peers.at(dead).offer(2, {test::moved(test::session("robot", theirs), other)});
+    peers.at(dead).apply();
+    EXPECT_EQ(inherit(), 1U);
+}
+
+// Its heir serves the address already; the other one, to which the session was moved, died next.
+TEST_F(TakeOverTest, P2_WhatMayHaveArrivedAtAnotherDeadOneIsWaitedFor) {
+    peers.at(dead).offer(2, {test::moved(test::session("robot", theirs), other)});
+    peers.at(dead).apply();
+    peers.at(dead).freeze();
+    addresses.on_address(theirs, true);
+    PeerLog& last_words = peers.try_emplace(other, other, 100).first->second;
+    last_words.freeze();
+    last_words.end_at(1, {.term = 1});
+    TakeOver take_over{self.broker, 256};
+    take_over.on_view(now, {.assignments = {{{dead, 2}, theirs, self.broker}}});
+    Effects effects{now, broker, clients, outbox, local, test::times};
+    const auto carry_on = [&] {
+        take_over.carry_on(effects, {peers, own}, membership, view, addresses, departures);
+        return broker.session_count();
+    };
+    EXPECT_EQ(carry_on(), 0U);
+    last_words.offer(1, {test::session("another")});
+    last_words.apply();
+    EXPECT_EQ(carry_on(), 1U) << "it did not arrive";
 }
 
 TEST_F(TakeOverTest, ACopyThatOutranksTheDeadOnesStays) {
@@ -127,7 +166,7 @@ TEST_F(TakeOverTest, WhatWasDoneBeforeTheViewIsNotHandedOnToTheOwner) {
     peers.at(dead).freeze();
     peers.at(dead).mark_taken(broker::ClientId{"robot"});
     EXPECT_EQ(inherit(), 0U);
-    EXPECT_TRUE(outbox.empty());
+    EXPECT_TRUE(clients.list().empty()) << "no seal";
 }
 
 // Whoever has the session went on from what the outdated log ended with: to take it from there

@@ -49,14 +49,16 @@ protected:
         }
         take(std::move(batch));
     }
-    /// The peer gives us a subscriber that has worked through so much.
+    /// A third broker gives us a subscriber that has worked through so much.
     void hand_over_robot(const LogPosition& worked_through) {
-        SessionHandoff handoff{.to = self, .last = true};
-        broker::SessionImage& image = handoff.sessions.emplace_back();
+        const LogId home = test::log_of("home");
+        take(Beacon{.name = "home", .log = home, .tick = 1, .hears = {self.broker}});
+        broker::SessionPut put{};
+        broker::SessionImage& image = put.image;
         image.header.client_id = "robot";
         image.subscriptions = {{.filter = "pose", .granted = mqttsn::Qos::at_least_once}};
         image.worked_through = {worked_through};
-        take(handoff);
+        take(LogBatch{.log = home, .first_seq = 1, .events = {put, test::moved(put, self)}});
     }
     [[nodiscard]] Seq applied() const { return core.peer_logs().at(peer).applied(); }
     [[nodiscard]] Effects effects() { return {now, broker, clients, out, local, test::times}; }

@@ -16,7 +16,7 @@ struct LogSenderTest : testing::Test {
     LogSenderTest() {
         for (Seq seq = 1; seq <= 1'000; ++seq) own.append(seq, test::published(self, seq));
         hear(peer);
-        sender.send(peer, Snapshot(core, logs));
+        sender.send(peer, Snapshot(core, logs, departures));
     }
 
     void hear(const LogId& log) {
@@ -29,7 +29,7 @@ struct LogSenderTest : testing::Test {
         std::vector<LocalAction> local;
         broker::Actions clients;
         Effects effects{now, core, clients, out, local, test::times};
-        sender.carry_on(effects, logs, membership);
+        sender.carry_on(effects, logs, membership, departures);
         for (const auto& outgoing : out) EXPECT_EQ(outgoing.to, peer.broker);
         return out.size();
     }
@@ -39,6 +39,7 @@ struct LogSenderTest : testing::Test {
     PeerLogs peers;
     OwnLog own{self, 1'000};
     Logs logs{peers, own};
+    Departures departures{256};
     Membership membership{ClusterOptions{}, self.broker, 1};
     LogSender sender;
 };

@@ -186,14 +186,140 @@ TEST(PeerLog, AFrozenLogKnowsWhatIsLeftToAdopt) {
     held.take(1, {session("a", address(1)), session("b", address(1)), session("c", address(2))});
     held.log.heard_serving({address(1), address(3)});
     held.log.freeze();
-    EXPECT_THAT(held.log.addresses_left(),
+    EXPECT_THAT(held.log.addresses_left({}),
                 UnorderedElementsAre(address(1), address(2), address(3)));
     EXPECT_EQ(held.log.sessions_left(address(1), 100).size(), 2U);
     held.log.mark_taken("a");
     held.log.mark_taken("b");
     held.log.mark_served(address(1));
     EXPECT_THAT(held.log.sessions_left(address(1), 100), IsEmpty());
-    EXPECT_THAT(held.log.addresses_left(), ElementsAre(address(2), address(3)));
+    EXPECT_THAT(held.log.addresses_left({}), ElementsAre(address(2), address(3)));
+}
+
+const LogId heir = test::log_of("heir");
+
+TEST(PeerLog, I5_AMovedSessionStaysAsItWasUntilItHasArrived) {
+    Held held;
+    auto put = session("a", address(1));
+    std::get<broker::SessionPut>(put).image.unreleased = {mqttsn::MsgId{7}};
+    auto move = test::moved(put, heir);
+    std::get<broker::SessionMoved>(move).header.epoch = 5;
+    held.take(1, {put, move, session("b")});
+    EXPECT_FALSE(held.log.mirror().contains("a"));
+    EXPECT_EQ(held.log.moved("a", 3), nullptr) << "by another event";
+    const MovedSession* moved = held.log.moved("a", 2);
+    ASSERT_NE(moved, nullptr);
+    EXPECT_EQ(moved->to, heir);
+    EXPECT_EQ(moved->image.header.epoch, 5U);
+    EXPECT_EQ(moved->image.unreleased.size(), 1U);
+    held.log.on_arrived("a", 1);
+    EXPECT_NE(held.log.moved("a", 2), nullptr) << "that was an earlier move";
+    held.log.on_arrived("a", 2);
+    EXPECT_EQ(held.log.moved("a", 2), nullptr);
+}
+
+TEST(PeerLog, AMovedSessionThatArrivedBeforeTheEventIsHereIsOver) {
+    Held held;
+    held.log.on_arrived("a", 2);
+    held.take(1, {session("a"), test::moved(session("a"), heir)});
+    EXPECT_EQ(held.log.moved("a", 2), nullptr);
+}
+
+TEST(PeerLog, AMovedSessionThatIsTakenBackIsItsHomesAgain) {
+    Held held;
+    held.take(1, {session("a"), test::moved(session("a"), heir), session("a")});
+    EXPECT_EQ(held.log.moved("a", 2), nullptr);
+    EXPECT_TRUE(held.log.mirror().contains("a"));
+}
+
+/// "b1" moved "a" by its event 2, says its snapshot as of 9.
+SnapshotPart with_moved(Seq at = 2) {
+    SnapshotPart part{.as_of = {test::log_of("b1"), 9}, .last = true};
+    part.gone.emplace_back("a");
+    part.moved.push_back({std::get<broker::SessionPut>(session("a", address(1))).image, heir, at});
+    return part;
+}
+
+TEST(PeerLog, I3_WhatASnapshotSaysOfMovedSessionsCounts) {
+    Held held;
+    ASSERT_TRUE(held.log.offer(with_moved()));
+    ASSERT_TRUE(held.log.restart());
+    EXPECT_NE(held.log.moved("a", 2), nullptr);
+}
+
+// P3: its writer has not read yet that the session arrived, and we have.
+TEST(PeerLog, P3_ASnapshotDoesNotBringBackWhatHasArrived) {
+    Held before;
+    before.take(1, {session("a"), test::moved(session("a"), heir)});
+    before.log.on_arrived("a", 2);
+    ASSERT_TRUE(before.log.offer(with_moved()));
+    ASSERT_TRUE(before.log.restart());
+    EXPECT_EQ(before.log.moved("a", 2), nullptr);
+    Held early;
+    early.log.on_arrived("a", 2);
+    ASSERT_TRUE(early.log.offer(with_moved()));
+    ASSERT_TRUE(early.log.restart());
+    EXPECT_EQ(early.log.moved("a", 2), nullptr);
+}
+
+TEST(PeerLog, WhatALaterPartSaysOfASessionCounts) {
+    Held held;
+    SnapshotPart moved = with_moved();
+    moved.last = false;
+    SnapshotPart back{.as_of = moved.as_of, .part = 1, .last = true};
+    back.sessions.push_back(moved.moved[0].image);
+    ASSERT_TRUE(held.log.offer(moved));
+    ASSERT_TRUE(held.log.offer(back));
+    ASSERT_TRUE(held.log.restart());
+    EXPECT_TRUE(held.log.mirror().contains("a"));
+    EXPECT_THAT(held.log.moved(), IsEmpty());
+}
+
+// I8: a snapshot of the new home's log does not say what it adopted before.
+TEST(PeerLog, I8_WhatALivingHomeDoesNotTakeBackHasArrived) {
+    Held held;
+    held.take(1, {session("a"), test::moved(session("a"), heir)});
+    held.log.forget_moved();
+    EXPECT_NE(held.log.moved("a", 2), nullptr) << "it has some time";
+    held.take(3, {session("b"), test::moved(session("b"), heir)});
+    held.log.forget_moved();
+    EXPECT_EQ(held.log.moved("a", 2), nullptr);
+    EXPECT_NE(held.log.moved("b", 4), nullptr);
+}
+
+// P2: who is dead takes nothing back.
+TEST(PeerLog, P2_WhatADeadHomeMovedIsKept) {
+    Held held;
+    held.take(1, {session("a"), test::moved(session("a"), heir)});
+    held.log.forget_moved();
+    held.log.freeze();
+    held.log.forget_moved();
+    held.log.forget_moved();
+    EXPECT_NE(held.log.moved("a", 2), nullptr);
+}
+
+// P2: nobody else goes on for a client whose two homes are dead.
+TEST(PeerLog, P2_WhatADeadBrokerMovedToNobodyInTheViewIsLeftWithIt) {
+    Held held;
+    PeerLogs logs;
+    PeerLog& to = logs.try_emplace(heir, heir, 100).first->second;
+    held.take(1, {session("a", address(1)), test::moved(session("a", address(1)), heir)});
+    EXPECT_THAT(held.log.addresses_left({}), IsEmpty()) << "it lives";
+    held.log.freeze();
+    EXPECT_THAT(held.log.addresses_left({.members = {heir}}), IsEmpty());
+    EXPECT_THAT(held.log.addresses_left({}), ElementsAre(address(1)));
+    EXPECT_TRUE(held.log.call_back({.members = {heir}}, logs));
+    EXPECT_THAT(held.clients_left(address(1)), IsEmpty()) << "the other home takes it";
+    to.freeze();
+    to.end_at(1, {});
+    EXPECT_FALSE(held.log.call_back({}, logs)) << "it may have arrived: that log is not all here";
+    EXPECT_THAT(held.clients_left(address(1)), IsEmpty());
+    to.offer(1, {session("b")});
+    to.apply();
+    EXPECT_TRUE(held.log.call_back({}, logs));
+    EXPECT_THAT(held.clients_left(address(1)), ElementsAre("a"));
+    held.log.mark_taken("a");
+    EXPECT_THAT(held.clients_left(address(1)), IsEmpty());
 }
 
 TEST(PeerLog, ATailOfAFrozenLogCounts) {

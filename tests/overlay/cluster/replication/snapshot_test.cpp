@@ -21,6 +21,7 @@ struct SnapshotTest : testing::Test {
     PeerLogs peers;
     OwnLog own{self, 1'000};
     Logs logs{peers, own};
+    Departures departures{256};
 
     void publish(Seq count) {
         for (Seq i = 0; i < count; ++i) {
@@ -33,18 +34,18 @@ struct SnapshotTest : testing::Test {
 TEST_F(SnapshotTest, TellsHowFarTheLogsOfRemovedBrokersWereWorkedThrough) {
     const LogPosition removed{test::log_of("removed"), 7};
     core.advance_cursor(removed);
-    const SnapshotPart only = Snapshot(core, logs).next(core, logs);
+    const SnapshotPart only = Snapshot(core, logs, departures).next(core, logs, departures);
     EXPECT_TRUE(only.last);
     EXPECT_THAT(only.cursors, testing::ElementsAre(removed));
 }
 
 TEST_F(SnapshotTest, HasThePublishesUpToItsEventInOrder) {
     publish(200);
-    Snapshot snapshot(core, logs);
+    Snapshot snapshot(core, logs, departures);
     Seq seen = 0;
     for (std::uint32_t number = 0;; ++number) {
         publish(10);  // while it is on its way
-        const SnapshotPart part = snapshot.next(core, logs);
+        const SnapshotPart part = snapshot.next(core, logs, departures);
         EXPECT_EQ(part.as_of, (LogPosition{self, own.last()}));
         EXPECT_EQ(part.since, 200U);
         EXPECT_EQ(part.part, number);
@@ -93,6 +94,21 @@ struct Busy {
         }
         client.ignores_what_came();
     }
+    /// To another home; `client` is known by a number.
+    void moves(int client, const LogId& to) {
+        Effects acting = effects();
+        departures.move(acting, std::to_string(client), to, 1, peers);
+        home.drain();
+        take_log();
+    }
+    /// All that is between two homes.
+    void takes_back() {
+        Effects acting = effects();
+        departures.carry_on(acting, logs, {});
+        home.drain();
+        take_log();
+    }
+    Effects effects() { return {home.now, home.core, home.actions, sent, local, test::times}; }
     /// Into the own log, as a member does at the end of a turn.
     void take_log() {
         for (; own.last() < home.log.size();) {
@@ -110,6 +126,9 @@ struct Busy {
     PeerLogs peers;
     OwnLog own{home.core_log(), 100'000};
     Logs logs{peers, own};
+    Departures departures{256};
+    Outbox sent;
+    std::vector<LocalAction> local;
     std::optional<Snapshot> snapshot;
 };
 
@@ -120,11 +139,12 @@ TEST(SnapshotOfABusyBroker, IsAsOfOneEvent) {
         Busy busy(seed);
         const std::uint32_t deeds = seed % 4 == 0 ? 100 : 1 + seed % 5;  // between two parts
         PeerLog held(busy.home.core_log(), 100'000);
-        busy.snapshot.emplace(busy.home.core, busy.logs);
+        busy.snapshot.emplace(busy.home.core, busy.logs, busy.departures);
         std::optional<LogPosition> as_of;
         for (int parts = 0; !as_of; ++parts) {
             ASSERT_LT(parts, 1'000) << "it ends, however busy its broker is";
-            ASSERT_TRUE(held.offer(busy.snapshot->next(busy.home.core, busy.logs)));
+            ASSERT_TRUE(
+                held.offer(busy.snapshot->next(busy.home.core, busy.logs, busy.departures)));
             as_of = held.restart();
             if (as_of) break;
             for (std::uint32_t i = 0; i < deeds; ++i) busy.somebody_does_something();
@@ -150,6 +170,41 @@ TEST(SnapshotOfABusyBroker, IsAsOfOneEvent) {
     }
 }
 
+// I3: who holds the log up to there is asked for all that stands in it. A newcomer took a snapshot
+// from behind the events, and the sessions were nowhere (simulator, seed 211).
+TEST(SnapshotOfABusyBroker, I3_HasTheSessionsThatAreBetweenTwoHomes) {
+    Busy busy(1);
+    const LogId to = test::log_of("to");
+    PeerLog held(busy.home.core_log(), 100'000);
+    busy.moves(0, to);
+    busy.moves(1, to);
+    busy.takes_back();
+    busy.moves(2, to);
+    const auto at_first = busy.departures.all();
+    busy.snapshot.emplace(busy.home.core, busy.logs, busy.departures);
+    const auto next = [&] {
+        EXPECT_TRUE(held.offer(busy.snapshot->next(busy.home.core, busy.logs, busy.departures)));
+    };
+    next();
+    for (int client = 3; client < Busy::clients_count; client += 10) busy.moves(client, to);
+    next();
+    busy.takes_back();  // all that left by now
+    for (int client = 4; client < Busy::clients_count; client += 10) busy.moves(client, to);
+    while (!held.restart()) next();
+    ASSERT_EQ(at_first.size(), 1U);
+    ASSERT_EQ(busy.departures.all().size(), 15U);
+    ASSERT_EQ(held.moved().size(), 15U);
+    for (const auto& [client, leaving] : busy.departures.all()) {
+        const MovedSession* moved = held.moved(client, leaving.session.at);
+        ASSERT_NE(moved, nullptr);
+        EXPECT_EQ(moved->to, to);
+        EXPECT_TRUE(broker::same_state(moved->image, leaving.session.image));
+        EXPECT_FALSE(held.mirror().contains(client));
+    }
+    EXPECT_TRUE(held.mirror().contains("0")) << "it is back";
+    EXPECT_TRUE(held.mirror().contains("3")) << "so is this";
+}
+
 TEST_F(SnapshotTest, LastWordsAreThePublishesThatTheOtherLacks) {
     const LogId dead = test::log_of("dead");
     PeerLog& log = peers.try_emplace(dead, dead, 1'000).first->second;
@@ -157,7 +212,7 @@ TEST_F(SnapshotTest, LastWordsAreThePublishesThatTheOtherLacks) {
         log.offer(seq, {test::published(dead, seq)});
         log.apply();
     }
-    const SnapshotPart only = Snapshot(*peers.begin(), 1).next(core, logs);
+    const SnapshotPart only = Snapshot(*peers.begin(), 1).next(core, logs, departures);
     EXPECT_TRUE(only.last);
     EXPECT_EQ(only.as_of, (LogPosition{dead, 3}));
     ASSERT_EQ(only.publishes.size(), 2U);

@@ -1,0 +1,71 @@
+// Sessions that their former homes moved here (broker::SessionMoved, in the logs of those): adopted
+// from the mirrors of these logs, many in pieces. The SessionPut of the adoption names the event
+// that it answers. What their clients publish here comes after what their former home had worked
+// through: they wait for that, but for no longer than a snapshot takes to come.
+#pragma once
+
+#include <functional>
+#include <map>
+#include <utility>
+#include <vector>
+
+#include "overlay/cluster/effects.h"
+#include "overlay/cluster/ownership/adoption.h"
+#include "overlay/cluster/ownership/departures.h"
+
+namespace romano::cluster {
+
+class Arrivals {
+public:
+    Arrivals(const LogId& self, std::size_t sessions_per_turn)
+        : self_(self), sessions_per_turn_(sessions_per_turn) {}
+
+    /// From whom all sessions of an address are here now.
+    struct Settled {
+        BrokerId from;
+        Endpoint address;
+    };
+
+    /// The event has just been applied.
+    void on_event(const Effects& effects, const PeerLog& log, const broker::LogEvent& event);
+    /// What the log has of sessions that were moved here is a snapshot's.
+    void on_snapshot(const Effects& effects, const PeerLog& log);
+    /// Of a log that has ended, what was moved here and called off counts again: nobody takes it
+    /// back.
+    void on_end(const Effects& effects, const PeerLog& log);
+    /// We stood still: their homes called them off, or will.
+    void forget_waiting(const PeerLogs& logs);
+    /// Looks who need not wait any more.
+    using IsWorkedThrough = std::function<bool(const LogPosition&)>;
+    void heed(Instant now, const IsWorkedThrough& is_worked_through);
+    /// A new turn: the next carry_on() may adopt many.
+    void on_turn() { allowed_ = sessions_per_turn_; }
+    void carry_on(Effects& effects, const Logs& logs, Departures& departures);
+    /// Since the last call.
+    [[nodiscard]] std::vector<Settled> take_settled() { return std::exchange(settled_, {}); }
+    /// The client's session is here, and waits to be adopted.
+    [[nodiscard]] bool holds(const broker::ClientId& client) const;
+    /// There is something for the next turn.
+    [[nodiscard]] bool is_half_done() const { return is_half_done_; }
+
+private:
+    struct Arrival {
+        LogPosition moved;
+        broker::ClientId client;         // empty: all of the address have come
+        Endpoint address = {};           // then
+        std::vector<LogPosition> after;  // by log
+        Instant until;
+    };
+
+    void put(const Effects& effects, const LogId& from, const MovedSession& session);
+
+    LogId self_;
+    std::size_t sessions_per_turn_;
+    std::size_t allowed_ = 0;
+    bool is_half_done_ = false;
+    std::vector<Arrival> arrivals_;    // of each log in its order
+    std::map<LogId, Seq> called_off_;  // what was moved by the events up to there
+    std::vector<Settled> settled_;
+};
+
+}  // namespace romano::cluster

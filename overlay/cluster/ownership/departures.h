@@ -1,0 +1,62 @@
+// Sessions that were moved from here to another home (broker::SessionMoved): forgotten here with
+// the event, so that two homes never speak to a client, but kept until the new home has them in its
+// log. What does not get there is taken back: when the log of the new home has ended without it,
+// as the view agreed, or the answer does not come.
+#pragma once
+
+#include <map>
+#include <optional>
+
+#include "overlay/cluster/effects.h"
+#include "overlay/cluster/ownership/adoption.h"
+
+namespace romano::cluster {
+
+class Departures {
+public:
+    explicit Departures(std::size_t sessions_per_turn) : sessions_per_turn_(sessions_per_turn) {}
+
+    /// `epochs`: 1 when both homes want it, which is as good as being heard there; 0 when the ranks
+    /// of two copies decide. A home with other predefined topics gets nothing: its client must
+    /// connect anew.
+    void move(Effects& effects, const broker::ClientId& client, const LogId& to,
+              std::uint64_t epochs, const PeerLogs& logs);
+    /// A session of a dead home goes to the one that serves its address, and was never here.
+    void pass_on(Effects& effects, broker::SessionImage image, const LogId& to,
+                 const PeerLogs& logs);
+    /// The new home says that it has what the event `at` of the own log moved there.
+    void on_arrived(const broker::ClientId& client, Seq at);
+    /// Another copy of that session comes, and ours has not arrived: they are joined, as their
+    /// ranks say. None when there is none.
+    [[nodiscard]] std::optional<broker::SessionImage> call_off(const broker::ClientId& client);
+    /// Ours goes to the broker whose copy comes from that log, and outranks it: the two are joined
+    /// there.
+    [[nodiscard]] bool crosses(const MovedSession& comes, const LogId& from) const;
+    /// Takes back what did not get there; in pieces.
+    void carry_on(Effects& effects, const Logs& logs, const View& view);
+    /// There is more to take back.
+    [[nodiscard]] bool is_half_done() const { return is_half_done_; }
+    /// A session of the client at that address may come back: what it says waits.
+    [[nodiscard]] bool is_leaving(const Endpoint& client) const {
+        return speaking_from_.contains(client);
+    }
+    [[nodiscard]] bool has_any_via(const Endpoint& address) const { return via_.contains(address); }
+    struct Leaving {
+        MovedSession session;
+        std::uint64_t epochs;
+        Instant since;
+    };
+    [[nodiscard]] const std::map<broker::ClientId, Leaving>& all() const { return leaving_; }
+
+private:
+    void put(Effects& effects, broker::SessionImage image, const LogId& to, std::uint64_t epochs);
+    Leaving take(std::map<broker::ClientId, Leaving>::iterator leaving);
+
+    std::size_t sessions_per_turn_;
+    bool is_half_done_ = false;
+    std::map<broker::ClientId, Leaving> leaving_;
+    std::map<Endpoint, std::size_t> speaking_from_;  // so many of them
+    std::map<Endpoint, std::size_t> via_;
+};
+
+}  // namespace romano::cluster
