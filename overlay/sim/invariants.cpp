@@ -156,12 +156,22 @@ void Invariants::never_back(const Sight& broker) {
     before = now;
 }
 
-/// I5: while a view lasts, no address goes from one speaker to another.
+/// I5: while a view lasts, an address goes from one speaker to another only when the first has
+/// sealed it for the other.
 void Invariants::one_owner(const Sight& broker) {
-    if (is_broken(Invariant::one_owner) || !broker.is_speaking) return;
+    if (is_broken(Invariant::one_owner)) return;
+    for (const broker::Sealed& seal : broker.sealed) {
+        seals_.insert_or_assign({broker.log, seal.address}, seal.to);
+    }
+    if (!broker.is_speaking) return;
     for (const Endpoint& address : broker.speaks_from) {
         const auto owner = owners_.try_emplace({broker.view.number, address}, broker.log).first;
         if (owner->second == broker.log) continue;
+        const auto seal = seals_.find({owner->second, address});
+        if (seal != seals_.end() && seal->second == broker.log) {
+            owner->second = broker.log;
+            continue;
+        }
         report(Invariant::one_owner, broker.name + " speaks from " + to_text(address) +
                                          ", as another broker did, in view " +
                                          text_of(broker.view.number));

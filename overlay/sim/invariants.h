@@ -92,6 +92,8 @@ private:
     std::map<std::pair<broker::BrokerId, broker::LogId>, broker::Seq> held_;  // most, ever
     std::map<broker::LogId, Numbers> numbers_;
     std::map<std::pair<cluster::ViewNumber, Endpoint>, broker::LogId> owners_;
+    std::map<std::pair<broker::LogId, Endpoint>, broker::LogId>
+        seals_;  // by whom, of what: for whom
 };
 
 }  // namespace romano::sim

@@ -29,6 +29,16 @@ void find_references(const LogCopy& copy, broker::Seq before, const cluster::Clu
     }
 }
 
+void look_at_seals(const cluster::LogHistory& own, Sight& sight) {
+    sight.sealed.clear();
+    const broker::Seq before = std::exchange(sight.own_last, own.last());
+    if (own.last() <= before || !own.reaches_back_to(before)) return;
+    for (const broker::LogEvent& event : own.events_after(before, own.last() - before)) {
+        if (const auto* sealed = std::get_if<broker::Sealed>(&event))
+            sight.sealed.push_back(*sealed);
+    }
+}
+
 void look_at_copies(const cluster::ClusterCore& cluster, Sight& sight) {
     sight.references.clear();
     std::vector<LogCopy> copies;
@@ -89,6 +99,7 @@ void look_at(const ClusterBroker& broker, Instant now, const std::vector<std::st
             sight.speaks_to.push_back(client);
         }
     }
+    look_at_seals(cluster.own_log().history(), sight);
     look_at_copies(cluster, sight);
     look_at_moves(cluster, sight);
     look_again(broker, now, sight);

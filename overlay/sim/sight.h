@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "broker/core/log_event.h"
 #include "broker/core/log_position.h"
 #include "broker/core/session_image.h"
 #include "overlay/cluster/messages.h"
@@ -52,6 +53,8 @@ struct Sight {
     broker::Seq shown = 0;       // of its own log, to clients
     std::size_t holders = 0;     // peers that must hold what it shows
     std::size_t own_events = 0;  // that it keeps
+    broker::Seq own_last = 0;
+    std::vector<broker::Sealed> sealed{};  // in its log, in this step
     std::vector<Endpoint> speaks_from{};
     std::vector<std::string> speaks_to{};    // clients
     std::vector<LogCopy> copies{};           // sorted

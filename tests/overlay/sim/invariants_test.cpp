@@ -177,6 +177,19 @@ TEST_F(InvariantsTest, StateAtTheSealBreaksWhenAMirrorWorkedThroughLess) {
     EXPECT_THAT(after_step_of(1), ElementsAre(Invariant::as_at_the_seal));
 }
 
+TEST_F(InvariantsTest, OneOwnerHoldsWhenTheFirstSealedTheAddressForTheOther) {
+    brokers[1].speaks_from = {address};
+    EXPECT_THAT(after_step_of(1), IsEmpty());
+    brokers[1].speaks_from.clear();
+    brokers[1].sealed = {{address, log(0)}};
+    EXPECT_THAT(after_step_of(1), IsEmpty());
+    brokers[0].speaks_from = {address};
+    EXPECT_THAT(after_step_of(0), IsEmpty());
+    brokers[0].speaks_from.clear();
+    brokers[2].speaks_from = {address};
+    EXPECT_THAT(after_step_of(2), ElementsAre(Invariant::one_owner)) << "sealed for another one";
+}
+
 TEST_F(InvariantsTest, OneOwnerHoldsWhenAnAddressChangesHandsByAView) {
     brokers[1].speaks_from = {address};
     EXPECT_THAT(after_step_of(1), IsEmpty());
