@@ -166,9 +166,10 @@ void Invariants::one_owner(const Sight& broker) {
     if (!broker.is_speaking) return;
     for (const Endpoint& address : broker.speaks_from) {
         const auto owner = owners_.try_emplace({broker.view.number, address}, broker.log).first;
-        if (owner->second == broker.log) continue;
         const auto seal = seals_.find({owner->second, address});
-        if (seal != seals_.end() && seal->second == broker.log) {
+        const bool is_sealed = seal != seals_.end() && seal->second == broker.log;
+        // Another life of the same broker is in another view of that number.
+        if (is_sealed || owner->second.broker == broker.log.broker) {
             owner->second = broker.log;
             continue;
         }

@@ -45,6 +45,11 @@ public:
         return taking_.contains(address);
     }
 
+    /// Here, or soon.
+    [[nodiscard]] bool is_claimed(const Endpoint& address) const {
+        return is_serving(address) || is_taking(address);
+    }
+
     void take(Effects& effects, const Endpoint& address) {
         if (is_serving(address) || !taking_.insert(address).second) return;
         effects.local.push_back(TakeAddress{address});

@@ -87,11 +87,12 @@ void TakeOver::carry_on(Effects& effects, const Logs& logs, const Membership& me
         }
         // It was done already, and the leader had not heard of it.
         const bool is_nothing_left = are_known && log->second.count_left(address) == 0;
-        if (is_nothing_left && addresses.is_serving(address)) return true;
+        if (is_nothing_left && addresses.is_claimed(address)) return true;
         if (is_still_serving(pending.assignment, membership)) return false;
         if (log->second.is_foreign()) return true;  // its leader is of a version that knows no such
         if (log->second.is_outdated() && !holds_all(logs, membership, view)) return false;
-        const auto owner = addresses.is_serving(address)
+        // What comes here is not passed on: it would be sealed, and then spoken from.
+        const auto owner = addresses.is_claimed(address)
                                ? std::nullopt
                                : present_server(address, self_, membership, view);
         if (owner) {

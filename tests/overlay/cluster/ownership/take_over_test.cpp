@@ -72,6 +72,23 @@ TEST_F(TakeOverTest, I1_WhereAMemberAnswersAlreadyNobodyElseTakesTheAddress) {
     EXPECT_EQ(std::get<broker::Sealed>(*sealed.event).address, theirs);
 }
 
+// The dead one lives again and serves its address, while the heir still binds it: sealed for that
+// one, it would be spoken from here as soon as it is bound (simulator, as shipped, seed 1767).
+TEST_F(TakeOverTest, I1_AnHeirThatTakesTheAddressItselfPassesNothingOn) {
+    view.members.push_back(other);
+    Beacon server{.log = other, .tick = 1, .hears = {self.broker}};
+    server.serving = {theirs};
+    (void)membership.on_beacon(now, server);
+    Effects taking{now, broker, clients, outbox, local, test::times};
+    addresses.take(taking, theirs);
+    EXPECT_EQ(inherit(), 1U);
+    EXPECT_TRUE(departures.all().empty());
+    for (const broker::Action& action : clients.list()) {
+        const auto* said = std::get_if<broker::Append>(&action);
+        EXPECT_FALSE(said != nullptr && std::holds_alternative<broker::Sealed>(*said->event));
+    }
+}
+
 // It waits to be adopted there.
 TEST_F(TakeOverTest, P2_WhatTheDeadHadMovedToAMemberIsLeftToThatOne) {
     view.members.push_back(other);
