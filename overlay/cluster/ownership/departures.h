@@ -21,7 +21,8 @@ public:
     /// connect anew.
     void move(Effects& effects, const broker::ClientId& client, const LogId& to,
               std::uint64_t epochs, const PeerLogs& logs);
-    /// A session of a dead home goes to the one that serves its address, and was never here.
+    /// A session of a dead home goes to the one that serves its address, and was never here. A copy
+    /// that another dead one had, and that has not arrived, is joined with it.
     void pass_on(Effects& effects, broker::SessionImage image, const LogId& to,
                  const PeerLogs& logs);
     /// The new home says that it has what the event `at` of the own log moved there.

@@ -89,6 +89,21 @@ TEST_F(TakeOverTest, I1_AnHeirThatTakesTheAddressItselfPassesNothingOn) {
     }
 }
 
+// P3: the later one was the lower one, and took the place of the other in our log (simulator,
+// faults `relapse`, seed 261).
+TEST_F(TakeOverTest, P3_OfTwoDeadCopiesTheHigherOneIsPassedOn) {
+    for (const std::uint64_t epoch : {2, 1}) {
+        auto session = std::get<broker::SessionPut>(test::session("robot", theirs));
+        session.image.header.epoch = epoch;
+        Effects effects{now, broker, clients, outbox, local, test::times};
+        departures.pass_on(effects, session.image, other, peers);
+    }
+    ASSERT_TRUE(departures.all().contains("robot"));
+    EXPECT_EQ(departures.all().at("robot").session.image.header.epoch, 2U);
+    const auto& moved = std::get<broker::Append>(clients.list().back());
+    EXPECT_EQ(std::get<broker::SessionMoved>(*moved.event).header.epoch, 2U);
+}
+
 // It waits to be adopted there.
 TEST_F(TakeOverTest, P2_WhatTheDeadHadMovedToAMemberIsLeftToThatOne) {
     view.members.push_back(other);
