@@ -36,7 +36,6 @@ public:
     [[nodiscard]] InForce in_force() const;
     /// From now on it is the second rights. Brokers that run take them up one after the other.
     void change() { changed_ = true; }
-    [[nodiscard]] bool is_changed() const { return changed_; }
     void on_taken_up(Instant at) { settled_ = at; }
 
     /// Whatever the moment at which a broker looked at the message.

@@ -79,7 +79,7 @@ void HandBack::carry_on(Effects& effects, const Logs& logs, const Membership& me
     std::erase_if(expected_, [&](const auto& entry) {
         const Expected& expected = entry.second;
         if (effects.now > expected.since + effects.times.giver_waited_for()) return true;
-        // We may not have met yet, though its offer is here.
+        // It may not be heard yet.
         if (effects.now <= expected.since + effects.times.giver_met_within()) return false;
         return std::ranges::all_of(expected.from, [&](BrokerId id) {
             const Peer* from = membership.find(id);
