@@ -97,9 +97,8 @@ struct MessageWriter {
         to.set_echoes(m.echoes.data(), m.echoes.size());
         for (const auto id : m.hears_others) to.add_hears_others(static_cast<std::uint64_t>(id));
         for (const auto& [member, through] : m.held) {
-            auto& held = *to.add_held();
-            held.set_member(member);
-            held.set_through(through);
+            to.add_held_members(member);
+            to.add_held_through(through);
         }
         all_to_proto(m.held_others, *to.mutable_held_others());
         to.set_logs_held(m.logs_held);
@@ -273,7 +272,10 @@ MaybeMessage read_heartbeat(const Heartbeat& in) {
     out.hears_members.assign(in.hears_members().begin(), in.hears_members().end());
     out.echoes.assign(in.echoes().begin(), in.echoes().end());
     for (const auto id : in.hears_others()) out.hears_others.push_back(broker::BrokerId{id});
-    for (const auto& held : in.held()) out.held.push_back({held.member(), held.through()});
+    if (in.held_members_size() != in.held_through_size()) return std::nullopt;
+    for (int i = 0; i < in.held_members_size(); ++i) {
+        out.held.push_back({in.held_members(i), in.held_through(i)});
+    }
     if (!all_from_proto(in.held_others(), out.held_others)) return std::nullopt;
     out.logs_held = in.logs_held();
     out.sessions = in.sessions();

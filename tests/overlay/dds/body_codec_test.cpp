@@ -286,6 +286,17 @@ TEST(BodyCodec, RefusesValuesOutOfRange) {
     EXPECT_FALSE(decode(ballot));
 }
 
+TEST(BodyCodec, RefusesAHeartbeatThatHoldsMoreLogsThanPositions) {
+    proto::ClusterMessage message;
+    auto& heartbeat = *message.mutable_heartbeat();
+    heartbeat.add_held_members(0);
+    heartbeat.add_held_members(1);
+    heartbeat.add_held_through(300);
+    EXPECT_FALSE(decode(message));
+    heartbeat.add_held_through(7);
+    EXPECT_TRUE(decode(message));
+}
+
 TEST(BodyCodec, RefusesAnEventWithoutContent) {
     proto::ClusterMessage batch;
     batch.mutable_log_batch()->add_events();
