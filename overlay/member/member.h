@@ -147,8 +147,10 @@ public:
                !cluster_.is_taking(address);
     }
     /// Its clients may be told again that the address is here: nobody else is likely to serve it.
+    /// On the smaller side of a cut somebody does, and clients that are called there as it ends
+    /// would be spoken to from both sides (I1, I7).
     [[nodiscard]] bool may_announce(const Endpoint& address) const {
-        return !cluster_.is_silent(address);
+        return !cluster_.is_silent(address) && !cluster_.on_smaller_side_since();
     }
     void check_invariants() const;
 

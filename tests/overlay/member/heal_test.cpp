@@ -91,5 +91,34 @@ TEST(Member, P1_WhatWasPublishedAtABrokerThatCameAndDiedMeanwhileIsKeptForAbsent
     EXPECT_EQ(receiver.received(), numbers(1, 5));
 }
 
+// Clients that it calls as the cut ends would hear both sides until these hear each other.
+TEST(AddressesAfterACut, I7_TheSmallerSideDoesNotCallItsClientsAgain) {
+    Brokers brokers;
+    start(brokers, {1, 2, 3});
+    brokers.cut(1, 3);
+    brokers.cut(2, 3);
+    brokers.run_for(settling);
+    ASSERT_EQ(brokers.member(3).serving().size(), 3U);
+    const int heir = brokers.member(1).serving().size() > 1 ? 1 : 2;
+    for (const int address : {1, 2, 3}) {
+        EXPECT_FALSE(brokers.member(3).may_announce(broker_address(address)));
+        EXPECT_TRUE(brokers.member(heir).may_announce(broker_address(address)));
+    }
+    brokers.heal();
+    brokers.run_for(settling);
+    EXPECT_TRUE(brokers.member(3).may_announce(broker_address(3)));
+}
+
+// The machine that had the address may be alive without its broker.
+TEST(AddressesAfterACut, WhoOutlivedAllOthersCallsTheirClientsAgain) {
+    Brokers brokers;
+    start(brokers, {1, 2, 3});
+    brokers.leave(1);
+    brokers.leave(2);
+    brokers.run_for(settling);
+    ASSERT_EQ(brokers.member(3).serving().size(), 3U);
+    EXPECT_TRUE(brokers.member(3).may_announce(broker_address(1)));
+}
+
 }  // namespace
 }  // namespace romano::test::heal_test
