@@ -37,7 +37,8 @@ public:
     void on_datagram(Instant now, const Endpoint& via, const Endpoint& from, Bytes datagram,
                      Actions& out);
     /// `may_be_unheard(client)`: what it says may wait somewhere, or be another broker's to hear.
-    /// It is not lost for being silent then: its keep-alive begins anew.
+    /// It is not lost for being silent then: its keep-alive begins anew. Nor is it sent again what
+    /// it may have answered: it is asked for a sign of life.
     void on_tick(Instant now, Actions& out, const SessionJudgement& may_be_unheard = {});
     [[nodiscard]] Instant next_wakeup() const;
 

@@ -463,6 +463,10 @@ void DeliveryFlow::on_retry(Session& session, Turn& turn) {
     }
 }
 
+void DeliveryFlow::put_off_retry(Session& session, Turn& turn) {
+    session.exchange.retry_at = turn.now + patience_with(session);
+}
+
 void DeliveryFlow::give_up(Session& session, Turn& turn) {
     Exchange& exchange = session.exchange;
     if (!exchange.heard && session.header.state == SessionState::awake) {  // its queue waits (G10)

@@ -78,6 +78,8 @@ public:
 
     /// Retransmission is due.
     void on_retry(Session& session, Turn& turn);
+    /// Not now: the client may be heard elsewhere.
+    void put_off_retry(Session& session, Turn& turn);
 
     /// Sends the open message again, because the client asks for it (G10). False: none is open.
     bool repeat(Session& session, Turn& turn);

@@ -77,17 +77,16 @@ void Liveness::on_disconnect(Session& session, const mqttsn::Disconnect& message
 
 void Liveness::on_tick(const SessionJudgement& may_be_unheard, Turn& turn) {
     const bool stood_still = turn.now - stood_still_after >= tables_.deadlines.next();
-    const SessionJudgement is_excused = [&](const SessionHeader& client) {
-        return stood_still || (may_be_unheard && may_be_unheard(client));
-    };
     while (tables_.deadlines.next() <= turn.now) {
         Session* session = tables_.sessions.at(tables_.deadlines.pop());
-        if (session != nullptr) look_at(*session, is_excused, turn);
+        if (session == nullptr) continue;
+        const bool is_unheard = may_be_unheard && may_be_unheard(session->header);
+        look_at(*session, is_unheard, stood_still, turn);
     }
 }
 
 /// Does what is due, if anything is: deadlines that moved are found out here.
-void Liveness::look_at(Session& session, const SessionJudgement& is_excused, Turn& turn) {
+void Liveness::look_at(Session& session, bool is_unheard, bool stood_still, Turn& turn) {
     const BrokerOptions& options = tables_.options;
     if (forgotten_at(session, options) <= turn.now) {
         if (!session.header.clean) ++tables_.counters.sessions_expired;
@@ -95,19 +94,27 @@ void Liveness::look_at(Session& session, const SessionJudgement& is_excused, Tur
         return;
     }
     if (lost_at(session, options) <= turn.now) {
-        if (!is_excused(session.header)) {
+        if (!is_unheard && !stood_still) {
             lifecycle_.lose(session, turn);
             return;
         }
         session.heard_at = turn.now;
     }
     if (session.late_answer.at <= turn.now) publishes_.answer_what_is_owed(session, turn);
-    if (probed_at(session, options) <= turn.now) {
+    const Exchange& exchange = session.exchange;
+    const bool is_open = exchange.is_open() && !exchange.stalled;
+    const bool is_retry_due = is_open && exchange.retry_at <= turn.now;
+    // It may have answered; where it is heard the exchange may be over, and at QoS 2 it would take
+    // what comes once more for another message (P3). It is asked whether it is here instead.
+    const bool is_asked = is_retry_due && is_unheard && session.is_listening();
+    if (probed_at(session, options) <= turn.now ||
+        (is_asked && session.header.state == SessionState::active)) {
         session.probe_at = turn.now + options.t_retry;
         if (session.reachable) outbox_.send(session, mqttsn::Pingreq{}, Gate::open, turn);
     }
-    const Exchange& exchange = session.exchange;
-    if (exchange.is_open() && !exchange.stalled && exchange.retry_at <= turn.now) {
+    if (is_asked) {
+        deliveries_.put_off_retry(session, turn);
+    } else if (is_retry_due) {
         deliveries_.on_retry(session, turn);
     } else {
         deliveries_.end_pauses(session, turn);

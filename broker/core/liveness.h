@@ -33,7 +33,7 @@ public:
     void on_tick(const SessionJudgement& may_be_unheard, Turn& turn);
 
 private:
-    void look_at(Session& session, const SessionJudgement& is_excused, Turn& turn);
+    void look_at(Session& session, bool is_unheard, bool stood_still, Turn& turn);
 
     Tables& tables_;
     Outbox& outbox_;

@@ -83,6 +83,27 @@ TEST_F(Delivering, UnansweredPublishIsSentAgainWithDup) {  // 6.13c, G5
     EXPECT_EQ(broker.core.counters().retransmissions, 1u);
 }
 
+// P3: where the client is heard the exchange may be over, and it would take the message for a new
+// one.
+TEST_F(Delivering, WhoMayBeHeardElsewhereIsAskedBeforeAMessageIsSentAgain) {
+    robot.subscribes("a");
+    publishes("a", "x", Qos::exactly_once);
+    const MsgId msg_id = robot.hears<Publish>().msg_id;
+    const SessionJudgement is_elsewhere = [](const SessionHeader&) { return true; };
+    for (int i = 0; i < 10; ++i) {  // it does not count for a retry
+        broker.now += 10s;
+        broker.core.on_tick(broker.now, broker.actions, is_elsewhere);
+        broker.drain();
+        robot.hears<Pingreq>();
+        robot.hears_nothing();
+    }
+    robot.says(Pingresp{});
+    broker.waits(10s);
+    const auto again = robot.hears<Publish>();
+    EXPECT_TRUE(again.dup);
+    EXPECT_EQ(again.msg_id, msg_id);
+}
+
 TEST_F(Delivering, PubrelIsSentAgainUntilPubcomp) {  // 6.10d
     robot.subscribes("a");
     publishes("a", "x", Qos::exactly_once);
