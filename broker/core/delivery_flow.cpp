@@ -430,9 +430,9 @@ void DeliveryFlow::drop_front(Session& session, Drop reason, Turn& turn) {
 
 void DeliveryFlow::resume(Session& session, Turn& turn) {
     Exchange& exchange = session.exchange;
-    if (!exchange.stalled || !session.is_listening()) return;
-    exchange.stalled = false;
-    exchange.sendings = 0;
+    if (!session.is_listening() || (!exchange.stalled && exchange.asked == 0)) return;
+    exchange.asked = 0;
+    if (std::exchange(exchange.stalled, false)) exchange.sendings = 0;
     if (!send_open(session, true, turn)) go_on(session, turn);
 }
 
@@ -463,8 +463,17 @@ void DeliveryFlow::on_retry(Session& session, Turn& turn) {
     }
 }
 
-void DeliveryFlow::put_off_retry(Session& session, Turn& turn) {
-    session.exchange.retry_at = turn.now + patience_with(session);
+void DeliveryFlow::ask(Session& session, Turn& turn) {
+    Exchange& exchange = session.exchange;
+    if (!session.is_listening() || exchange.asked >= tables_.options.n_retry) {
+        exchange.stalled = true;
+        return;
+    }
+    ++exchange.asked;
+    if (session.header.state == SessionState::active) {  // one that sleeps is not asked
+        outbox_.send(session, mqttsn::Pingreq{}, Gate::open, turn);
+    }
+    exchange.retry_at = turn.now + patience_with(session);
 }
 
 void DeliveryFlow::give_up(Session& session, Turn& turn) {

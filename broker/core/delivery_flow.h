@@ -78,8 +78,10 @@ public:
 
     /// Retransmission is due.
     void on_retry(Session& session, Turn& turn);
-    /// Not now: the client may be heard elsewhere.
-    void put_off_retry(Session& session, Turn& turn);
+    /// A PUBLISH is due again to a client that may be heard elsewhere: the exchange may be over
+    /// there, and at QoS 2 it would take what comes once more for another message (P3). It is asked
+    /// for a sign of life instead, and the PUBLISH goes out again when one comes.
+    void ask(Session& session, Turn& turn);
 
     /// Sends the open message again, because the client asks for it (G10). False: none is open.
     bool repeat(Session& session, Turn& turn);

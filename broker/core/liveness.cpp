@@ -101,23 +101,18 @@ void Liveness::look_at(Session& session, bool is_unheard, bool stood_still, Turn
         session.heard_at = turn.now;
     }
     if (session.late_answer.at <= turn.now) publishes_.answer_what_is_owed(session, turn);
-    const Exchange& exchange = session.exchange;
-    const bool is_open = exchange.is_open() && !exchange.stalled;
-    const bool is_retry_due = is_open && exchange.retry_at <= turn.now;
-    // It may have answered; where it is heard the exchange may be over, and at QoS 2 it would take
-    // what comes once more for another message (P3). It is asked whether it is here instead.
-    const bool is_asked = is_retry_due && is_unheard && session.is_listening();
-    if (probed_at(session, options) <= turn.now ||
-        (is_asked && session.header.state == SessionState::active)) {
+    if (probed_at(session, options) <= turn.now) {
         session.probe_at = turn.now + options.t_retry;
         if (session.reachable) outbox_.send(session, mqttsn::Pingreq{}, Gate::open, turn);
     }
-    if (is_asked) {
-        deliveries_.put_off_retry(session, turn);
-    } else if (is_retry_due) {
-        deliveries_.on_retry(session, turn);
-    } else {
+    const Exchange& exchange = session.exchange;
+    if (!exchange.is_open() || exchange.stalled || exchange.retry_at > turn.now) {
         deliveries_.end_pauses(session, turn);
+    } else if (exchange.kind == Exchange::Kind::publishing &&
+               (is_unheard || session.header.provisional)) {
+        deliveries_.ask(session, turn);
+    } else {
+        deliveries_.on_retry(session, turn);
     }
     schedule(tables_, session);
 }

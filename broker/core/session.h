@@ -31,6 +31,7 @@ struct Exchange {
     bool doubted = false;  // all retries went unanswered once: each sending brings a PINGREQ along
     bool heard = false;    // the client was heard since the first sending
     bool heard_since = false;  // and since the last one
+    std::uint8_t asked = 0;    // so often for a sign of life, instead of being sent it again
     std::uint8_t ignored = 0;  // sendings after which the client was heard, but no answer
     bool refused = false;      // the message fell back once already (G21, G25)
     bool bare = false;         // without DUP and Retain (G25)

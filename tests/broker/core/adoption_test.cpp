@@ -36,6 +36,26 @@ TEST_F(Adoption, InFlightPublishIsSentAgainWithDupUnderItsMsgId) {
     EXPECT_TRUE(heir.core.image("robot")->deliveries.empty());
 }
 
+// P3: its former home may live, and have ended the exchange.
+TEST_F(Adoption, WhoWasNotHeardAtTheHeirIsAskedBeforeAMessageIsSentOnceMore) {
+    publisher.connects();
+    robot.connects(false);
+    robot.subscribes("cmd", Qos::exactly_once);
+    publisher.publishes(publisher.registers("cmd"), "x", Qos::exactly_once);
+    const MsgId msg_id = robot.hears<Publish>().msg_id;
+    takes_over(robot);
+    EXPECT_EQ(robot.hears<Publish>().msg_id, msg_id);
+    heir.waits(10s);
+    robot.hears<Pingreq>();
+    robot.hears_nothing();
+    robot.says(Pingresp{});
+    const auto again = robot.hears<Publish>();
+    EXPECT_TRUE(again.dup);
+    EXPECT_EQ(again.msg_id, msg_id);
+    heir.waits(10s);
+    EXPECT_EQ(robot.hears<Publish>().msg_id, msg_id) << "it was heard here";
+}
+
 TEST_F(Adoption, ReleasedQos2GoesOnWithPubrel) {
     publisher.connects();
     robot.connects(false);
