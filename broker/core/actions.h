@@ -39,11 +39,10 @@ struct Multicast {
     std::uint32_t size = 0;
 };
 
-/// Append to the own log. Sequence numbers count up without gaps. The event stands apart, so that
-/// the many Sends of a fan-out lie close together.
+/// Append to the own log. Sequence numbers count up without gaps.
 struct Append {
     Seq seq = 0;
-    std::unique_ptr<LogEvent> event;
+    LogEventPtr event;
 };
 
 /// A QoS 0 publish of an own client: for peers that have a matching subscriber.

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "broker/core/session_image.h"
+#include "romano/base/shared.h"
 
 namespace romano::broker {
 
@@ -118,6 +119,10 @@ using LogEvent =
     std::variant<SessionPut, SessionChanged, SessionErased, WillChanged, Subscribed, Unsubscribed,
                  TopicBound, Published, Routed, Cursor, DeliveryStarted, DeliveryReleased,
                  DeliveryEnded, PublishReleased, SessionMoved, Sealed>;
+
+/// As logs and batches have it: a log is kept in many places, and its events are as large as the
+/// largest kind.
+using LogEventPtr = Shared<LogEvent>;
 
 /// The session that is not at this home any more after the event; null when there is none.
 [[nodiscard]] inline const ClientId* leaver(const LogEvent& event) {

@@ -4,7 +4,6 @@
 // makes the event.
 #pragma once
 
-#include <memory>
 #include <utility>
 
 #include "broker/core/actions.h"
@@ -19,7 +18,7 @@ public:
     void append(Actions& out, MakeEvent&& make_event) {
         if (!writes_) return;
         ++last_;
-        out.push(Append{last_, std::make_unique<LogEvent>(make_event())});
+        out.push(Append{last_, LogEvent{make_event()}});
     }
 
     /// Of the next event; seq 0 when there is no log.

@@ -583,8 +583,7 @@ void ClusterCore::check_invariants([[maybe_unused]] const broker::BrokerCore& br
     assert(view().members.empty() || view_change_.contains(own_.id()));
     assert(!logs_.contains(own_.id()));
     for ([[maybe_unused]] const auto& [id, log] : logs_) {
-        assert((log.next() == nullptr || !log.is_frozen()) &&
-               "what is agreed on waits for nothing");
+        assert((!log.has_next() || !log.is_frozen()) && "what is agreed on waits for nothing");
         assert(log.mirror().applied() == log.applied());
     }
 }

@@ -92,7 +92,7 @@ public:
     [[nodiscard]] Instant next_wakeup() const;
 
     // --- the own log
-    void append(Seq seq, LogEvent event);
+    void append(Seq seq, const LogEventPtr& event);
     /// `awaited`: clients wait until the log is safe up to there.
     void flush(Seq awaited, Outbox& out) { own_.flush(awaited, out); }
     /// To peers with a matching subscriber.

@@ -8,12 +8,12 @@
 
 namespace romano::cluster {
 
-void ClusterCore::append(Seq seq, LogEvent event) {
-    if (const auto* session = std::get_if<broker::SessionPut>(&event)) {
+void ClusterCore::append(Seq seq, const LogEventPtr& event) {
+    if (const auto* session = std::get_if<broker::SessionPut>(&*event)) {
         peer_sessions_.on_own_session(session->image.header.client_id, logs_);
     }
-    log_sender_.on_own_event(own_.id(), event);
-    own_.append(seq, std::move(event));
+    log_sender_.on_own_event(own_.id(), *event);
+    own_.append(seq, event);
 }
 
 Seq ClusterCore::safe(Instant now) {
@@ -129,8 +129,8 @@ void ClusterCore::catch_up(Effects& effects) {
 void ClusterCore::apply(Effects& effects, const LogId& id, PeerLog& log, std::size_t most,
                         Answer answer) {
     const Seq before = log.applied();
-    for (; most > 0 && log.next() != nullptr; --most) apply_event(effects, id, log);
-    some_log_waits_ |= log.next() != nullptr;
+    for (; most > 0 && log.has_next(); --most) apply_event(effects, id, log);
+    some_log_waits_ |= log.has_next();
     if (log.applied() == before) return;
     if (!log.is_frozen() && answer == Answer::at_once) acknowledge(effects, id, log);
     acknowledge_what_waited(effects);
@@ -168,7 +168,9 @@ Acknowledgements::IsHeld ClusterCore::is_held() const {
 }
 
 void ClusterCore::apply_event(Effects& effects, const LogId& id, PeerLog& log) {
-    const LogEvent& event = *log.next();
+    const LogEventPtr next = log.next();
+    const LogEvent& event = *next;
+    const auto* put = std::get_if<broker::SessionPut>(&event);
     if (!log.is_frozen()) {
         if (const broker::ClientId* left = broker::leaver(event)) {
             const auto* session = log.session(*left);
@@ -179,41 +181,29 @@ void ClusterCore::apply_event(Effects& effects, const LogId& id, PeerLog& log) {
     } else {
         peer_sessions_.on_late_event(id);
     }
-    MessagePtr published;
-    if (const auto* publish = std::get_if<broker::Published>(&event)) published = publish->message;
-    broker::ClientId put;
-    std::optional<LogPosition> adopted;
-    if (const auto* session = std::get_if<broker::SessionPut>(&event)) {
-        put = session->image.header.client_id;
-        adopted = session->adopted;
-        publish_order_.on_session(effects, log, session->image, logs_, view());
-    }
-    std::optional<LogPosition> routed;
-    if (const auto* route = std::get_if<broker::Routed>(&event)) routed = route->message;
-    const bool is_move = std::holds_alternative<broker::SessionMoved>(event) ||
-                         std::holds_alternative<broker::Sealed>(event);
-    const auto move = is_move ? std::optional{event} : std::nullopt;
-
+    if (put != nullptr) publish_order_.on_session(effects, log, put->image, logs_, view());
     if (!log.is_frozen()) {
         acknowledgements_.on_event(id, log.applied() + 1, event, is_held());
     }
     log.apply();
-    if (move) arrivals_.on_event(effects, log, *move);
-    if (adopted) on_arrived(put, *adopted);
-    if (published) {
-        effects.broker.observe_time(published->published_at);
-        publish_order_.on_publish(effects, published);
-        learn(published);
+    arrivals_.on_event(effects, log, event);
+    if (put != nullptr && put->adopted) on_arrived(put->image.header.client_id, *put->adopted);
+    if (const auto* publish = std::get_if<broker::Published>(&event)) {
+        effects.broker.observe_time(publish->message->published_at);
+        publish_order_.on_publish(effects, publish->message);
+        learn(publish->message);
     }
-    if (routed && log.mirror().is_unresolved(*routed)) {
-        MessagePtr message = logs().publish_at(*routed);
-        if (!message) message = effects.broker.retained_at(*routed);
+    const auto* routed = std::get_if<broker::Routed>(&event);
+    if (routed != nullptr && log.mirror().is_unresolved(routed->message)) {
+        MessagePtr message = logs().publish_at(routed->message);
+        if (!message) message = effects.broker.retained_at(routed->message);
         if (message) log.mirror().resolve(message);
     }
-    if (!put.empty() && !log.is_frozen()) {
-        mark_taken(put);
-        peer_sessions_.on_living_home(put, logs_);
-        settlement_.on_peer_session(effects, id.broker, put);
+    if (put != nullptr && !put->image.header.client_id.empty() && !log.is_frozen()) {
+        const broker::ClientId& client = put->image.header.client_id;
+        mark_taken(client);
+        peer_sessions_.on_living_home(client, logs_);
+        settlement_.on_peer_session(effects, id.broker, client);
     }
 }
 

@@ -164,7 +164,7 @@ struct Pulse {
 struct LogBatch {
     LogId log{};
     Seq first_seq = 0;
-    std::vector<broker::LogEvent> events{};
+    std::vector<broker::LogEventPtr> events{};
     bool awaited = true;  // a client or a peer waits until enough members hold it
 };
 /// "I hold your log up to here." `by`: the sender's own log, so that an earlier life does not speak

@@ -179,8 +179,8 @@ MaybeEvent read_sealed(const Sealed& in) {
 
 }  // namespace
 
-void to_proto(const broker::LogEvent& in, LogEvent& out) {
-    std::visit(EventWriter{out}, in);
+void to_proto(const broker::LogEventPtr& in, LogEvent& out) {
+    std::visit(EventWriter{out}, *in);
 }
 
 MaybeEvent from_proto(const LogEvent& in) {

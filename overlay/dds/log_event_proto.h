@@ -8,7 +8,7 @@
 
 namespace romano::overlay::proto {
 
-void to_proto(const broker::LogEvent& in, LogEvent& out);
+void to_proto(const broker::LogEventPtr& in, LogEvent& out);  // in is not null
 [[nodiscard]] std::optional<broker::LogEvent> from_proto(const LogEvent& in);
 
 }  // namespace romano::overlay::proto

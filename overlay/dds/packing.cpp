@@ -17,13 +17,13 @@ std::size_t size_of(const broker::MessagePtr& message) {
     return message ? message->topic.size() + message->payload.size() : 0;
 }
 
-std::size_t size_of(const broker::LogEvent& event) {
+std::size_t size_of(const broker::LogEventPtr& event) {
     std::size_t size = small_event_octets;
-    if (const auto* published = std::get_if<broker::Published>(&event)) {
+    if (const auto* published = std::get_if<broker::Published>(&*event)) {
         size += size_of(published->message) + published->routes.size() * small_event_octets;
-    } else if (const auto* routed = std::get_if<broker::Routed>(&event)) {
+    } else if (const auto* routed = std::get_if<broker::Routed>(&*event)) {
         size += routed->routes.size() * small_event_octets;
-    } else if (const auto* put = std::get_if<broker::SessionPut>(&event)) {
+    } else if (const auto* put = std::get_if<broker::SessionPut>(&*event)) {
         const broker::SessionImage& image = put->image;
         size += (image.subscriptions.size() + image.topics.size()) * small_event_octets;
         for (const auto& delivery : image.deliveries) {

@@ -217,8 +217,8 @@ void Member::absorb(Instant now, MemberActions& out) {
     for (broker::Action& action : work_.list()) {
         if (const auto* datagram = std::get_if<broker::Send>(&action)) {
             awaited = std::max(awaited, datagram->after);
-        } else if (auto* append = std::get_if<broker::Append>(&action)) {
-            cluster_.append(append->seq, std::move(*append->event));
+        } else if (const auto* append = std::get_if<broker::Append>(&action)) {
+            cluster_.append(append->seq, append->event);
         } else if (const auto* forward = std::get_if<broker::Forward>(&action)) {
             cluster_.forward(forward->message, out.peers);
         } else if (const auto* for_owner = std::get_if<broker::ForOwner>(&action)) {

@@ -117,10 +117,10 @@ std::string event(const DeliveryEnded& e) {
 std::string event(const PublishReleased& e) {
     return "unreleased " + e.client_id + " #" + number(e.msg_id);
 }
-std::string text(const std::vector<LogEvent>& events) {
+std::string text(const std::vector<LogEventPtr>& events) {
     std::string all;
-    for (const LogEvent& e : events) {
-        all += " | " + std::visit([](const auto& of) { return event(of); }, e);
+    for (const LogEventPtr& e : events) {
+        all += " | " + std::visit([](const auto& of) { return event(of); }, *e);
     }
     return all;
 }

@@ -18,8 +18,8 @@ void find_references(const LogCopy& copy, broker::Seq before, const cluster::Clu
     const cluster::PeerLog& log = cluster.peer_logs().at(copy.log);
     const cluster::LogHistory& history = log.history();
     if (copy.acknowledged <= before || !history.reaches_back_to(before)) return;
-    for (const broker::LogEvent& event : history.events_after(before, copy.acknowledged - before)) {
-        const auto* routed = std::get_if<broker::Routed>(&event);
+    for (const auto& event : history.events_after(before, copy.acknowledged - before)) {
+        const auto* routed = std::get_if<broker::Routed>(&*event);
         if (routed == nullptr) continue;
         const auto named = cluster.peer_logs().find(routed->message.log);
         const bool is_held =
@@ -33,8 +33,8 @@ void look_at_seals(const cluster::LogHistory& own, Sight& sight) {
     sight.sealed.clear();
     const broker::Seq before = std::exchange(sight.own_last, own.last());
     if (own.last() <= before || !own.reaches_back_to(before)) return;
-    for (const broker::LogEvent& event : own.events_after(before, own.last() - before)) {
-        if (const auto* sealed = std::get_if<broker::Sealed>(&event))
+    for (const auto& event : own.events_after(before, own.last() - before)) {
+        if (const auto* sealed = std::get_if<broker::Sealed>(&*event))
             sight.sealed.push_back(*sealed);
     }
 }

@@ -13,9 +13,9 @@ bool stands_before(const MessagePtr& message, Seq seq) {
 
 }  // namespace
 
-void LogHistory::append(LogEvent event) {
+void LogHistory::append(LogEventPtr event) {
     ++last_;
-    if (const auto* published = std::get_if<broker::Published>(&event)) {
+    if (const auto* published = std::get_if<broker::Published>(&*event)) {
         publishes_.push_back(published->message);
         if (publishes_.size() > most_) publishes_.pop_front();
     }
@@ -31,7 +31,7 @@ void LogHistory::restart(Seq as_of, std::vector<MessagePtr> publishes) {
     last_ = as_of;
 }
 
-std::vector<LogEvent> LogHistory::events_after(Seq seq, std::size_t most) const {
+std::vector<LogEventPtr> LogHistory::events_after(Seq seq, std::size_t most) const {
     assert(reaches_back_to(seq));
     if (seq >= last_) return {};
     const std::size_t skipped = events_.size() - static_cast<std::size_t>(last_ - seq);

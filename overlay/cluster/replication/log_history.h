@@ -22,6 +22,7 @@
 namespace romano::cluster {
 
 using broker::LogEvent;
+using broker::LogEventPtr;
 using broker::LogId;
 using broker::LogPosition;
 using broker::MessagePtr;
@@ -32,7 +33,7 @@ public:
     explicit LogHistory(std::size_t most) : most_(most) {}
 
     /// The event at last() + 1.
-    void append(LogEvent event);
+    void append(LogEventPtr event);
     /// Goes on after a snapshot: nothing before as_of is here but these publishes, in log order.
     void restart(Seq as_of, std::vector<MessagePtr> publishes);
 
@@ -40,7 +41,7 @@ public:
     /// True when all events after `seq` are still here.
     [[nodiscard]] bool reaches_back_to(Seq seq) const { return seq + events_.size() >= last_; }
     /// Up to `most` events after `seq`; call only when reaches_back_to(seq).
-    [[nodiscard]] std::vector<LogEvent> events_after(Seq seq, std::size_t most) const;
+    [[nodiscard]] std::vector<LogEventPtr> events_after(Seq seq, std::size_t most) const;
     /// The first `most` publishes after `seq`, in order.
     [[nodiscard]] std::vector<MessagePtr> publishes_after(
         Seq seq, std::size_t most = std::numeric_limits<std::size_t>::max()) const;
@@ -71,7 +72,7 @@ private:
 
     std::size_t most_;
     Seq last_ = 0;
-    std::deque<LogEvent> events_;       // the last events_.size() ones, ending at last_
+    std::deque<LogEventPtr> events_;    // the last events_.size() ones, ending at last_
     std::deque<MessagePtr> publishes_;  // by position, ascending
     std::deque<Passed> passed_;         // of the last `kept_on`, and one older
 };

@@ -18,10 +18,10 @@ bool is_note(const LogEvent& event) {
 
 }  // namespace
 
-void OwnLog::append(Seq seq, LogEvent event) {
+void OwnLog::append(Seq seq, const LogEventPtr& event) {
     assert(seq == history_.last() + 1);
-    if (!is_note(event)) urgent_ = seq;
-    history_.append(std::move(event));
+    if (!is_note(*event)) urgent_ = seq;
+    history_.append(event);
 }
 
 void OwnLog::flush(Seq awaited, Outbox& out) {

@@ -18,7 +18,7 @@ class OwnLog {
 public:
     OwnLog(LogId id, std::size_t events_kept) : id_(id), history_(events_kept) {}
 
-    void append(Seq seq, LogEvent event);
+    void append(Seq seq, const LogEventPtr& event);
     /// Batches of what was appended since the last time, to all, unless all of it may wait.
     /// `awaited`: how far clients wait for the log.
     void flush(Seq awaited, Outbox& out);

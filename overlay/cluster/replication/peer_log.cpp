@@ -15,25 +15,23 @@ constexpr std::size_t arrived_early_most = 20'000;
 
 PeerLog::PeerLog(LogId id, std::size_t events_kept) : id_(id), mirror_(id), history_(events_kept) {}
 
-void PeerLog::offer(Seq first_seq, std::vector<LogEvent> events) {
+void PeerLog::offer(Seq first_seq, const std::vector<LogEventPtr>& events) {
     if (events.empty() || first_seq == 0) return;
     known_end_ = std::max(known_end_, first_seq + events.size() - 1);
     const Seq expected = received() + 1;
     if (first_seq > expected) {
         if (early_events_ + events.size() > early_events_most || early_.contains(first_seq)) return;
         early_events_ += events.size();
-        early_.emplace(first_seq, std::move(events));
+        early_.emplace(first_seq, events);
         return;
     }
     const Seq known = expected - first_seq;  // the first ones are here already
     if (known >= events.size()) return;
-    ready_.insert(ready_.end(),
-                  std::make_move_iterator(events.begin() + static_cast<std::ptrdiff_t>(known)),
-                  std::make_move_iterator(events.end()));
+    ready_.insert(ready_.end(), events.begin() + static_cast<std::ptrdiff_t>(known), events.end());
     if (const auto next = early_.begin(); next != early_.end() && next->first <= received() + 1) {
-        auto follows = early_.extract(next);
+        const auto follows = early_.extract(next);
         early_events_ -= follows.mapped().size();
-        offer(follows.key(), std::move(follows.mapped()));
+        offer(follows.key(), follows.mapped());
     }
 }
 
@@ -53,14 +51,11 @@ MessagePtr PeerLog::publish_at(Seq seq) const {
     return found == ahead_.end() || (*found)->position.seq != seq ? MessagePtr{} : *found;
 }
 
-const LogEvent* PeerLog::next() const {
-    return ready_.empty() ? nullptr : &ready_.front();
-}
-
 void PeerLog::apply() {
-    follow_moves(ready_.front());
-    mirror_.apply(applied() + 1, ready_.front());
-    if (frozen_) follow_in_tail(ready_.front());
+    const LogEvent& event = *ready_.front();
+    follow_moves(event);
+    mirror_.apply(applied() + 1, event);
+    if (frozen_) follow_in_tail(event);
     history_.append(std::move(ready_.front()));
     ready_.pop_front();
 }
@@ -171,10 +166,10 @@ std::optional<LogPosition> PeerLog::restart() {
     std::erase_if(arrived_early_, [as_of](Seq seq) { return seq <= as_of; });
     known_end_ = std::max(known_end_, as_of);
     while (!early_.empty()) {
-        auto next = early_.extract(early_.begin());
+        const auto next = early_.extract(early_.begin());
         early_events_ -= next.mapped().size();
         const bool follows = next.key() <= received() + 1;
-        offer(next.key(), std::move(next.mapped()));
+        offer(next.key(), next.mapped());
         if (!follows) break;
     }
     return LogPosition{id_, as_of};

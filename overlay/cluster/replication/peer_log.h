@@ -43,11 +43,14 @@ public:
     [[nodiscard]] MessagePtr publish_at(Seq seq) const;
 
     // --- events
-    void offer(Seq first_seq, std::vector<LogEvent> events);
+    void offer(Seq first_seq, const std::vector<LogEventPtr>& events);
     /// The last event of which none before it is missing, applied or not.
     [[nodiscard]] Seq received() const { return applied() + ready_.size(); }
-    /// The next event in order, or null. It stays there until apply().
-    [[nodiscard]] const LogEvent* next() const;
+    /// The next event in order, or none.
+    [[nodiscard]] LogEventPtr next() const {
+        return ready_.empty() ? LogEventPtr{} : ready_.front();
+    }
+    [[nodiscard]] bool has_next() const { return !ready_.empty(); }
     void apply();
     /// How far its writer is known to have come.
     [[nodiscard]] Seq known_end() const { return std::max(known_end_, applied()); }
@@ -153,8 +156,8 @@ private:
     LogId id_;
     broker::Mirror mirror_;
     LogHistory history_;
-    std::deque<LogEvent> ready_;                  // follow applied()
-    std::map<Seq, std::vector<LogEvent>> early_;  // by first seq; beyond a gap
+    std::deque<LogEventPtr> ready_;                  // follow applied()
+    std::map<Seq, std::vector<LogEventPtr>> early_;  // by first seq; beyond a gap
     std::size_t early_events_ = 0;
     Seq known_end_ = 0;
     /// What has come of it.

@@ -107,9 +107,9 @@ public:
             } else if (const auto* multicast = std::get_if<Multicast>(&action)) {
                 const Bytes octets = actions.octets(*multicast);
                 multicasts.emplace_back(octets.begin(), octets.end());
-            } else if (auto* append = std::get_if<Append>(&action)) {
+            } else if (const auto* append = std::get_if<Append>(&action)) {
                 EXPECT_EQ(append->seq, log.size() + 1);
-                log.push_back(std::move(*append->event));
+                log.push_back(*append->event);
             } else if (auto* observed = std::get_if<Observed>(&action)) {
                 observations.push_back(std::move(*observed->what));
             } else if (auto* note = std::get_if<Note>(&action)) {

@@ -54,7 +54,7 @@ public:
     bool keeps() {
         Actions batch;
         for (; kept_ < scripted.log.size(); ++kept_) {
-            batch.push(Append{kept_ + 1, std::make_unique<LogEvent>(scripted.log[kept_])});
+            batch.push(Append{kept_ + 1, scripted.log[kept_]});
         }
         return store.keep(batch);
     }

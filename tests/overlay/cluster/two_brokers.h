@@ -58,8 +58,8 @@ struct Cluster : Owner {
 
     void keep_log() {
         for (broker::Action& action : clients.list()) {
-            if (auto* append = std::get_if<broker::Append>(&action)) {
-                core.append(append->seq, std::move(*append->event));
+            if (const auto* append = std::get_if<broker::Append>(&action)) {
+                core.append(append->seq, append->event);
             }
         }
         clients.clear();

@@ -217,7 +217,7 @@ TEST_F(DdsTransportTest, LargeMessagesArriveWhole) {
     for (broker::Seq seq = 1; seq <= 50; ++seq) one.broadcast(batch(seq, 65'000));
     run_until([&] { return two.received.size() == 50; });
     const auto batches = two.all<cluster::LogBatch>();
-    EXPECT_EQ(std::get<broker::Published>(batches.back().events.front()).message->payload.size(),
+    EXPECT_EQ(std::get<broker::Published>(*batches.back().events.front()).message->payload.size(),
               65'000U);
 }
 

@@ -177,8 +177,8 @@ broker::LogEvent event_of(std::size_t kind, Random& r) {
 }
 static_assert(std::variant_size_v<broker::LogEvent> == 16, "event_of() makes every kind");
 
-std::vector<broker::LogEvent> one_event_of_each_kind(Random& r) {
-    std::vector<broker::LogEvent> out;
+std::vector<broker::LogEventPtr> one_event_of_each_kind(Random& r) {
+    std::vector<broker::LogEventPtr> out;
     for (std::size_t kind = 0; kind < std::variant_size_v<broker::LogEvent>; ++kind) {
         out.push_back(event_of(kind, r));
     }

@@ -189,7 +189,7 @@ TEST(ViewChange, AnEndThatWasAgreedOnStays) {
     member.begin();
     PeerLog& log = member.logs.at(peer);
     log.offer(1, {test::published(peer, 1), test::published(peer, 2), test::published(peer, 3)});
-    while (log.next() != nullptr) log.apply();
+    while (log.has_next()) log.apply();
     member.hear(high, high, member.term() + 1, 9);
     member.membership.on_left_out(member.now, peer);
     member.wait(10ms);

@@ -250,7 +250,7 @@ struct InAView : Cluster {
     [[nodiscard]] bool has_given_away() const {
         const auto& history = core.own_log().history();
         return std::ranges::any_of(history.events_after(0, 1'000), [](const auto& event) {
-            return std::holds_alternative<broker::SessionMoved>(event);
+            return std::holds_alternative<broker::SessionMoved>(*event);
         });
     }
 };

@@ -91,7 +91,7 @@ struct Holder : Owner {
         for (broker::Action& action : clients.list()) {
             const auto* append = std::get_if<broker::Append>(&action);
             if (append == nullptr) continue;
-            if (auto* event = std::get_if<Event>(append->event.get())) written.push_back(*event);
+            if (auto* event = std::get_if<Event>(&*append->event)) written.push_back(*event);
         }
         clients.clear();
         return written;
@@ -125,13 +125,13 @@ TEST(ManySessions, TheyAreHandedBackInPieces) {
         for (broker::Action& action : holder.clients.list()) {
             const auto* append = std::get_if<broker::Append>(&action);
             if (append == nullptr) continue;
-            const auto* moved = std::get_if<broker::SessionMoved>(append->event.get());
+            const auto* moved = std::get_if<broker::SessionMoved>(&*append->event);
             if (moved != nullptr) {
                 EXPECT_EQ(moved->to, peer);
                 EXPECT_TRUE(holder.departures.is_leaving(moved->header.address.endpoint));
                 ++in_turn;
             }
-            const auto* sealed = std::get_if<broker::Sealed>(append->event.get());
+            const auto* sealed = std::get_if<broker::Sealed>(&*append->event);
             if (sealed == nullptr) continue;
             EXPECT_EQ(left, in_turn) << "not before all have left";
             EXPECT_EQ(sealed->address, theirs);

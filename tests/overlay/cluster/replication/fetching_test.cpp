@@ -35,14 +35,14 @@ struct FetchingTest : testing::Test, Owner {
     PeerLog& log_of(const LogId& id) { return logs.try_emplace(id, id, 1'000).first->second; }
     void take(const LogId& id, Seq first, Seq count, BrokerId from) {
         PeerLog& log = log_of(id);
-        std::vector<LogEvent> events;
+        std::vector<LogEventPtr> events;
         for (Seq seq = first; seq < first + count; ++seq)
             events.push_back(test::published(id, seq));
         const Seq before = log.received();
-        log.offer(first, std::move(events));
+        log.offer(first, events);
         Effects acting = effects();
         fetching.on_events(acting, from, *logs.find(id), before);
-        while (log.next() != nullptr) log.apply();
+        while (log.has_next()) log.apply();
     }
     void remove(Seq end) {
         log_of(dead).freeze();

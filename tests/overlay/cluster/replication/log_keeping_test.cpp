@@ -46,7 +46,7 @@ struct Keeper {
         for (std::size_t i = 0; i < events; ++i) {
             const Seq seq = log.applied() + 1;
             log.offer(seq, {test::published(writer, seq)});
-            while (log.next() != nullptr) log.apply();
+            while (log.has_next()) log.apply();
         }
     }
     void die(const LogId& peer) {

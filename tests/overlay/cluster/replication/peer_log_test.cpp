@@ -21,9 +21,9 @@ constexpr Instant start{1s};
 struct Held {
     PeerLog log{test::log_of("b1"), 100};
 
-    void take(Seq first, std::vector<LogEvent> events) {
-        log.offer(first, std::move(events));
-        while (log.next() != nullptr) log.apply();
+    void take(Seq first, const std::vector<LogEventPtr>& events) {
+        log.offer(first, events);
+        while (log.has_next()) log.apply();
     }
     void restart_at(Seq as_of) {
         ASSERT_TRUE(log.offer({.as_of = {test::log_of("b1"), as_of}, .last = true}));
@@ -152,7 +152,7 @@ TEST(PeerLog, EventsThatCameDuringASnapshotFollowIt) {
     Held held;
     held.take(51, {session("late")});
     held.restart_at(50);
-    while (held.log.next() != nullptr) held.log.apply();
+    while (held.log.has_next()) held.log.apply();
     EXPECT_EQ(held.log.applied(), 51U);
     EXPECT_TRUE(held.log.mirror().contains("late"));
 }
@@ -161,9 +161,9 @@ TEST(PeerLog, WhatIsHereAndFollowsASnapshotStays) {
     Held held;
     held.log.offer(1, {session("a"), session("b"), session("c")});  // not applied yet
     held.restart_at(2);
-    ASSERT_NE(held.log.next(), nullptr);
+    ASSERT_TRUE(held.log.has_next());
     held.log.apply();
-    EXPECT_EQ(held.log.next(), nullptr);
+    EXPECT_FALSE(held.log.has_next());
     EXPECT_EQ(held.log.applied(), 3U);
     EXPECT_TRUE(held.log.mirror().contains("c"));
 }
@@ -175,7 +175,7 @@ TEST(PeerLog, AFrozenLogDropsWhatWasNotAppliedYet) {
     held.log.offer(2, {session("b")});
     held.log.offer(4, {session("d")});
     held.log.freeze();
-    EXPECT_EQ(held.log.next(), nullptr);
+    EXPECT_FALSE(held.log.has_next());
     held.take(2, {session("b"), session("c")});  // a tail, up to the agreed end
     EXPECT_EQ(held.log.applied(), 3U);
     EXPECT_FALSE(held.log.mirror().contains("d"));

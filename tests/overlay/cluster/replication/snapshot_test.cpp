@@ -165,7 +165,7 @@ TEST(SnapshotOfABusyBroker, IsAsOfOneEvent) {
         busy.take_log();
         held.offer(as_of->seq + 1, {busy.home.log.begin() + static_cast<std::ptrdiff_t>(as_of->seq),
                                     busy.home.log.end()});
-        while (held.next() != nullptr) held.apply();
+        while (held.has_next()) held.apply();
         compare();
     }
 }
