@@ -355,10 +355,10 @@ std::vector<LogPosition> BrokerCore::cursors() const {
 
 void BrokerCore::append_cursors(Actions& out) {
     Tables& tables = state_->tables;
-    for (const LogPosition& position : tables.cursors.unlogged()) {
-        tables.log.append(out, [&] { return Cursor{position}; });
-        tables.cursors.logged(position);
-    }
+    const std::vector<LogPosition> moved = tables.cursors.unlogged();
+    if (moved.empty()) return;
+    tables.log.append(out, [&] { return Cursor{moved}; });
+    for (const LogPosition& position : moved) tables.cursors.logged(position);
 }
 
 void BrokerCore::advance_cursor(const LogPosition& through) {

@@ -58,7 +58,7 @@ public:
     [[nodiscard]] Seq cursor(const LogId& log) const;
     /// Of all logs, also of those that nobody holds here any more.
     [[nodiscard]] std::vector<LogPosition> cursors() const;
-    /// Appends a Cursor event for each log whose cursor moved since its last one.
+    /// Appends a Cursor event, when a cursor moved since the last one.
     void append_cursors(Actions& out);
     /// Takes note that the log has been worked through up to `through` although it held no
     /// publishes there.

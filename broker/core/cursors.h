@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "broker/core/log_position.h"
+#include "romano/base/flat_map.h"
 
 namespace romano::broker {
 
@@ -30,52 +31,54 @@ namespace romano::broker {
 class Cursors {
 public:
     [[nodiscard]] Seq at(const LogId& log) const {
-        const auto found = by_log_.find(log);
-        return found == by_log_.end() ? 0 : found->second.through;
+        const auto found = std::ranges::lower_bound(through_, log, {}, &LogPosition::log);
+        return found == through_.end() || found->log != log ? 0 : found->seq;
     }
 
     /// False when the position was passed before.
     bool advance(const LogPosition& position) {
-        Cursor& cursor = by_log_[position.log];
-        if (position.seq <= cursor.through) return false;
-        cursor.through = position.seq;
+        const auto known = std::ranges::lower_bound(through_, position.log, {}, &LogPosition::log);
+        if (known == through_.end() || known->log != position.log) {
+            through_.insert(known, position);
+            return position.seq > 0;
+        }
+        if (position.seq <= known->seq) return false;
+        known->seq = position.seq;
         return true;
     }
 
     /// The own log says so: by a Routed or a Cursor event.
     void logged(const LogPosition& position) {
-        Cursor& cursor = by_log_[position.log];
-        cursor.logged = std::max(cursor.logged, position.seq);
+        Seq& seq = logged_[position.log];
+        seq = std::max(seq, position.seq);
     }
 
     /// Nothing can come of these logs any more.
     template <typename IsOver>
     void forget(IsOver&& is_over) {
-        std::erase_if(by_log_, [&](const auto& entry) { return is_over(entry.first); });
+        std::erase_if(through_, [&](const LogPosition& cursor) { return is_over(cursor.log); });
+        erase_if(logged_, [&](const auto& entry) { return is_over(entry.first); });
     }
-    [[nodiscard]] std::size_t size() const { return by_log_.size(); }
+    [[nodiscard]] std::size_t size() const { return through_.size(); }
 
     /// Those that the own log does not know yet.
     [[nodiscard]] std::vector<LogPosition> unlogged() const {
         std::vector<LogPosition> found;
-        for (const auto& [log, cursor] : by_log_) {
-            if (cursor.through > cursor.logged) found.push_back({log, cursor.through});
+        for (const LogPosition& cursor : through_) {
+            const auto logged = logged_.find(cursor.log);
+            if (cursor.seq > (logged == logged_.end() ? 0 : logged->second)) {
+                found.push_back(cursor);
+            }
         }
         return found;
     }
 
-    [[nodiscard]] std::vector<LogPosition> all() const {
-        std::vector<LogPosition> found;
-        for (const auto& [log, cursor] : by_log_) found.push_back({log, cursor.through});
-        return found;
-    }
+    /// By log.
+    [[nodiscard]] const std::vector<LogPosition>& all() const { return through_; }
 
 private:
-    struct Cursor {
-        Seq through = 0;
-        Seq logged = 0;
-    };
-    std::map<LogId, Cursor> by_log_;
+    std::vector<LogPosition> through_;  // by log
+    FlatMap<LogId, Seq> logged_;
 };
 
 }  // namespace romano::broker

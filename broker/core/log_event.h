@@ -82,15 +82,17 @@ struct Published {
     ClientId will_of = {};
 };
 /// The writer worked on a peer's message (or a retained one): queued for these of its sessions.
-/// Implies Cursor at that position when the message is of a peer's log and a live one: the routes
+/// Implies a Cursor at that position when the message is of a peer's log and a live one: the routes
 /// of a retained message that a new subscription asked for have `retain` set and imply nothing.
 struct Routed {
     LogPosition message;
     std::vector<Route> routes;
 };
-/// The writer has worked through that peer's publishes up to and including `through`.
+/// The writer has worked through the publishes of these peers up to and including `through`: those
+/// that moved since it said so last, by log. In one event, for with each broker there are more of
+/// them, and more who read it.
 struct Cursor {
-    LogPosition through;
+    std::vector<LogPosition> through;
 };
 /// The delivery was sent with this msg id (QoS 2: before it is sent).
 struct DeliveryStarted {

@@ -144,7 +144,7 @@ void Mirror::queue(const LogPosition& position, const MessagePtr& message, const
 }
 
 void Mirror::on(const Cursor& event) {
-    cursors_.advance(event.through);
+    for (const LogPosition& through : event.through) cursors_.advance(through);
 }
 
 void Mirror::on(const DeliveryStarted& event) {

@@ -46,8 +46,8 @@ public:
 
     [[nodiscard]] LogId log() const { return log_; }
     [[nodiscard]] Seq applied() const { return applied_; }
-    /// How far the home says that it worked through each peer's log.
-    [[nodiscard]] std::vector<LogPosition> cursors() const { return cursors_.all(); }
+    /// How far the home says that it worked through each peer's log; by log.
+    [[nodiscard]] const std::vector<LogPosition>& cursors() const { return cursors_.all(); }
     [[nodiscard]] Seq cursor(const LogId& log) const { return cursors_.at(log); }
     /// See BrokerCore::forget_logs.
     void forget_logs(const std::function<bool(const LogId&)>& are_over) {

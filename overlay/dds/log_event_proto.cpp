@@ -78,7 +78,9 @@ struct EventWriter {
         to_proto(e.message, *to.mutable_message());
         for (const auto& route : e.routes) to_proto(route, *to.add_routes());
     }
-    void operator()(const broker::Cursor& e) const { to_proto(e.through, *out.mutable_cursor()); }
+    void operator()(const broker::Cursor& e) const {
+        all_to_proto(e.through, *out.mutable_cursor()->mutable_through());
+    }
     void operator()(const broker::DeliveryStarted& e) const {
         auto& to = *out.mutable_delivery_started();
         to.set_client_id(e.client_id);
@@ -170,6 +172,12 @@ MaybeEvent read_session_moved(const SessionMoved& in) {
     return broker::SessionMoved{std::move(*header), *to};
 }
 
+MaybeEvent read_cursor(const Cursor& in) {
+    broker::Cursor out;
+    if (!all_from_proto(in.through(), out.through)) return std::nullopt;
+    return out;
+}
+
 MaybeEvent read_sealed(const Sealed& in) {
     const auto address = from_proto(in.address());
     const auto to = from_proto(in.to());
@@ -217,8 +225,7 @@ MaybeEvent from_proto(const LogEvent& in) {
         case LogEvent::kRouted:
             return read_routed(in.routed());
         case LogEvent::kCursor:
-            if (const auto through = from_proto(in.cursor())) return broker::Cursor{*through};
-            break;
+            return read_cursor(in.cursor());
         case LogEvent::kDeliveryStarted:
             return read_delivery_started(in.delivery_started());
         case LogEvent::kDeliveryReleased:

@@ -23,6 +23,8 @@ std::size_t size_of(const broker::LogEventPtr& event) {
         size += size_of(published->message) + published->routes.size() * small_event_octets;
     } else if (const auto* routed = std::get_if<broker::Routed>(&*event)) {
         size += routed->routes.size() * small_event_octets;
+    } else if (const auto* cursor = std::get_if<broker::Cursor>(&*event)) {
+        size += cursor->through.size() * small_event_octets;
     } else if (const auto* put = std::get_if<broker::SessionPut>(&*event)) {
         const broker::SessionImage& image = put->image;
         size += (image.subscriptions.size() + image.topics.size()) * small_event_octets;

@@ -103,7 +103,9 @@ std::string event(const Routed& e) {
     return "routed " + text(e.message) + " for" + text(e.routes);
 }
 std::string event(const Cursor& e) {
-    return "cursor " + text(e.through);
+    std::string all = "cursor";
+    for (const LogPosition& through : e.through) all += ' ' + text(through);
+    return all;
 }
 std::string event(const DeliveryStarted& e) {
     return "started " + e.client_id + ' ' + text(e.message) + " #" + number(e.msg_id);

@@ -13,22 +13,22 @@ Seq before_last_batch(const LogHistory& history) {
     return history.last() - std::min<Seq>(history.last(), events_per_batch);
 }
 
-/// Of each peer's log, in the order of logs: how far all others hold it, and have worked through.
+/// How far all others hold a peer's log, and have worked through it.
 struct Common {
+    LogId log;
     Seq held;
     Seq passed;
 };
 
-/// Lowers what is common to all by what `positions`, which are in the order of logs, say of one.
-void lower(std::vector<Common>& common, Seq Common::*which, const PeerLogs& logs, const LogId& of,
+/// Lowers what is common to all by what `positions` say of one; both are in the order of logs.
+void lower(std::vector<Common>& common, Seq Common::*which, const LogId& of,
            const std::vector<LogPosition>& positions) {
     auto at = positions.begin();
-    std::size_t place = 0;
-    for (const auto& [id, log] : logs) {
-        while (at != positions.end() && at->log < id) ++at;
-        Seq& least = common[place++].*which;
-        if (id == of) continue;
-        least = std::min(least, at != positions.end() && at->log == id ? at->seq : 0);
+    for (Common& one : common) {
+        while (at != positions.end() && at->log < one.log) ++at;
+        if (one.log == of) continue;
+        Seq& least = one.*which;
+        least = std::min(least, at != positions.end() && at->log == one.log ? at->seq : 0);
     }
 }
 
@@ -36,12 +36,14 @@ void lower(std::vector<Common>& common, Seq Common::*which, const PeerLogs& logs
 std::vector<Common> common_to_all(const PeerLogs& logs, const Membership& members) {
     constexpr Seq endless = std::numeric_limits<Seq>::max();
     const std::vector<LogPosition> none;
-    std::vector<Common> common(logs.size(), Common{endless, endless});
+    std::vector<Common> common;
+    common.reserve(logs.size());
+    for (const auto& [id, log] : logs) common.push_back({id, endless, endless});
     for (const auto& [id, log] : logs) {
-        lower(common, &Common::passed, logs, id, log.mirror().cursors());
+        lower(common, &Common::passed, id, log.mirror().cursors());
         if (log.is_frozen()) continue;
         const Peer* peer = members.find(id.broker);
-        lower(common, &Common::held, logs, id, peer == nullptr ? none : peer->beacon.applied);
+        lower(common, &Common::held, id, peer == nullptr ? none : peer->beacon.applied);
     }
     return common;
 }

@@ -160,7 +160,7 @@ broker::LogEvent event_of(std::size_t kind, Random& r) {
         case 8:
             return broker::Routed{position(r), some(r, route)};
         case 9:
-            return broker::Cursor{position(r)};
+            return broker::Cursor{some(r, position)};
         case 10:
             return broker::DeliveryStarted{text(r), position(r), msg_id(r), qos(r)};
         case 11:

@@ -98,7 +98,7 @@ protected:
     }
     /// The session comes from a home that had worked through `log` so far.
     void move_session(const LogId& to, const LogId& log, Seq seq) {
-        apply(to, broker::Cursor{{log, seq}});
+        apply(to, broker::Cursor{{{log, seq}}});
         apply(to, test::session("robot"));
     }
 
@@ -145,7 +145,7 @@ TEST_F(PublishOrderTest, ALogThatWaitsIsWaitedForNoFurtherThanNeeded) {
     apply(former, test::session("other"));
     move_session(next, former, 4);
     publish(next);  // 3
-    apply(former, broker::Cursor{{next, 2}});
+    apply(former, broker::Cursor{{{next, 2}}});
     apply(former, test::session("robot"));
     EXPECT_EQ(broker.cursor(next), 0U);
     publish(former);  // 4
