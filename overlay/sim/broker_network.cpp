@@ -54,7 +54,13 @@ std::unique_ptr<overlay::Transport> BrokerNetwork::attach(const broker::LogId& p
     for (const auto& [other, peer] : peers_) {
         if (other != process) match(self, peer);
     }
+    sort_ways();
     return port;
+}
+
+void BrokerNetwork::sort_ways() {
+    ways_from_.clear();
+    for (const auto& [pair, way] : ways_) ways_from_[pair.first].push_back(way);
 }
 
 void BrokerNetwork::match(const SharedPeer& a, const SharedPeer& b) {
@@ -92,6 +98,7 @@ void BrokerNetwork::detach(const SharedPeer& process) {
     process->port = nullptr;
     peers_.erase(process->process);
     std::erase_if(ways_, [](const auto& entry) { return entry.second->is_over(); });
+    sort_ways();
 }
 
 void BrokerNetwork::tell_of_link(const Peer& to, const Peer& about, election::Link link) {
@@ -137,11 +144,10 @@ void BrokerNetwork::send(const SharedPeer& from, const overlay::Outgoing& outgoi
 std::vector<BrokerNetwork::SharedWay> BrokerNetwork::ways_of(
     const SharedPeer& from, const std::optional<broker::BrokerId>& to) const {
     std::vector<SharedWay> ways;
-    const broker::LogId first{to.value_or(broker::BrokerId{}), 0};
-    for (auto at = ways_.lower_bound({from->process, first}); at != ways_.end(); ++at) {
-        const SharedWay& way = at->second;
-        if (way->from->process != from->process) break;
-        if (to && *to != way->to->process.broker) break;
+    const auto found = ways_from_.find(from->process);
+    if (found == ways_from_.end()) return ways;
+    for (const SharedWay& way : found->second) {
+        if (to && *to != way->to->process.broker) continue;
         if (way->to->port != nullptr && way->matched_at <= events_.now()) ways.push_back(way);
     }
     return ways;

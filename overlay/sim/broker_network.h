@@ -151,6 +151,7 @@ private:
     void send(const SharedPeer& from, const overlay::Outgoing& outgoing);
     [[nodiscard]] std::vector<SharedWay> ways_of(const SharedPeer& from,
                                                  const std::optional<broker::BrokerId>& to) const;
+    void sort_ways();
     void send_reliable(const SharedWay& way, Stream& stream, const Shared& sample);
     void send_best_effort(const SharedWay& way, const Shared& sample);
     void send_on_backbone(const SharedPeer& from, const overlay::Outgoing& outgoing,
@@ -178,6 +179,7 @@ private:
     std::map<Node, Instant> stalled_;
     std::map<broker::LogId, SharedPeer> peers_;  // that live
     std::map<Pair, SharedWay> ways_;
+    std::map<broker::LogId, std::vector<SharedWay>> ways_from_;  // the same: most goes to all
 };
 
 }  // namespace romano::sim
