@@ -40,6 +40,7 @@ public:
     void resolve(const MessagePtr& message);
     /// The messages that deliveries still wait for.
     [[nodiscard]] std::vector<LogPosition> unresolved() const;
+    [[nodiscard]] bool is_any_unresolved() const { return !waiting_.empty(); }
     [[nodiscard]] bool is_unresolved(const LogPosition& position) const {
         return waiting_.contains(position);
     }

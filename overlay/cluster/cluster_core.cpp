@@ -66,7 +66,7 @@ void ClusterCore::on_tick(Effects& effects, const std::set<Endpoint>& pending_ou
     if (knows_its_place(effects.now)) {
         view_change_.on_tick(effects.now, surroundings(effects), effects.peers);
         take_view(effects);
-        hand_back_.compare(effects, membership_, view(), addresses_);
+        compare_addresses(effects);
         reclaim(effects);
         hand_back_.carry_on(effects, logs(), membership_, view(), addresses_, departures_,
                             {.pending_output = pending_output,
@@ -115,10 +115,19 @@ Instant ClusterCore::next_wakeup() const {
     const bool is_behind = publish_order_.is_behind() || (arrivals_.is_half_done() && !is_back()) ||
                            departures_.is_half_done() || hand_back_.is_half_done() ||
                            settlement_.is_half_done() || !take_over_.half_adopted().empty() ||
-                           !said_again_.empty() || some_log_waits_;
+                           !said_again_.empty() || !behind_.empty();
     if (is_behind) return Instant::min();
     return std::min({next_tick_, membership_.next_wakeup(), log_sender_.next_wakeup(),
                      view_change_.next_wakeup()});
+}
+
+/// While nobody else serves them, only news change that.
+void ClusterCore::compare_addresses(Effects& effects) {
+    const Compared now{membership_.news(), view().number, view().members.size(),
+                       addresses_.serving()};
+    if (!hand_back_.has_rivals() && now == compared_) return;
+    compared_ = now;
+    hand_back_.compare(effects, membership_, view(), addresses_);
 }
 
 void ClusterCore::seek_addresses(Effects& effects) {
@@ -147,7 +156,7 @@ bool ClusterCore::must_fetch(Effects& effects, const Endpoint& via, const Endpoi
 void ClusterCore::on_address(Effects& effects, const Endpoint& address, bool served) {
     addresses_.on_address(address, served);
     hand_back_.on_address(effects.now, address, served);
-    hand_back_.compare(effects, membership_, view(), addresses_);  // before anything is said there
+    compare_addresses(effects);  // before anything is said there
     after_input(effects);
 }
 
@@ -254,7 +263,7 @@ void ClusterCore::on(Effects& effects, BrokerId, const Pulse& pulse) {
 
 void ClusterCore::heed_news_of_peers(Effects& effects) {
     if (!knows_its_place(effects.now)) return;
-    hand_back_.compare(effects, membership_, view(), addresses_);
+    compare_addresses(effects);
     view_change_.on_tick(effects.now, surroundings(effects), effects.peers);
 }
 
@@ -526,6 +535,7 @@ void ClusterCore::restart(Effects& effects, LogId log) {
     take_over_.restart();
     fetching_ = Fetching(log.broker);
     hand_back_ = HandBack(log.broker, options_.sessions_per_turn);
+    compared_.reset();
     arrivals_ = Arrivals(log, options_.sessions_per_turn);
     departures_ = Departures(options_.sessions_per_turn);
     settlement_ = Settlement(log.broker);

@@ -231,9 +231,12 @@ private:
     [[nodiscard]] Acknowledgements::IsHeld is_held() const;
     void heed_arrivals(Effects& effects);
     void reclaim(Effects& effects);
+    void compare_addresses(Effects& effects);
     void apply_event(Effects& effects, const LogId& id, PeerLog& log);
     void take_last_publishes(Effects& effects, const SnapshotPart& part);
     void learn(const MessagePtr& message);
+    /// The log's deliveries changed.
+    void note_lacking(const LogId& id, const PeerLog& log);
     /// Its new home has the session that this event moved there.
     void on_arrived(const broker::ClientId& client, const LogPosition& moved);
     void mark_taken(const broker::ClientId& client);
@@ -294,11 +297,22 @@ private:
     /// Back from a standstill: others may have gone on for us, and what we are asked or told may be
     /// as old. Zero while there was a lease since.
     Duration stood_still_for_{};
+    /// What the own addresses were compared with last.
+    struct Compared {
+        std::uint64_t news = 0;
+        ViewNumber view{};
+        std::size_t members = 0;
+        std::set<Endpoint> serving{};
+
+        friend bool operator==(const Compared&, const Compared&) = default;
+    };
+    std::optional<Compared> compared_;
     SmallerSide smaller_side_;
     Acquaintance acquaintance_;
     Namesake namesake_;
     Leaderless leaderless_;
-    bool some_log_waits_ = false;  // to be applied; looked up at each tick
+    std::set<LogId> behind_;   // logs with events that wait to be applied
+    std::set<LogId> lacking_;  // logs with deliveries of messages that are not here
     Instant next_tick_ = Instant::min();
     Instant next_cursors_ = Instant::min();
     Instant next_trim_ = Instant::min();

@@ -92,6 +92,7 @@ void ClusterCore::on(Effects& effects, BrokerId from, const SnapshotPart& part) 
     for (const LogPosition& position : log.mirror().unresolved()) {
         if (const auto message = logs().publish_at(position)) log.mirror().resolve(message);
     }
+    note_lacking(id, log);
     if (!is_first) peer_sessions_.reset(id, log.mirror());
     publish_order_.on_snapshot_end(effects, *as_of);
     arrivals_.on_snapshot(effects, log);
@@ -122,15 +123,17 @@ void ClusterCore::catch_up(Effects& effects) {
     settlement_.compare_some(logs_);
     arrivals_.on_turn();
     say_again(effects);
-    some_log_waits_ = false;
-    for (auto& [id, log] : logs_) apply(effects, id, log, options_.events_per_turn);
+    for (const LogId& id : std::exchange(behind_, {})) {
+        const auto log = logs_.find(id);
+        if (log != logs_.end()) apply(effects, id, log->second, options_.events_per_turn);
+    }
 }
 
 void ClusterCore::apply(Effects& effects, const LogId& id, PeerLog& log, std::size_t most,
                         Answer answer) {
     const Seq before = log.applied();
     for (; most > 0 && log.has_next(); --most) apply_event(effects, id, log);
-    some_log_waits_ |= log.has_next();
+    if (log.has_next()) behind_.insert(id);
     if (log.applied() == before) return;
     if (!log.is_frozen() && answer == Answer::at_once) acknowledge(effects, id, log);
     acknowledge_what_waited(effects);
@@ -199,6 +202,7 @@ void ClusterCore::apply_event(Effects& effects, const LogId& id, PeerLog& log) {
         if (!message) message = effects.broker.retained_at(routed->message);
         if (message) log.mirror().resolve(message);
     }
+    note_lacking(id, log);
     if (put != nullptr && !put->image.header.client_id.empty() && !log.is_frozen()) {
         const broker::ClientId& client = put->image.header.client_id;
         mark_taken(client);
@@ -219,7 +223,16 @@ void ClusterCore::mark_taken(const broker::ClientId& client) {
 }
 
 void ClusterCore::learn(const MessagePtr& message) {
-    for (auto& [id, log] : logs_) log.mirror().resolve(message);
+    std::erase_if(lacking_, [&](const LogId& id) {
+        const auto log = logs_.find(id);
+        if (log == logs_.end()) return true;
+        log->second.mirror().resolve(message);
+        return !log->second.mirror().is_any_unresolved();
+    });
+}
+
+void ClusterCore::note_lacking(const LogId& id, const PeerLog& log) {
+    if (log.mirror().is_any_unresolved()) lacking_.insert(id);
 }
 
 void ClusterCore::trim(Effects& effects) {

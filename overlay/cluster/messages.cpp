@@ -14,17 +14,17 @@ bool View::has_later_life_of(const LogId& log) const {
 }
 
 std::optional<Seq> Beacon::held_of(const LogId& other) const {
-    const auto found = std::ranges::find(applied, other, &LogPosition::log);
-    if (found == applied.end()) return std::nullopt;
+    const auto found = std::ranges::lower_bound(applied, other, {}, &LogPosition::log);
+    if (found == applied.end() || found->log != other) return std::nullopt;
     return found->seq;
 }
 
 bool Beacon::hears_from(BrokerId broker) const {
-    return std::ranges::count(hears, broker) > 0;
+    return std::ranges::binary_search(hears, broker);
 }
 
 bool Beacon::knows(const LogId& other) const {
-    return std::ranges::count(applied, other, &LogPosition::log) > 0;
+    return held_of(other).has_value();
 }
 
 std::optional<Seq> Beacon::end_of(const LogId& of) const {

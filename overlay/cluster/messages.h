@@ -82,10 +82,11 @@ struct Beacon {
     View view{};
     ViewNumber promised{};  // the highest that the sender promised; not below its view's
     election::Claim claim{};
-    std::vector<BrokerId> hears{};       // whose beacons reach the sender: a link counts both ways
+    /// Whose beacons reach the sender, sorted: a link counts both ways.
+    std::vector<BrokerId> hears{};
     std::vector<Echo> echoes{};          // as read from a heartbeat: of the reader alone
     std::vector<BrokerId> vouched{};     // members that echoed a tick of the sender just now
-    std::vector<LogPosition> applied{};  // how far the sender holds each peer's log
+    std::vector<LogPosition> applied{};  // how far the sender holds each peer's log; by log
     std::vector<LogPosition> ended{};    // removed logs, and where its view says that they end
     std::vector<Endpoint>
         home_addresses{};  // the service addresses that are the sender's by configuration

@@ -31,9 +31,17 @@ std::optional<std::uint32_t> place_of(const LogId& log, const View& view) {
     return static_cast<std::uint32_t>(found - view.members.begin());
 }
 
-bool has_member(const View& view, BrokerId broker) {
+std::optional<std::size_t> place_of(BrokerId broker, const View& view) {
     const auto found = std::ranges::lower_bound(view.members, broker, {}, &LogId::broker);
-    return found != view.members.end() && found->broker == broker;
+    if (found == view.members.end() || found->broker != broker) return std::nullopt;
+    return static_cast<std::size_t>(found - view.members.begin());
+}
+
+/// The own copy of a view that a peer has, too: it is looked at with each heartbeat, and so nearer
+/// than a hundred copies of the same.
+const View& nearest(const View& own, const View& peers) {
+    const bool is_same = own.number == peers.number && own.members.size() == peers.members.size();
+    return is_same ? own : peers;
 }
 
 constexpr std::uint64_t ticks_told_apart = 127;  // by an echo's octet
@@ -48,8 +56,14 @@ bool says_the_same_of_others(const Heartbeat& a, const Heartbeat& b) {
            std::ranges::equal(a.echoes, b.echoes, vouch_alike);
 }
 
-/// `held` is in the order of logs.
-void set_held(std::vector<LogPosition>& held, const LogPosition& position) {
+/// `held` is in the order of logs. The log stands at that place, or one before, where all that are
+/// held are members' but one, the holder's own.
+void set_held(std::vector<LogPosition>& held, const LogPosition& position, std::size_t place = 0) {
+    for (std::size_t at = place == 0 ? 0 : place - 1; at <= place && at < held.size(); ++at) {
+        if (held[at].log != position.log) continue;
+        held[at].seq = position.seq;
+        return;
+    }
     const auto found = std::ranges::lower_bound(held, position.log, {}, &LogPosition::log);
     if (found != held.end() && found->log == position.log) {
         found->seq = position.seq;
@@ -101,9 +115,12 @@ Heartbeat HeartbeatWriter::write(const Beacon& beacon) {
     has_news_ = before != 0 && before != out.particulars;
 
     out.hears_members.resize((beacon.view.members.size() + 7) / 8);
-    for (std::size_t place = 0; place < beacon.view.members.size(); ++place) {
-        if (!beacon.hears_from(beacon.view.members[place].broker)) continue;
-        out.hears_members[place / 8] |= static_cast<std::uint8_t>(1U << (place % 8));
+    for (const BrokerId id : beacon.hears) {
+        if (const auto place = place_of(id, beacon.view)) {
+            out.hears_members[*place / 8] |= static_cast<std::uint8_t>(1U << (*place % 8));
+        } else {
+            out.hears_others.push_back(id);
+        }
     }
     out.echoes.resize(beacon.view.members.size());
     for (const Echo& echo : beacon.echoes) {
@@ -111,12 +128,9 @@ Heartbeat HeartbeatWriter::write(const Beacon& beacon) {
             out.echoes[*place] = static_cast<std::uint8_t>(1 + echo.tick % ticks_told_apart);
         }
     }
-    for (std::size_t place = 0; place < beacon.view.members.size(); ++place) {
-        const BrokerId member = beacon.view.members[place].broker;
-        if (std::ranges::count(beacon.vouched, member) > 0) out.echoes[place] |= vouches;
+    for (const BrokerId id : beacon.vouched) {
+        if (const auto place = place_of(id, beacon.view)) out.echoes[*place] |= vouches;
     }
-    std::ranges::copy_if(beacon.hears, std::back_inserter(out.hears_others),
-                         [&](BrokerId id) { return !has_member(beacon.view, id); });
 
     const auto say = [&](const LogPosition& position) {
         if (const auto place = place_of(position.log, beacon.view)) {
@@ -125,7 +139,7 @@ Heartbeat HeartbeatWriter::write(const Beacon& beacon) {
             out.held_others.push_back(position);
         }
     };
-    std::erase_if(held_, [&](const auto& entry) { return !beacon.knows(entry.first); });
+    erase_if(held_, [&](const auto& entry) { return !beacon.knows(entry.first); });
     std::vector<LogPosition> unchanged;
     for (const LogPosition& position : beacon.applied) {
         const auto [at, is_new] = held_.try_emplace(position.log, Said{position.seq, beacon.tick});
@@ -182,27 +196,27 @@ bool HeartbeatReader::read(const Heartbeat& heartbeat, Beacon* last, const View&
         return false;
     }
     join(*peer, *last, own_view);
-    join_echo(*peer, *last, own_tick);
+    join_echo(*peer, *last, own_view, own_tick);
     return true;
 }
 
 /// The oldest tick that it may be: of two echoes the later one is of no older tick. What is far
 /// behind our own one went round while nothing was heard: the particulars name the whole tick.
-void HeartbeatReader::join_echo(Peer& peer, Beacon& beacon, std::uint64_t own_tick) const {
+void HeartbeatReader::join_echo(Peer& peer, Beacon& beacon, const View& own_view,
+                                std::uint64_t own_tick) const {
     beacon.echoes.clear();
     peer.lacks_echo = false;
     if (peer.lacks_view) {
         beacon.vouched.clear();
         return;
     }
-    const auto& members = beacon.view.members;
+    const View& view = nearest(own_view, beacon.view);
     const auto& octets = peer.heartbeat.echoes;
-    const auto self = std::ranges::lower_bound(members, self_, {}, &LogId::broker);
-    if (self == members.end() || self->broker != self_) return;
-    const auto place = static_cast<std::size_t>(self - members.begin());
-    const std::uint8_t said = place < octets.size() ? octets[place] & ~vouches : 0;
+    const auto place = place_of(self_, view);
+    if (!place) return;
+    const std::uint8_t said = *place < octets.size() ? octets[*place] & ~vouches : 0;
     if (said == 0) return;
-    if (!peer.echo || peer.echo->of != *self) {
+    if (!peer.echo || peer.echo->of != view.members[*place]) {
         peer.lacks_echo = true;
         return;
     }
@@ -222,6 +236,7 @@ std::optional<Beacon> HeartbeatReader::read(const Particulars& told, const Beaco
     Peer& peer = found->second;
     Beacon joined = told.beacon;
     std::ranges::sort(joined.applied);
+    std::ranges::sort(joined.hears);
     if (last != nullptr && told.beacon.tick <= last->tick) {
         // Heartbeats that came since tell more of the logs that are held.
         for (LogPosition& position : joined.applied) {
@@ -294,14 +309,14 @@ void HeartbeatReader::join_view(Peer& peer, Beacon& beacon, const View& own_view
     peer.lacks_view = !is_said(beacon.view);
     if (peer.lacks_view) {
         if (std::ranges::count(said.hears_others, self_) != 0 && !beacon.hears_from(self_)) {
-            beacon.hears.push_back(self_);
+            beacon.hears.insert(std::ranges::lower_bound(beacon.hears, self_), self_);
         }
         return;
     }
     if (!std::exchange(peer.is_joined, true)) join_hears(peer, beacon);
-    const auto& members = beacon.view.members;
+    const auto& members = nearest(own_view, beacon.view).members;
     for (const auto& [member, through] : said.held) {
-        if (member < members.size()) set_held(beacon.applied, {members[member], through});
+        if (member < members.size()) set_held(beacon.applied, {members[member], through}, member);
     }
 }
 
@@ -321,6 +336,7 @@ void HeartbeatReader::join_hears(Peer& peer, Beacon& beacon) {
         }
     }
     beacon.hears.insert(beacon.hears.end(), said.hears_others.begin(), said.hears_others.end());
+    std::ranges::sort(beacon.hears);
 }
 
 bool HeartbeatReader::is_complete(BrokerId broker) const {

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "overlay/cluster/messages.h"
+#include "romano/base/flat_map.h"
 #include "romano/base/time.h"
 
 namespace romano::cluster {
@@ -40,7 +41,7 @@ private:
         std::uint64_t changed_at = 0;  // tick
     };
 
-    std::map<LogId, Said> held_;
+    FlatMap<LogId, Said> held_;
     std::optional<LogId> repeated_last_;
     std::uint32_t particulars_ = 0;
     bool has_news_ = false;
@@ -89,7 +90,7 @@ private:
 
     void join(Peer& peer, Beacon& beacon, const View& own_view) const;
     void join_view(Peer& peer, Beacon& beacon, const View& own_view) const;
-    void join_echo(Peer& peer, Beacon& beacon, std::uint64_t own_tick) const;
+    void join_echo(Peer& peer, Beacon& beacon, const View& own_view, std::uint64_t own_tick) const;
     static void join_hears(Peer& peer, Beacon& beacon);
     [[nodiscard]] Peer* find_or_add(const LogId& log);
 

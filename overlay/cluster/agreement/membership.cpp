@@ -62,6 +62,7 @@ Membership::Heard Membership::on_beacon(Instant now, const Beacon& beacon) {
     if (id == self_) return Heard::nothing;
     if (!peers_.contains(id) && peers_.size() >= peers_known) {
         std::erase_if(peers_, [](const auto& entry) { return !entry.second.alive; });
+        ++news_;
         if (peers_.size() >= peers_known) return Heard::nothing;
     }
     Peer& peer = peers_[id];
@@ -80,7 +81,7 @@ Membership::Heard Membership::on_beacon(Instant now, const Beacon& beacon) {
     peer.hears_us = beacon.hears_from(self_);
     has_news = has_news || news_of(peer) != before;
     // Its particulars came after its heartbeat, and may have waited.
-    if (!is_new_tick) return has_news ? Heard::news : Heard::life;
+    if (!is_new_tick) return heard(has_news);
     return on_tick_of(now, peer, has_news);
 }
 
@@ -108,7 +109,7 @@ Membership::Heard Membership::on_tick_of(Instant now, Peer& peer, bool has_news)
         heard_->on_gone(now, node);
         linked_->on_gone(now, node);
         bury_suspects(now);
-        return Heard::news;
+        return heard(true);
     }
     heard_->on_beacon(now, node);
     if (peer.hears_us) {
@@ -121,7 +122,12 @@ Membership::Heard Membership::on_tick_of(Instant now, Peer& peer, bool has_news)
         }
     }
     const bool is_changed = peer.alive != was_alive || heard_->is_alive(node) != was_heard;
-    return has_news || is_changed ? Heard::news : Heard::life;
+    return heard(has_news || is_changed);
+}
+
+Membership::Heard Membership::heard(bool has_news) {
+    if (has_news) ++news_;
+    return has_news ? Heard::news : Heard::life;
 }
 
 Membership::News Membership::news_of(const Peer& peer) {
@@ -204,11 +210,12 @@ void Membership::send_ballots(Outbox& out) {
 }
 
 void Membership::bury_suspects(Instant now) {
-    (void)heard_->take_suspects();
+    if (!heard_->take_suspects().empty()) ++news_;
     for (const auto node : linked_->take_suspects()) {
         Peer& peer = peers_[broker_of(node)];
         peer.alive = false;
         ++changes_;
+        ++news_;
         lost_.push_back(broker_of(node));
         elector_->on_suspect(now, node);
     }

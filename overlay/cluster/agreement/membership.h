@@ -107,6 +107,8 @@ public:
     [[nodiscard]] std::string name_of(BrokerId id) const;
     /// Grows whenever somebody else is alive, or in another life.
     [[nodiscard]] std::uint64_t changes() const { return changes_; }
+    /// Grows also whenever somebody else is heard, or says something else that others act on.
+    [[nodiscard]] std::uint64_t news() const { return news_; }
     /// Peers that were taken for dead since the last call.
     [[nodiscard]] std::vector<BrokerId> take_lost();
     [[nodiscard]] Duration detection_time() const { return linked_->detection_time(); }
@@ -128,6 +130,7 @@ private:
     [[nodiscard]] static News news_of(const Peer& peer);
     [[nodiscard]] static bool is_news(const Beacon& before, const Beacon& beacon);
     Heard on_tick_of(Instant now, Peer& peer, bool has_news);
+    Heard heard(bool has_news);
     void bury_suspects(Instant now);
     [[nodiscard]] bool was_heard_just_now(const Peer& peer, Instant now) const;
 
@@ -141,6 +144,7 @@ private:
     std::map<BrokerId, Peer> peers_;
     std::vector<BrokerId> lost_;
     std::uint64_t changes_ = 0;
+    std::uint64_t news_ = 0;
 };
 
 }  // namespace romano::cluster

@@ -63,6 +63,8 @@ public:
     /// to which it belongs is not heard any more.
     void compare(Effects& effects, const Membership& membership, const View& view,
                  const ServiceAddresses& addresses);
+    /// compare() found somebody.
+    [[nodiscard]] bool has_rivals() const { return !contested_.empty() || !rivals_.empty(); }
     /// The address's sessions are on their way, or it belongs to another broker that serves it:
     /// nothing is heard for them here.
     [[nodiscard]] bool is_deaf(const Endpoint& address) const;

@@ -37,8 +37,12 @@ void Fetching::carry_on(Effects& effects, const PeerLogs& logs, const Membership
     is_new_view_ = false;
     for (const auto& log : logs) {
         const LogId& id = log.first;
+        const bool has_gap = lacks(log);
+        const bool lacks_messages = log.second.mirror().is_any_unresolved();
+        // Of most nothing is lacking: they are looked up no further.
+        if (!has_gap && !lacks_messages && !missing_.contains(id)) continue;
         if (log.second.is_frozen() || !membership.is_alive(id)) continue;
-        if (lacks(log)) ask(effects, {id, received(id)}, gaps_since, id.broker);
+        if (has_gap) ask(effects, {id, received(id)}, gaps_since, id.broker);
         ask_for_messages(effects, log);
     }
     for (auto& [id, removed] : removed_) {

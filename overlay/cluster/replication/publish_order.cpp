@@ -21,13 +21,15 @@ Seq worked_through(const PeerLog& writer, const broker::SessionImage& image, con
 void PublishOrder::on_session(const Effects& effects, const PeerLog& writer,
                               const broker::SessionImage& image, const PeerLogs& logs,
                               const View& view) {
-    std::set<LogId> others{view.members.begin(), view.members.end()};
-    for (const auto& [id, log] : logs) others.insert(id);
-    others.erase(writer.mirror().log());
     std::vector<LogPosition> lacking;
-    for (const LogId& id : others) {
+    const auto look_at = [&](const LogId& id) {
+        if (id == writer.mirror().log()) return;
         const LogPosition position{id, worked_through(writer, image, id)};
         if (!is_worked_through(effects, position, logs, view)) lacking.push_back(position);
+    };
+    for (const auto& [id, log] : logs) look_at(id);
+    for (const LogId& id : view.members) {
+        if (!logs.contains(id)) look_at(id);
     }
     if (lacking.empty()) return;
     auto& held = by_log_[writer.mirror().log()];
