@@ -73,7 +73,7 @@ struct SweepSettings {
     std::chrono::duration<double> fault_after{4};       // from the start of the load
     std::chrono::duration<double> pause{2};             // from one step of a fault to the next
     std::chrono::duration<double> drain{15};            // at most, for the last deliveries
-    std::chrono::duration<double> start_within{15};     // for all brokers to be in one view
+    std::chrono::duration<double> start_within{60};     // for all brokers to be in one view
     std::chrono::duration<double> retry{1};             // the robots' Tretry
     std::chrono::duration<double> publish_within{0.5};  // of its time: else the run failed
     double probe_per_s = 0;  // messages of the failover probe at each broker; 0: there is none
