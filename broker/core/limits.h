@@ -32,7 +32,7 @@ struct Limits {
                                                       // heeded; the rest is dropped unanswered
     std::size_t address_stranger_datagrams_per_second = 20'000;  // the same of one IP address, of
                                                                  // whatever ports
-    std::size_t stranger_answers_per_second = 2'000;  // DISCONNECTs to all addresses without a
+    std::size_t stranger_answers_per_second = 2'000;  // of a kind, to all addresses without a
                                                       // session; the rest is dropped unanswered
     std::size_t pacing_ms = 1'000;     // PUBACK and PUBREC come so much later, at most, when a
                                        // receiver's queue fills up

@@ -1,9 +1,11 @@
-// How many DISCONNECTs strangers hear in a second, all addresses together, spread evenly: behind a
-// tenth of a second's worth each waits for its turn, and those between are dropped. Who floods from
-// ever new addresses, true or forged, then costs a broker no more than reading and looking up, and
-// the clients that it serves do not wait behind answers.
+// How many answers of a kind strangers hear in a second, all addresses together, spread evenly:
+// behind a tenth of a second's worth each waits for its turn, and those between are dropped. Who
+// floods from ever new addresses, true or forged, then costs a broker no more than reading and
+// looking up, and the clients that it serves do not wait behind answers.
 //
-// What is said to a CONNECT is not counted here: a swarm may come at once.
+// Each kind has its own, so that a flood of one leaves the others: DISCONNECT, and the refusal of a
+// CONNECT that lacks its client's key (broker/protection). What else is said to a CONNECT is not
+// counted: a swarm may come at once.
 #pragma once
 
 #include <algorithm>

@@ -64,7 +64,7 @@ std::unique_ptr<Protection> open_protection(const Settings& settings) {
     if (!settings.keys) return nullptr;
     const std::string& folder = *settings.keys;
     try {
-        auto protection = std::make_unique<Protection>(folder);
+        auto protection = std::make_unique<Protection>(folder, settings.limits);
         const auto own =
             std::ranges::find(settings.listen, Endpoint::Packets::dtls, &Endpoint::packets);
         const bool has_own = own != settings.listen.end();
@@ -84,12 +84,12 @@ std::unique_ptr<Protection> open_protection(const Settings& settings) {
     }
 }
 
-Protection::Protection(fs::path folder)
+Protection::Protection(fs::path folder, const broker::Limits& limits)
     : folder_(std::move(folder)),
       lock_(folder_ / "broker.lock"),
       record_(keys::read_broker_record(folder_ / keys::record_name)),
       heard_(folder_ / "clients.heard"),
-      clients_(record_.identity, record_.bound) {
+      clients_(record_.identity, record_.bound, limits.stranger_answers_per_second) {
     if (!lock_.try_take(0)) {
         throw keys::KeyError(
             "is in use by another broker; each needs a folder of its own "
@@ -149,13 +149,13 @@ void Protection::admit(Instant now, const Endpoint& via, const Endpoint& from, B
         if (dtls_) dtls_->take(now, {via, from}, datagram, out, deliver);
         return;
     }
-    const Bytes admitted = admit_sealed(via, from, datagram, out);
+    const Bytes admitted = admit_sealed(now, via, from, datagram, out);
     if (!admitted.empty()) deliver({{via, from}, admitted});
 }
 
-Bytes Protection::admit_sealed(const Endpoint& via, const Endpoint& from, Bytes datagram,
-                               broker::Actions& out) {
-    const Bytes admitted = clients_.admit(via, from, datagram, out);
+Bytes Protection::admit_sealed(Instant now, const Endpoint& via, const Endpoint& from,
+                               Bytes datagram, broker::Actions& out) {
+    const Bytes admitted = clients_.admit(now, via, from, datagram, out);
     if (const auto heard = clients_.to_store()) {
         if (!heard_.add(*heard)) {
             ++unstored_;
@@ -258,6 +258,7 @@ void Protection::add_metrics(metrics::Page& page) const {
     }
     refused("foreign_client_id", counters.foreign_client_id);
     refused("needs_protection", counters.needs_protection);
+    refused("stranger_rate", counters.stranger_rate);
     refused("keyless", counters.keyless);
     refused("not_stored", unstored_);
     if (dtls_) add_dtls(page, *dtls_);

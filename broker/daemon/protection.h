@@ -33,7 +33,7 @@ namespace romano::daemon {
 class Protection {
 public:
     /// Throws keys::KeyError.
-    explicit Protection(std::filesystem::path folder);
+    Protection(std::filesystem::path folder, const broker::Limits& limits);
 
     /// From now on datagrams of DTLS addresses are understood. False when this broker has no place.
     [[nodiscard]] bool serve_dtls();
@@ -57,8 +57,8 @@ public:
     [[nodiscard]] dtls::DtlsClients* dtls_clients() { return dtls_ ? &dtls_->clients() : nullptr; }
 
 private:
-    [[nodiscard]] Bytes admit_sealed(const Endpoint& via, const Endpoint& from, Bytes datagram,
-                                     broker::Actions& out);
+    [[nodiscard]] Bytes admit_sealed(Instant now, const Endpoint& via, const Endpoint& from,
+                                     Bytes datagram, broker::Actions& out);
     [[nodiscard]] std::optional<dtls::Certificates> certificates() const;
     void read_table();
     void store_bound(std::size_t about_to_seal);

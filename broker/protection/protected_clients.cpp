@@ -63,8 +63,12 @@ std::size_t ProtectedClients::SenderHash::operator()(const SenderId& id) const {
     return hash;
 }
 
-ProtectedClients::ProtectedClients(const SenderId& self, std::uint32_t bound)
-    : self_(self), reserve_(bound), room_(room_in_front + mqttsn::max_datagram) {}
+ProtectedClients::ProtectedClients(const SenderId& self, std::uint32_t bound,
+                                   std::size_t stranger_answers_per_second)
+    : self_(self),
+      reserve_(bound),
+      answers_(stranger_answers_per_second),
+      room_(room_in_front + mqttsn::max_datagram) {}
 ProtectedClients::~ProtectedClients() = default;
 
 void ProtectedClients::set_clients(std::span<const ProtectedClient> clients, const Known& known) {
@@ -97,11 +101,11 @@ void ProtectedClients::forget(Client& client) {
 
 // --- in
 
-Bytes ProtectedClients::admit(const Endpoint& via, const Endpoint& from, Bytes datagram,
-                              Actions& out) {
+Bytes ProtectedClients::admit(Instant now, const Endpoint& via, const Endpoint& from,
+                              Bytes datagram, Actions& out) {
     to_store_ = nullptr;
     return is_sealed(via) ? admit_sealed(via, from, datagram, out)
-                          : admit_plain(via, from, datagram, out);
+                          : admit_plain(now, via, from, datagram, out);
 }
 
 Bytes ProtectedClients::admit_sealed(const Endpoint& via, const Endpoint& from, Bytes datagram,
@@ -143,8 +147,8 @@ Bytes ProtectedClients::admit_sealed(const Endpoint& via, const Endpoint& from, 
     return Bytes{room_}.subspan(at, header + message.size());
 }
 
-Bytes ProtectedClients::admit_plain(const Endpoint& via, const Endpoint& from, Bytes datagram,
-                                    Actions& out) {
+Bytes ProtectedClients::admit_plain(Instant now, const Endpoint& via, const Endpoint& from,
+                                    Bytes datagram, Actions& out) {
     auto frame = mqttsn::decode_frame(datagram);
     if (!frame) return datagram;
     ClientAddress sender{from, {}};
@@ -163,8 +167,13 @@ Bytes ProtectedClients::admit_plain(const Endpoint& via, const Endpoint& from, B
     }
     const auto named = named_client(*frame);
     if (!named || !by_id_.contains(*named)) return datagram;
+    const bool is_answered = frame->type == MsgType::connect;
+    if (is_answered && !answers_.allows(now)) {
+        ++counters_.stranger_rate;
+        return {};
+    }
     ++counters_.needs_protection;
-    if (frame->type == MsgType::connect) refuse_connect(via, sender, out);
+    if (is_answered) refuse_connect(via, sender, out);
     return {};
 }
 

@@ -20,9 +20,12 @@
 #include <vector>
 
 #include "broker/core/actions.h"
+#include "broker/core/limits.h"
+#include "broker/core/stranger_answers.h"
 #include "broker/protection/packets_heard.h"
 #include "romano/base/bytes.h"
 #include "romano/base/endpoint.h"
+#include "romano/base/time.h"
 #include "romano/protection/broker_end.h"
 
 namespace romano::broker {
@@ -38,6 +41,7 @@ struct ProtectionCounters {
     std::uint64_t sealed = 0;
     std::uint64_t foreign_client_id = 0;  // a message in another client's name
     std::uint64_t needs_protection = 0;   // a plain one in the name of a client with a key
+    std::uint64_t stranger_rate = 0;      // the same, and too many at once to be answered
     std::uint64_t keyless = 0;            // not sent: the client's key was withdrawn
     std::array<std::uint64_t, protection::refusal_kinds> refused{};
 };
@@ -47,8 +51,11 @@ public:
     /// What is known of a client's packets from before.
     using Known = std::function<std::optional<protection::Heard>(const protection::SenderId&)>;
 
-    /// `self` and `bound` are of one record (romano/protection/reserve.h).
-    ProtectedClients(const protection::SenderId& self, std::uint32_t bound);
+    /// `self` and `bound` are of one record (romano/protection/reserve.h). So many times a second
+    /// it is said at plain addresses that a client needs its key.
+    ProtectedClients(
+        const protection::SenderId& self, std::uint32_t bound,
+        std::size_t stranger_answers_per_second = Limits{}.stranger_answers_per_second);
     ~ProtectedClients();
 
     /// These and no others. Who keeps its key is known as before.
@@ -57,8 +64,8 @@ public:
 
     /// What the core is to be given, valid until the next call; empty when the datagram is dropped.
     /// A refusal that has an answer puts it into `out`.
-    [[nodiscard]] Bytes admit(const Endpoint& via, const Endpoint& from, Bytes datagram,
-                              Actions& out);
+    [[nodiscard]] Bytes admit(Instant now, const Endpoint& via, const Endpoint& from,
+                              Bytes datagram, Actions& out);
     /// After each admit(): to be stored before the datagram has an effect.
     [[nodiscard]] std::optional<PacketsHeard> to_store() const;
     void on_stored();
@@ -88,14 +95,15 @@ private:
 
     [[nodiscard]] Bytes admit_sealed(const Endpoint& via, const Endpoint& from, Bytes datagram,
                                      Actions& out);
-    [[nodiscard]] Bytes admit_plain(const Endpoint& via, const Endpoint& from, Bytes datagram,
-                                    Actions& out);
+    [[nodiscard]] Bytes admit_plain(Instant now, const Endpoint& via, const Endpoint& from,
+                                    Bytes datagram, Actions& out);
     void note(Client& client);
     void forget(Client& client);
     void count(protection::Refusal why) { ++counters_.refused[static_cast<std::size_t>(why)]; }
 
     protection::SenderId self_;
     protection::Reserve reserve_;
+    StrangerAnswers answers_;
     std::unordered_map<std::string_view, std::unique_ptr<Client>> by_id_;  // views of their own ids
     std::unordered_map<protection::SenderId, Client*, SenderHash> by_sender_;
     std::vector<Client*> to_tell_;

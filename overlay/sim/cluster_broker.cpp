@@ -210,7 +210,7 @@ void ClusterBroker::take(const Datagram& datagram) {
         const Endpoint via = as_service(datagram.via);
         Bytes octets = datagram.octets;
         if (protection_) {
-            octets = protection_->admit(via, datagram.from, octets, actions_.clients);
+            octets = protection_->admit(local_now(), via, datagram.from, octets, actions_.clients);
             keep_on_disk();
             if (octets.empty()) return;
         }

@@ -37,7 +37,7 @@ struct Broker {
     }
     Bytes admit(const Endpoint& via, Bytes datagram) {
         actions.clear();
-        const Bytes admitted = clients.admit(via, from, datagram, actions);
+        const Bytes admitted = clients.admit(Instant{}, via, from, datagram, actions);
         if (clients.to_store()) clients.on_stored();
         return admitted;
     }

@@ -102,6 +102,16 @@ TEST_F(ProtectedFleet, AClientWithAKeyNeedsItAtThePlainAddressToo) {
     EXPECT_TRUE(counts(1, "needs_protection", 1));
 }
 
+TEST_F(ProtectedFleet, WhoFloodsThePlainAddressInItsNameHearsFewAnswers) {
+    start_protected(1, {"--listen", addresses.service(3), "--max-stranger-answers", "1"});
+    TestClient impostor(addresses.client(), addresses.service_endpoint(3), "abcd1234");
+    EXPECT_FALSE(impostor.connect());
+    const Octets connect = impostor.last_sent();
+    for (int i = 0; i < 1'000; ++i) impostor.send_octets(connect);
+    EXPECT_TRUE(counts(1, "stranger_rate", 1));
+    EXPECT_TRUE(client_of(1, "abcd1234")->connect());
+}
+
 TEST_F(ProtectedFleet, AWithdrawnRobotIsRefusedWhileTheBrokerRuns) {
     start_protected(1);
     const auto robot = client_of(1, "abcd1234");

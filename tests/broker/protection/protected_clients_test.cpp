@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <memory>
 #include <optional>
 #include <string>
@@ -63,16 +64,17 @@ private:
 
 /// A broker core behind its protected clients, as a shell composes them.
 struct Broker {
-    explicit Broker(std::uint8_t identity, ProtectedClients::Known known = {})
-        : clients({identity}, 0), core({}, 1) {
+    explicit Broker(std::uint8_t identity, ProtectedClients::Known known = {},
+                    std::size_t answers_per_second = Limits{}.stranger_answers_per_second)
+        : clients({identity}, 0, answers_per_second), core({}, 1) {
         const std::vector<ProtectedClient> all{{"a", key_a}, {"b", key_b}};
         clients.set_clients(all, known);
     }
     std::vector<Sent> take(const Endpoint& via, const Endpoint& from, const Octets& datagram) {
         Actions actions;
-        const Bytes admitted = clients.admit(via, from, datagram, actions);
+        const Bytes admitted = clients.admit(now, via, from, datagram, actions);
         if (clients.to_store()) clients.on_stored();
-        if (!admitted.empty()) core.on_datagram(Instant{}, via, from, admitted, actions);
+        if (!admitted.empty()) core.on_datagram(now, via, from, admitted, actions);
         if (const auto bound = clients.reserve().to_store()) clients.reserve().on_stored(*bound);
         clients.seal(actions);
         return test::sent_to_clients(actions);
@@ -83,6 +85,7 @@ struct Broker {
 
     ProtectedClients clients;
     BrokerCore core;
+    Instant now{};
 };
 
 struct Protected : testing::Test {
@@ -189,6 +192,26 @@ TEST_F(Protected, OnAPlainListenerNobodyIsAClientThatHasAKey) {
     EXPECT_EQ(answers[0].octets, accepted);
     EXPECT_EQ(broker.take(plain_service, other_place, forwarded("7", connect_as("d"))).size(), 1U);
     EXPECT_EQ(broker.core.session_count(), 3U);
+}
+
+TEST_F(Protected, OnAPlainListenerWhoFloodsInTheNameOfAClientWithAKeyHearsFewAnswers) {
+    Broker slow{2, {}, 20};
+    std::uint16_t port = 0;
+    const auto answers_to = [&](int flood, std::string_view id) {
+        std::size_t answers = 0;
+        for (int i = 0; i < flood; ++i) {
+            answers += slow.take(plain_service, endpoint(77, ++port), connect_as(id)).size();
+        }
+        return answers;
+    };
+    EXPECT_EQ(answers_to(100, "a"), 2U) << "a tenth of a second's";
+    EXPECT_EQ(slow.clients.counters().stranger_rate, 98U);
+    EXPECT_EQ(slow.clients.counters().needs_protection, 2U);
+    EXPECT_EQ(answers_to(100, ""), 100U) << "a swarm may come at once";
+    slow.now += std::chrono::milliseconds{50};
+    EXPECT_EQ(answers_to(10, "b"), 1U);
+    EXPECT_EQ(slow.take(service, place, a.seal(connect_as("a"))).size(), 1U);
+    EXPECT_EQ(slow.core.session_count(), 101U);
 }
 
 TEST_F(Protected, DiscoveryIsAHintAndNotProtected) {
