@@ -35,7 +35,7 @@ public:
         : tables(options, seed),
           strangers_(options.limits.stranger_datagrams_per_second,
                      options.limits.address_stranger_datagrams_per_second),
-          stranger_answers_(options.limits.stranger_answers_per_second) {}
+          disconnects_(options.limits.stranger_answers_per_second) {}
 
     void on_datagram(const Origin& origin, Bytes datagram, bool wrapped, Turn& turn);
     void on_tick(const SessionJudgement& may_be_unheard, Turn& turn);
@@ -66,6 +66,8 @@ private:
     Session* session_of(const Origin& origin, const mqttsn::Message& message) const;
     void handle(Session& session, const mqttsn::Message& message, Turn& turn);
     void on_stranger(const Origin& origin, MsgType type, Turn& turn);
+    /// Who is connected is; others up to a rate.
+    [[nodiscard]] bool is_heeded(const Origin& origin, Turn& turn);
 
     PublishFlow publish_flow_{tables, outbox, router, enforcement};
     SubscribeFlow subscribe_flow_{tables, outbox, router, subscriptions, enforcement};
@@ -73,7 +75,7 @@ private:
     Liveness liveness_{tables, outbox, deliveries, lifecycle, publish_flow_};
     Discovery discovery_{tables, outbox};
     StrangerLimit strangers_;
-    StrangerAnswers stranger_answers_;
+    StrangerAnswers disconnects_;
     Instant forget_deletions_at_{};
 };
 
@@ -153,17 +155,15 @@ void BrokerCore::State::on_datagram(const Origin& origin, Bytes datagram, bool w
             }
             return;
         case MsgType::connect:
-            if (session_at(origin) == nullptr &&
-                !strangers_.allows(origin.from.endpoint, turn.now)) {
-                tables.count(Drop::stranger_rate);
-                return;
-            }
+            if (!is_heeded(origin, turn)) return;
             connect_flow_.on_connect(origin, std::get<mqttsn::Connect>(message), turn);
             return;
         case MsgType::willtopic:
+            if (!is_heeded(origin, turn)) return;
             connect_flow_.on_willtopic(origin, std::get<mqttsn::Willtopic>(message), turn);
             return;
         case MsgType::willmsg:
+            if (!is_heeded(origin, turn)) return;
             connect_flow_.on_willmsg(origin, std::get<mqttsn::Willmsg>(message), turn);
             return;
         default:
@@ -289,11 +289,19 @@ void BrokerCore::State::handle(Session& session, const mqttsn::Message& message,
     }
 }
 
+bool BrokerCore::State::is_heeded(const Origin& origin, Turn& turn) {
+    if (session_at(origin) != nullptr || strangers_.allows(origin.from.endpoint, turn.now)) {
+        return true;
+    }
+    tables.count(Drop::stranger_rate);
+    return false;
+}
+
 void BrokerCore::State::on_stranger(const Origin& origin, MsgType type, Turn& turn) {
     if (!is_request(type)) {
         tables.count(Drop::unknown_sender);
     } else if (!strangers_.allows(origin.from.endpoint, turn.now) ||
-               !stranger_answers_.allows(turn.now)) {
+               !(has_key(origin) || disconnects_.allows(turn.now))) {
         tables.count(Drop::stranger_rate);
     } else {
         tables.count(Drop::unknown_sender);

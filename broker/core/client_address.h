@@ -52,6 +52,12 @@ struct Origin {
     friend bool operator==(const Origin&, const Origin&) = default;
 };
 
+/// Whose message reaches the core from there has proved who it is, unless that is open to all, as
+/// SEARCHGW is.
+[[nodiscard]] inline bool has_key(const Origin& origin) {
+    return origin.via.packets != Endpoint::Packets::plain;
+}
+
 struct OriginHash {
     std::size_t operator()(const Origin& origin) const {
         return ClientAddressHash{}(origin.from) ^ (origin.via.hash() * 0x9E3779B97F4A7C15ULL);

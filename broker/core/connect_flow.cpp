@@ -80,13 +80,14 @@ void ConnectFlow::on_connect(const Origin& origin, const mqttsn::Connect& messag
         return;
     }
     if (prompt.refusal != ReturnCode::accepted) prompt.client_id.clear();  // may be long
-    if (prompts_.size() >= tables_.limits().connecting && !prompts_.contains(origin)) {
-        tables_.count(Drop::no_room);
-        outbox_.answer(origin.via, origin.from, mqttsn::Connack{ReturnCode::congestion}, turn);
+    const bool is_asked_again = prompts_.contains(origin);
+    if (prompts_.size() >= tables_.limits().connecting && !is_asked_again) {
+        refuse(origin, ReturnCode::congestion, turn);
         return;
     }
     prompts_.insert_or_assign(origin, std::move(prompt));
     if (sweep_at_ == never) sweep_at_ = turn.now + tables_.options.t_retry;
+    if (is_asked_again && !may_answer(origin, turn)) return;
     outbox_.answer(origin.via, origin.from, mqttsn::Willtopicreq{}, turn);
 }
 
@@ -104,7 +105,7 @@ void ConnectFlow::on_willtopic(const Origin& origin, const mqttsn::Willtopic& me
         finish(origin, done, WillAnswer::keeps_none, turn);
         return;
     }
-    prompt.has_topic = true;
+    const bool is_asked_again = std::exchange(prompt.has_topic, true);
     if (message.qos == Qos::without_connection || !mqttsn::is_valid_topic_name(message.topic) ||
         message.topic.starts_with('$')) {
         prompt.refusal = ReturnCode::not_supported;
@@ -117,6 +118,7 @@ void ConnectFlow::on_willtopic(const Origin& origin, const mqttsn::Willtopic& me
     if (prompt.refusal == ReturnCode::accepted) {
         prompt.will = {std::string{message.topic}, {}, message.qos, message.retain};
     }
+    if (is_asked_again && !may_answer(origin, turn)) return;
     outbox_.answer(origin.via, origin.from, mqttsn::Willmsgreq{}, turn);
 }
 
@@ -143,12 +145,23 @@ void ConnectFlow::on_willmsg(const Origin& origin, const mqttsn::Willmsg& messag
 
 void ConnectFlow::finish(const Origin& origin, const Prompt& prompt, WillAnswer answer,
                          Turn& turn) {
-    if (prompt.refusal != ReturnCode::accepted) {
-        tables_.count(prompt.refusal == ReturnCode::congestion ? Drop::no_room : Drop::unexpected);
-        outbox_.answer(origin.via, origin.from, mqttsn::Connack{prompt.refusal}, turn);
-        return;
+    if (prompt.refusal == ReturnCode::accepted) {
+        accept(origin, prompt, answer, turn);
+    } else {
+        refuse(origin, prompt.refusal, turn);
     }
-    accept(origin, prompt, answer, turn);
+}
+
+void ConnectFlow::refuse(const Origin& origin, ReturnCode why, Turn& turn) {
+    if (!may_answer(origin, turn)) return;
+    tables_.count(why == ReturnCode::congestion ? Drop::no_room : Drop::unexpected);
+    outbox_.answer(origin.via, origin.from, mqttsn::Connack{why}, turn);
+}
+
+bool ConnectFlow::may_answer(const Origin& origin, Turn& turn) {
+    if (has_key(origin) || answers_.allows(turn.now)) return true;
+    tables_.count(Drop::stranger_rate);
+    return false;
 }
 
 void ConnectFlow::accept(const Origin& origin, const Prompt& prompt, WillAnswer answer,
@@ -157,8 +170,7 @@ void ConnectFlow::accept(const Origin& origin, const Prompt& prompt, WillAnswer 
     const bool is_new = session == nullptr;
     if (is_new) session = lifecycle_.create(prompt.client_id, turn);
     if (session == nullptr) {
-        tables_.count(Drop::no_room);
-        outbox_.answer(origin.via, origin.from, mqttsn::Connack{ReturnCode::congestion}, turn);
+        refuse(origin, ReturnCode::congestion, turn);
         return;
     }
     tables_.sessions.come_back(*session);

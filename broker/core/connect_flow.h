@@ -13,6 +13,7 @@
 #include "broker/core/enforcement.h"
 #include "broker/core/lifecycle.h"
 #include "broker/core/outbox.h"
+#include "broker/core/stranger_answers.h"
 #include "broker/core/subscriptions.h"
 #include "broker/core/tables.h"
 #include "romano/mqttsn/messages.h"
@@ -28,7 +29,8 @@ public:
           deliveries_(deliveries),
           lifecycle_(lifecycle),
           subscriptions_(subscriptions),
-          enforcement_(enforcement) {}
+          enforcement_(enforcement),
+          answers_(tables.limits().stranger_answers_per_second) {}
 
     void on_connect(const Origin& origin, const mqttsn::Connect& message, Turn& turn);
     void on_willtopic(const Origin& origin, const mqttsn::Willtopic& message, Turn& turn);
@@ -65,6 +67,11 @@ private:
                                            const mqttsn::Connect& message) const;
     [[nodiscard]] bool is_repetition(const Origin& origin, const mqttsn::Connect& message,
                                      std::string_view client_id) const;
+    /// CONNACK with that.
+    void refuse(const Origin& origin, mqttsn::ReturnCode why, Turn& turn);
+    /// Whether to say what brings a client no further, and is not said to many at once. Clients
+    /// with keys do not wait behind strangers.
+    [[nodiscard]] bool may_answer(const Origin& origin, Turn& turn);
     void finish(const Origin& origin, const Prompt& prompt, WillAnswer answer, Turn& turn);
     void accept(const Origin& origin, const Prompt& prompt, WillAnswer answer, Turn& turn);
     void set_will(Session& session, std::optional<Will> will, Turn& turn);
@@ -75,6 +82,7 @@ private:
     Lifecycle& lifecycle_;
     Subscriptions& subscriptions_;
     Enforcement& enforcement_;
+    StrangerAnswers answers_;
     std::unordered_map<Origin, Prompt, OriginHash> prompts_;
     Instant sweep_at_ = never;
 };

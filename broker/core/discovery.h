@@ -6,6 +6,7 @@
 #include <cstdint>
 
 #include "broker/core/outbox.h"
+#include "broker/core/stranger_answers.h"
 #include "broker/core/tables.h"
 #include "romano/mqttsn/messages.h"
 
@@ -13,11 +14,16 @@ namespace romano::broker {
 
 class Discovery {
 public:
-    Discovery(Tables& tables, Outbox& outbox) : tables_(tables), outbox_(outbox) {}
+    Discovery(Tables& tables, Outbox& outbox)
+        : tables_(tables), outbox_(outbox), answers_(tables.limits().stranger_answers_per_second) {}
 
     /// GWINFO to all in the radius asked for (6.1b), and to the asker (G4).
     void on_searchgw(const Endpoint& via, const ClientAddress& from,
                      const mqttsn::Searchgw& message, Turn& turn) {
+        if (!answers_.allows(turn.now)) {
+            tables_.count(Drop::stranger_rate);
+            return;
+        }
         const mqttsn::Gwinfo info{.gateway_id = tables_.options.gateway_id, .gateway_address = {}};
         outbox_.multicast(message.radius, info, turn);
         outbox_.answer(via, from, info, turn);
@@ -41,6 +47,7 @@ public:
 private:
     Tables& tables_;
     Outbox& outbox_;
+    StrangerAnswers answers_;
     Instant advertise_at_{};
 };
 

@@ -3,9 +3,9 @@
 // floods from ever new addresses, true or forged, then costs a broker no more than reading and
 // looking up, and the clients that it serves do not wait behind answers.
 //
-// Each kind has its own, so that a flood of one leaves the others: DISCONNECT, and the refusal of a
-// CONNECT that lacks its client's key (broker/protection). What else is said to a CONNECT is not
-// counted: a swarm may come at once.
+// Each kind has its own, so that a flood of one leaves the others: DISCONNECT; GWINFO; to a CONNECT
+// "no", or the question for its will once more; and "no" to a CONNECT that lacks its client's key
+// (broker/protection). A CONNECT that goes on is not counted: a swarm may come at once.
 #pragma once
 
 #include <algorithm>

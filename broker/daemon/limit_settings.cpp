@@ -36,8 +36,8 @@ constexpr std::array<LimitSetting, 16> limit_table{{
     {"max-address-stranger-rate", &Limits::address_stranger_datagrams_per_second, 1, 10'000'000,
      "The same of one IP address, of all its ports without a session together"},
     {"max-stranger-answers", &Limits::stranger_answers_per_second, 1, 10'000'000,
-     "DISCONNECTs a second to all addresses without a session together, and as many refusals of "
-     "CONNECTs that lack their client's key; the rest hear nothing"},
+     "Answers of a kind (DISCONNECT, GWINFO, \"no\" to CONNECT) a second to all addresses without "
+     "a session together; the rest hear nothing"},
     {"max-pacing-ms", &Limits::pacing_ms, 0, 60'000,
      "PUBACK and PUBREC come so much later at most when a receiver's queue fills up; 0: never"},
     {"session-expiry-s", &Limits::session_expiry_s, 0, 4'294'967'295,

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <string>
 
 #include "tests/broker/core/scripted_client.h"
 
@@ -283,33 +284,120 @@ TEST(Limit, OfAnUnknownIpAddressHoldsForAllItsPortsTogether) {
     EXPECT_TRUE(is_answered(8, 11));
 }
 
-TEST(Limit, OfAnswersToAllStrangersTogetherSpreadsThemAndHoldsUpNobodyElse) {
-    ScriptedBroker broker{options_with<std::size_t>(&Limits::stranger_answers_per_second, 20)};
+TEST(Limit, OfAnUnknownAddressHoldsForWillsToo) {
+    ScriptedBroker broker{options_with<std::size_t>(&Limits::stranger_datagrams_per_second, 3)};
     ScriptedClient client{broker, "client"};
-    client.connects();
-    std::uint16_t strangers = 0;
-    const auto answered_of = [&](unsigned flood) {
+    client.says(client.connect(true, 0, true));
+    client.hears<Willtopicreq>();
+    for (int i = 0; i < 10; ++i) client.says(Willtopic{Qos::at_most_once, false, "will"});
+    EXPECT_EQ(client.unheard(), 2u);
+    EXPECT_EQ(broker.dropped(Drop::stranger_rate), 8u);
+    for (int i = 0; i < 10; ++i) client.says(Willmsg{as_octets("x")});
+    EXPECT_EQ(broker.dropped(Drop::stranger_rate), 18u);
+}
+
+/// At most 20 answers of a kind a second, to strangers from ever new addresses.
+class AnswersToStrangers : public testing::Test {
+protected:
+    /// How many of so many newcomers hear something when each `says()` one thing.
+    template <typename Says>
+    std::size_t answered(unsigned flood, Says&& says) {
         std::size_t answered = 0;
         for (unsigned i = 0; i < flood; ++i) {
-            ScriptedClient stranger{broker, "stranger", ++strangers};
+            ++strangers;
+            ScriptedClient stranger{broker, "s" + std::to_string(strangers), strangers};
             stranger.address.endpoint.address[2] = static_cast<std::uint8_t>(strangers % 251);
-            stranger.says(Pingreq{});
+            says(stranger);
             answered += stranger.unheard();
         }
         return answered;
-    };
-    EXPECT_EQ(answered_of(100), 2u);  // a tenth of a second's
-    EXPECT_EQ(broker.dropped(Drop::stranger_rate), 98u);
+    }
+    std::size_t pings_answered(unsigned flood) {
+        return answered(flood, [](ScriptedClient& stranger) { stranger.says(Pingreq{}); });
+    }
+    std::uint64_t dropped() const { return broker.dropped(Drop::stranger_rate); }
+
+    ScriptedBroker broker{options_with<std::size_t>(&Limits::stranger_answers_per_second, 20)};
+    std::uint16_t strangers = 0;
+};
+
+TEST_F(AnswersToStrangers, AreSpreadAndHoldUpNobodyElse) {
+    ScriptedClient client{broker, "client"};
+    client.connects();
+    EXPECT_EQ(pings_answered(100), 2u);  // a tenth of a second's
+    EXPECT_EQ(dropped(), 98u);
     for (int turn = 0; turn < 20; ++turn) {
         broker.waits(50ms);
-        EXPECT_EQ(answered_of(10), 1u) << turn;
+        EXPECT_EQ(pings_answered(10), 1u) << turn;
     }
     client.says(Pingreq{});
     client.hears<Pingresp>();
     ScriptedClient newcomer{broker, "newcomer"};
     newcomer.connects();
     broker.waits(10s);
-    EXPECT_EQ(answered_of(100), 2u);  // nothing was saved up
+    EXPECT_EQ(pings_answered(100), 2u);  // nothing was saved up
+}
+
+TEST_F(AnswersToStrangers, AreFewToConnectsThatAreRefusedAndAsManyAsComeToThoseThatAreNot) {
+    EXPECT_EQ(answered(100,
+                       [](ScriptedClient& stranger) {
+                           Connect wrong = stranger.connect();
+                           wrong.protocol_id = 9;
+                           stranger.says(wrong);
+                       }),
+              2u);
+    EXPECT_EQ(dropped(), 98u);
+    const auto connects = [](ScriptedClient& stranger) { stranger.says(stranger.connect()); };
+    EXPECT_EQ(answered(100, connects), 100u);
+    EXPECT_EQ(answered(100,
+                       [](ScriptedClient& stranger) {
+                           stranger.says(stranger.connect(true, 0, true));
+                           stranger.says(Willtopic{Qos::at_most_once, false, "will"});
+                           stranger.says(Willmsg{as_octets("x")});
+                       }),
+              300u);
+    EXPECT_EQ(broker.core.session_count(), 200u);
+    broker.core.set_congested(true);
+    broker.waits(10s);
+    EXPECT_EQ(answered(100, connects), 2u);
+    EXPECT_EQ(dropped(), 196u);
+}
+
+TEST_F(AnswersToStrangers, AreFewWhereAWillIsAskedForOnceMore) {
+    const auto says_all_twice = [](ScriptedClient& stranger) {
+        for (int i = 0; i < 2; ++i) stranger.says(stranger.connect(true, 0, true));
+        for (int i = 0; i < 2; ++i) stranger.says(Willtopic{Qos::at_most_once, false, "will"});
+    };
+    EXPECT_EQ(answered(100, says_all_twice), 202u);
+    EXPECT_EQ(dropped(), 198u);
+}
+
+TEST_F(AnswersToStrangers, AreFewToThoseWhoSearchAGatewayAndToAllThatListen) {
+    EXPECT_EQ(pings_answered(100), 2u);
+    EXPECT_EQ(answered(100, [](ScriptedClient& stranger) { stranger.says(Searchgw{1}); }), 2u)
+        << "as many as if there were no other flood";
+    EXPECT_EQ(broker.multicasts.size(), 2u);
+    EXPECT_EQ(dropped(), 196u);
+}
+
+TEST_F(AnswersToStrangers, AreBesideThoseToClientsWithKeys) {
+    EXPECT_EQ(pings_answered(100), 2u);
+    const auto with_key = [](ScriptedClient& client) {
+        client.via.packets = Endpoint::Packets::sealed;
+    };
+    EXPECT_EQ(answered(10,
+                       [&](ScriptedClient& client) {
+                           with_key(client);
+                           client.says(Pingreq{});
+                       }),
+              10u);
+    broker.core.set_congested(true);
+    EXPECT_EQ(answered(10,
+                       [&](ScriptedClient& client) {
+                           with_key(client);
+                           client.says(client.connect());
+                       }),
+              10u);
 }
 
 /// A broker whose owner is short of memory.
