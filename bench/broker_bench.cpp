@@ -32,6 +32,7 @@ constexpr const char* examples = R"(Examples:
   romano_broker_bench --only qos0_1_to_1 --only rate_10000_per_s --repetitions 7
   romano_broker_bench --csv runs.csv --json summary.json
   romano_broker_bench --only rate_1000_per_s --flood 50000     (each listener, also under forged datagrams)
+  romano_broker_bench --only rate_10000_per_s --flood 50000 --contestant keys --contestant keys_flooded
   romano_broker_bench --other rsmb=127.0.0.1:1885 --other paho=127.0.0.1:10000   (run already)
   romano_broker_bench --small --seconds 0.05 --repetitions 1   (does everything work?)
 It is worth something on a quiet machine only, with two cores or more.
@@ -47,11 +48,13 @@ struct Options {
     double flood_per_s = 0;
     std::vector<std::string> others;  // NAME=ADDRESS:PORT
     std::vector<std::string> only;
+    std::vector<std::string> contestants;
     std::string csv;
     std::string json;
 };
 
-Row run(const Scenario& scenario, const Entrant& entrant, unsigned repetition) {
+Row run(const Scenario& scenario, const Entrant& entrant, unsigned repetition,
+        double forged_per_s) {
     Contestant contestant{entrant, scenario.plan.clients()};
     Row row{.scenario = scenario.name, .contestant = entrant.name, .repetition = repetition};
     row.resident_start_kib = contestant.memory().resident_kib;
@@ -63,9 +66,9 @@ Row run(const Scenario& scenario, const Entrant& entrant, unsigned repetition) {
         contestant.clients(scenario.plan, scenario.is_for_cells ? experiments::SocketUse::one_each
                                                                 : experiments::SocketUse::shared);
     std::optional<Flood> flood;
-    if (entrant.forged_per_s > 0) {
+    if (entrant.forgery) {
         flood.emplace(dynamic_cast<experiments::MqttsnClients&>(*clients), scenario.plan.clients(),
-                      entrant.packets, entrant.forged_per_s);
+                      *entrant.forgery, forged_per_s);
     }
     experiments::LoadRun load{
         scenario.plan,
@@ -116,6 +119,25 @@ std::vector<Scenario> chosen(const Options& options) {
     return all;
 }
 
+void add_flooded(std::vector<Entrant>& all, const Options& options) {
+    using Packets = Endpoint::Packets;
+    const auto add = [&](std::string name, Packets packets, bool has_keys,
+                         std::optional<Forgery> forgery) {
+        all.push_back({.kind = Kind::broker,
+                       .name = std::move(name),
+                       .packets = packets,
+                       .has_keys = has_keys,
+                       .forgery = forgery});
+    };
+    add("broker_flooded", Packets::plain, false, Forgery::publish);
+    if (options.without_keys) return;
+    add("keys", Packets::plain, true, std::nullopt);
+    add("keys_flooded", Packets::plain, true, Forgery::connect);
+    add("protected_flooded", Packets::sealed, true, Forgery::packet);
+    add("dtls_flooded", Packets::dtls, true, Forgery::record);
+    add("dtls_greeted", Packets::dtls, true, Forgery::hello);
+}
+
 std::vector<Entrant> entrants(const Options& options) {
     using Packets = Endpoint::Packets;
     std::vector<Entrant> all{{Kind::reflector, "reflector"}, {Kind::broker, "broker"}};
@@ -123,14 +145,7 @@ std::vector<Entrant> entrants(const Options& options) {
         all.push_back({.kind = Kind::broker, .name = "protected", .packets = Packets::sealed});
         all.push_back({.kind = Kind::broker, .name = "dtls", .packets = Packets::dtls});
     }
-    if (options.flood_per_s > 0) {
-        for (Entrant entrant : std::vector<Entrant>{all}) {
-            if (entrant.kind != Kind::broker) continue;
-            entrant.name += "_flooded";
-            entrant.forged_per_s = options.flood_per_s;
-            all.push_back(entrant);
-        }
-    }
+    if (options.flood_per_s > 0) add_flooded(all, options);
     all.push_back({.kind = Kind::broker, .name = "cell", .has_cell = true});
     if (!options.without_mosquitto) all.push_back({Kind::mosquitto, "mosquitto"});
     for (const std::string& other : options.others) {
@@ -144,14 +159,25 @@ std::vector<Entrant> entrants(const Options& options) {
         }
         all.push_back({Kind::other, name, address});
     }
+    for (const std::string& name : options.contestants) {
+        if (std::ranges::count(all, name, &Entrant::name) != 0) continue;
+        std::string names;
+        for (const Entrant& each : all) names += " " + each.name;
+        throw std::runtime_error("--contestant `" + name + "` takes no part; there are:" + names);
+    }
+    std::erase_if(all, [&](const Entrant& each) {
+        return !options.contestants.empty() &&
+               std::ranges::count(options.contestants, each.name) == 0;
+    });
     return all;
 }
 
 /// Reflector and plain broker do everything; a flood is about the delay of others.
 bool takes_part(const Entrant& entrant, const Scenario& scenario) {
-    if (entrant.forged_per_s > 0) return scenario.is_about_latency() && scenario.with_others;
-    const bool is_plain_broker =
-        entrant.kind == Kind::broker && entrant.packets == Endpoint::Packets::plain;
+    const bool is_plain = entrant.packets == Endpoint::Packets::plain;
+    const bool is_for_floods = entrant.forgery || (entrant.has_keys && is_plain);
+    if (is_for_floods) return scenario.is_about_latency() && scenario.with_others;
+    const bool is_plain_broker = entrant.kind == Kind::broker && is_plain;
     if (entrant.has_cell || scenario.is_for_cells) return is_plain_broker && scenario.is_for_cells;
     if (entrant.kind == Kind::broker && scenario.with_keys) return true;
     return entrant.kind == Kind::reflector || is_plain_broker || scenario.with_others;
@@ -166,7 +192,7 @@ std::vector<Row> run_all(const Options& options) {
         for (const Scenario& scenario : all) {
             for (const Entrant& entrant : contestants) {
                 if (!takes_part(entrant, scenario)) continue;
-                rows.push_back(run(scenario, entrant, repetition));
+                rows.push_back(run(scenario, entrant, repetition, options.flood_per_s));
                 std::fprintf(stderr, "%u/%u %-18s %-17s %9.0f deliveries/s  p99 %8.1f us\n",
                              repetition, options.repetitions, scenario.name.c_str(),
                              entrant.name.c_str(), rows.back().deliveries_per_s,
@@ -206,6 +232,8 @@ int main(int argc, char** argv) {
         ->check(CLI::Range(1, 1000))
         ->capture_default_str();
     program.add_option("--only", options.only, "Run this scenario (repeatable); see the table");
+    program.add_option("--contestant", options.contestants,
+                       "Run this one (repeatable); see the table");
     program.add_flag("--without-mosquitto", options.without_mosquitto, "It does not take part");
     program.add_flag("--without-keys", options.without_keys,
                      "The broker's protected:// and dtls:// addresses do not take part");

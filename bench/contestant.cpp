@@ -90,7 +90,7 @@ Contestant::Contestant(Entrant entrant, std::uint32_t clients) : entrant_(std::m
         program = own_folder() / "romano-broker";
         arguments = {"--listen", scheme_of(entrant_.packets) + address, "--name", "bench"};
         if (entrant_.has_cell) arguments.insert(arguments.end(), {"--cell-group", cell_group()});
-        if (entrant_.packets != Endpoint::Packets::plain) {
+        if (entrant_.has_keys || entrant_.packets != Endpoint::Packets::plain) {
             fleet_.emplace(scratch("fleet"), std::vector<std::string>{"bench"}, clients);
             const auto with_keys = fleet_->broker_arguments("bench");
             arguments.insert(arguments.end(), with_keys.begin(), with_keys.end());
@@ -138,7 +138,7 @@ std::unique_ptr<experiments::LoadClients> Contestant::clients(
         .sockets = sockets,
         .timing = {.t_retry = 500ms, .t_wait = 500ms, .n_retry = 20}};
     if (entrant_.has_cell) options.cell_group = *net::parse_endpoint(cell_group());
-    if (fleet_) {
+    if (entrant_.packets != Endpoint::Packets::plain) {
         options.keyed = [this](std::uint32_t client, keys::ClientSpeech::Put put) {
             return fleet_->client(client, entrant_.packets, std::move(put));
         };

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "bench/fleet.h"
+#include "bench/flood.h"
 #include "experiments/load/client_sockets.h"
 #include "experiments/load/load_clients.h"
 #include "experiments/load/load_plan.h"
@@ -25,8 +26,9 @@ struct Entrant {
     std::string name;
     std::optional<Endpoint> address = {};  // of another MQTT-SN broker, which runs already
     Endpoint::Packets packets = Endpoint::Packets::plain;  // of our broker's listener
-    double forged_per_s = 0;  // datagrams of a stranger, while the load goes on
-    bool has_cell = false;    // subscribers listen to a multicast group (romano/mqttsn/cell.md)
+    bool has_keys = false;  // at a plain listener: clients of that broker, though none of the load
+    std::optional<Forgery> forgery = {};  // of a stranger, while the load goes on
+    bool has_cell = false;  // subscribers listen to a multicast group (romano/mqttsn/cell.md)
 };
 
 /// Of a process. What files it has in memory other processes share: each has its part of the

@@ -25,11 +25,21 @@ std::vector<std::uint8_t> publish() {
     return datagram;
 }
 
+// The first client of a fleet (fleet.h).
+constexpr const char* keyed_id = "00000000";
+
+std::vector<std::uint8_t> connect() {
+    std::vector<std::uint8_t> datagram(message_octets);
+    datagram.resize(
+        mqttsn::encode(mqttsn::Connect{false, true, mqttsn::protocol_id, 60, keyed_id}, datagram));
+    return datagram;
+}
+
 /// Under a key that nobody has, in the name of the first client.
 std::vector<std::uint8_t> packet() {
     const std::vector<std::uint8_t> message = publish();
     std::vector<std::uint8_t> datagram(message.size() + protection::most_overhead);
-    const protection::Fields fields{protection::sender_id("00000000"), protection::RunId{0}, 0};
+    const protection::Fields fields{protection::sender_id(keyed_id), protection::RunId{0}, 0};
     datagram.resize(protection::write(fields, message, {}, datagram));
     return datagram;
 }
@@ -43,22 +53,42 @@ std::vector<std::uint8_t> record() {
     return datagram;
 }
 
+/// RFC 6347 sections 4.1 and 4.2: a ClientHello without a cookie, of a client that has
+/// TLS_PSK_WITH_AES_128_CCM_8 (RFC 6655).
+std::vector<std::uint8_t> hello() {
+    constexpr std::uint8_t body = 2 + 32 + 1 + 1 + 4 + 2;
+    std::vector<std::uint8_t> datagram{
+        22,   0xFE, 0xFD, 0,    0, 0, 0, 0, 0, 0, 0, 0,    12 + body,  // record
+        1,    0,    0,    body, 0, 0, 0, 0, 0, 0, 0, body,             // message
+        0xFE, 0xFD};
+    datagram.resize(datagram.size() + 32, 'x');  // random
+    const std::vector<std::uint8_t> rest{0, 0, 0, 2, 0xC0, 0xA8, 1, 0};
+    datagram.insert(datagram.end(), rest.begin(), rest.end());
+    return datagram;
+}
+
 }  // namespace
 
-Flood::Flood(experiments::MqttsnClients& clients, std::uint32_t number_of_clients,
-             Endpoint::Packets packets, double per_s)
-    : clients_(clients), number_of_clients_(number_of_clients), packets_(packets), per_s_(per_s) {
-    switch (packets) {
-        case Endpoint::Packets::plain:
+Flood::Flood(experiments::MqttsnClients& clients, std::uint32_t number_of_clients, Forgery forgery,
+             double per_s)
+    : clients_(clients), number_of_clients_(number_of_clients), forgery_(forgery), per_s_(per_s) {
+    switch (forgery) {
+        case Forgery::publish:
             datagram_ = publish();
             break;
-        case Endpoint::Packets::sealed:
+        case Forgery::connect:
+            datagram_ = connect();
+            break;
+        case Forgery::packet:
             datagram_ = packet();
             number_at_ = 1 + 1 + 1 + 1 + 8 + 4;  // behind length, type, flags, scheme, sender, run
             break;
-        case Endpoint::Packets::dtls:
+        case Forgery::record:
             datagram_ = record();
             number_at_ = 7;  // the lower 32 of 48 bits
+            break;
+        case Forgery::hello:
+            datagram_ = hello();
             break;
     }
 }
@@ -79,7 +109,7 @@ void Flood::go_on(Instant now) {
 }
 
 std::uint32_t Flood::next_sender() const {
-    if (packets_ != Endpoint::Packets::plain) return 0;
+    if (forgery_ == Forgery::packet || forgery_ == Forgery::record) return 0;
     return number_of_clients_ + static_cast<std::uint32_t>(sent_ % strangers);
 }
 
