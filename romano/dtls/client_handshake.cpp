@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
-#include <new>
 #include <stdexcept>
 #include <utility>
 
@@ -26,7 +25,6 @@ constexpr std::array<std::uint8_t, 1> no_own_id{0};
 struct ClientHandshake::Openssl final : Datagrams {
     struct Free {
         void operator()(SSL_CTX* context) const { SSL_CTX_free(context); }
-        void operator()(SSL* of_it) const { SSL_free(of_it); }
     };
 
     Openssl(std::string name, const protection::Key& psk, Send sender, const char* suites,
@@ -57,7 +55,7 @@ struct ClientHandshake::Openssl final : Datagrams {
     }
     static int on_answer(SSL* ssl, unsigned int, unsigned int, const unsigned char* body,
                          std::size_t size, X509*, std::size_t, int* alert, void*) {
-        auto& self = *static_cast<Openssl*>(SSL_get_app_data(ssl));
+        auto& self = static_cast<Openssl&>(of(ssl));
         bool is_malformed = false;
         const auto id = id_in_extension({body, size}, is_malformed);
         if (!id) {
@@ -70,7 +68,7 @@ struct ClientHandshake::Openssl final : Datagrams {
 
     static unsigned int on_hint(SSL* ssl, const char*, char* identity, unsigned int most_identity,
                                 unsigned char* key, unsigned int most_key) {
-        const auto& self = *static_cast<const Openssl*>(SSL_get_app_data(ssl));
+        const auto& self = static_cast<const Openssl&>(of(ssl));
         if (self.identity.size() >= most_identity || self.key.size() > most_key) return 0;
         *std::copy(self.identity.begin(), self.identity.end(), identity) = '\0';
         std::copy(self.key.begin(), self.key.end(), key);
@@ -87,12 +85,7 @@ struct ClientHandshake::Openssl final : Datagrams {
     }
 
     void begin() {
-        ssl.reset(SSL_new(context.get()));
-        if (!ssl) throw std::bad_alloc();
-        BIO* both = bio();
-        SSL_set_bio(ssl.get(), both, both);
-        SSL_set_app_data(ssl.get(), this);
-        SSL_set_mtu(ssl.get(), mtu);
+        ssl = make_ssl(context.get());
         SSL_set_connect_state(ssl.get());
         brokers_id = {};
         keys.reset();
@@ -120,7 +113,7 @@ struct ClientHandshake::Openssl final : Datagrams {
     std::optional<SessionKeys> keys;  // once a record takes them: it is long to derive them
     std::uint64_t first_number = 0;
     std::unique_ptr<SSL_CTX, Free> context;
-    std::unique_ptr<SSL, Free> ssl;  // while a handshake goes on
+    Ssl ssl;  // while a handshake goes on
 };
 
 ClientHandshake::ClientHandshake(std::string identity, const protection::Key& key, Send send,

@@ -61,12 +61,19 @@ struct Datagrams::Method {
     }
 };
 
-BIO* Datagrams::bio() {
+Datagrams::Ssl Datagrams::make_ssl(SSL_CTX* context) {
     static const auto method = Method::make();
+    Ssl made{SSL_new(context)};
     BIO* bio = BIO_new(method.get());
-    if (bio == nullptr) throw std::bad_alloc();
+    if (!made || bio == nullptr) {
+        BIO_free(bio);
+        throw std::bad_alloc();
+    }
     BIO_set_data(bio, this);
-    return bio;
+    SSL_set_bio(made.get(), bio, bio);
+    SSL_set_app_data(made.get(), this);
+    SSL_set_mtu(made.get(), mtu);
+    return made;
 }
 
 }  // namespace romano::dtls

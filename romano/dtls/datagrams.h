@@ -3,6 +3,9 @@
 #pragma once
 
 #include <openssl/bio.h>
+#include <openssl/ssl.h>
+
+#include <memory>
 
 #include "romano/base/bytes.h"
 
@@ -17,8 +20,17 @@ public:
     Datagrams(const Datagrams&) = delete;
     Datagrams& operator=(const Datagrams&) = delete;
 
-    /// To be given to SSL_set_bio(), and freed by that; this outlives it.
-    [[nodiscard]] BIO* bio();
+    struct FreeSsl {
+        void operator()(SSL* ssl) const { SSL_free(ssl); }
+    };
+    using Ssl = std::unique_ptr<SSL, FreeSsl>;
+
+    /// One that reads and writes here, neither client nor server yet. This outlives it.
+    [[nodiscard]] Ssl make_ssl(SSL_CTX* context);
+    /// Where it reads and writes.
+    [[nodiscard]] static Datagrams& of(const SSL* ssl) {
+        return *static_cast<Datagrams*>(SSL_get_app_data(ssl));
+    }
 
     /// What is to be read, once; it lives until then.
     void set_input(Bytes datagram) { in_ = datagram; }

@@ -72,19 +72,10 @@ std::string name_in(X509* certificate) {
 }  // namespace
 
 struct Handshakes::Handshake final : Datagrams {
-    struct FreeSsl {
-        void operator()(SSL* of) const { SSL_free(of); }
-    };
-
-    Handshake(Handshakes& of, SSL_CTX* context) : owner(of), ssl(SSL_new(context)) {
-        if (!ssl) throw std::bad_alloc();
-        BIO* both = bio();
-        SSL_set_bio(ssl.get(), both, both);
-        SSL_set_app_data(ssl.get(), this);
-        SSL_set_mtu(ssl.get(), mtu);
+    Handshake(Handshakes& whose, SSL_CTX* context) : owner(whose), ssl(make_ssl(context)) {
         SSL_set_accept_state(ssl.get());
     }
-    static Handshake& of(const SSL* ssl) { return *static_cast<Handshake*>(SSL_get_app_data(ssl)); }
+    static Handshake& of(const SSL* ssl) { return static_cast<Handshake&>(Datagrams::of(ssl)); }
 
     void write(Bytes datagram) override {
         if (clients_id && !clients_id->empty()) {
@@ -131,7 +122,7 @@ struct Handshakes::Handshake final : Datagrams {
     AssociationId id{};                      // and the one that we gave
     std::array<std::uint8_t, 1 + own_id_octets> id_answer{};
     bool is_agreed = false;
-    std::unique_ptr<SSL, FreeSsl> ssl;  // gone before what it writes to
+    Ssl ssl;  // gone before what it writes to
 };
 
 void Handshakes::FreeContext::operator()(ssl_ctx_st* context) const {

@@ -101,11 +101,7 @@ public:
         SSL_CTX_add_custom_ext(context_.get(), 54,
                                SSL_EXT_CLIENT_HELLO | SSL_EXT_TLS1_2_SERVER_HELLO, on_offer,
                                nullptr, nullptr, on_answer, nullptr);
-        ssl_.reset(SSL_new(context_.get()));
-        BIO* both = bio();
-        SSL_set_bio(ssl_.get(), both, both);
-        SSL_set_app_data(ssl_.get(), this);
-        SSL_set_mtu(ssl_.get(), mtu);
+        ssl_ = make_ssl(context_.get());
         SSL_set_connect_state(ssl_.get());
         extension_ = Octets{static_cast<std::uint8_t>(own_id_.size())} + own_id_;
     }
@@ -140,9 +136,8 @@ public:
 private:
     struct Free {
         void operator()(SSL_CTX* context) const { SSL_CTX_free(context); }
-        void operator()(SSL* of_it) const { SSL_free(of_it); }
     };
-    static Peer& of(SSL* ssl) { return *static_cast<Peer*>(SSL_get_app_data(ssl)); }
+    static Peer& of(SSL* ssl) { return static_cast<Peer&>(Datagrams::of(ssl)); }
     static unsigned int on_hint(SSL*, const char*, char* identity, unsigned int, unsigned char* key,
                                 unsigned int) {
         identity[0] = 'a';
@@ -210,7 +205,7 @@ private:
     std::uint8_t next_ = 0;
     std::vector<Octets> outbox_;
     std::unique_ptr<SSL_CTX, Free> context_;
-    std::unique_ptr<SSL, Free> ssl_;
+    Ssl ssl_;
 };
 
 Octets id_of(std::size_t octets) {

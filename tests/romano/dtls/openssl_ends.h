@@ -64,11 +64,7 @@ protected:
         SSL_CTX_set_psk_server_callback(context_.get(), on_identity);
     }
     void begin() {
-        ssl_.reset(SSL_new(context_.get()));
-        BIO* both = bio();
-        SSL_set_bio(ssl_.get(), both, both);
-        SSL_set_app_data(ssl_.get(), this);
-        SSL_set_mtu(ssl_.get(), mtu);
+        ssl_ = make_ssl(context_.get());
         is_closed_ = false;
     }
     void step() {
@@ -80,10 +76,9 @@ protected:
 private:
     struct Free {
         void operator()(SSL_CTX* context) const { SSL_CTX_free(context); }
-        void operator()(SSL* of_it) const { SSL_free(of_it); }
     };
 
-    static End& of(SSL* ssl) { return *static_cast<End*>(SSL_get_app_data(ssl)); }
+    static End& of(SSL* ssl) { return static_cast<End&>(Datagrams::of(ssl)); }
     static unsigned int on_hint(SSL* ssl, const char*, char* identity, unsigned int,
                                 unsigned char* key, unsigned int) {
         const std::string& own = of(ssl).identity_;
@@ -114,7 +109,7 @@ private:
     protection::Key key_;
     Send send_;
     std::unique_ptr<SSL_CTX, Free> context_;
-    std::unique_ptr<SSL, Free> ssl_;
+    Ssl ssl_;
     std::vector<std::uint8_t> room_;
     bool is_closed_ = false;
 };
