@@ -17,6 +17,7 @@ enum class Refusal : std::uint8_t {
     forwarded,          // a forwarder encapsulation inside: a client speaks for itself alone
     foreign_client_id,  // a message in another client's name
     handshake_failed,   // wrong key, unknown identity, or what OpenSSL does not understand
+    handshake_rate,     // a ClientHello that came when as many were begun as may be at once
     // not sent
     no_association,  // the client has closed it, or its key was withdrawn
     unstored,        // no number may be used before the shell has stored the reserve
@@ -24,9 +25,10 @@ enum class Refusal : std::uint8_t {
     too_long,        // for a record
     unanswered,      // more than may go to a new address that has answered nothing yet
 };
-inline constexpr std::array<std::string_view, 12> refusal_names = {
-    "malformed",        "unknown_sender", "replayed", "bad_tag", "forwarded", "foreign_client_id",
-    "handshake_failed", "no_association", "unstored", "used_up", "too_long",  "unanswered"};
+inline constexpr std::array<std::string_view, 13> refusal_names = {
+    "malformed",         "unknown_sender",   "replayed",       "bad_tag",        "forwarded",
+    "foreign_client_id", "handshake_failed", "handshake_rate", "no_association", "unstored",
+    "used_up",           "too_long",         "unanswered"};
 
 class Refusals {
 public:

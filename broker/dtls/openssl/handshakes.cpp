@@ -50,6 +50,16 @@ std::optional<Random> client_random_of(const Record& record) {
     return random;
 }
 
+/// Of a ClientHello; empty when it has none.
+Bytes cookie_of(const Record& hello) {
+    std::size_t at = random_at + std::tuple_size_v<Random>;
+    const Bytes body = hello.body;
+    if (at >= body.size()) return {};
+    at += 1U + body[at];  // the session's id
+    if (at >= body.size() || body.size() - at - 1 < body[at]) return {};
+    return body.subspan(at + 1, body[at]);
+}
+
 struct FreeCertificate {
     void operator()(BIO* bio) const { BIO_free(bio); }
     void operator()(X509* certificate) const { X509_free(certificate); }
@@ -165,7 +175,7 @@ std::unique_ptr<Handshakes::Handshake> Handshakes::make() {
 
 // --- what OpenSSL asks
 
-protection::Key Handshakes::cookie_of(const Path& path) const {
+protection::Key Handshakes::cookie_for(const Path& path) const {
     std::array<std::uint8_t, 2 * 23> whose{};
     std::size_t at = 0;
     for (const Endpoint& end : {path.from, path.via}) {
@@ -184,7 +194,7 @@ protection::Key Handshakes::cookie_of(const Path& path) const {
 
 int Handshakes::on_cookie_wanted(ssl_st* ssl, unsigned char* cookie, unsigned int* size) {
     const Handshake& handshake = Handshake::of(ssl);
-    const protection::Key own = handshake.owner.cookie_of(handshake.path);
+    const protection::Key own = handshake.owner.cookie_for(handshake.path);
     std::copy(own.begin(), own.end(), cookie);
     *size = static_cast<unsigned int>(own.size());
     return 1;
@@ -192,7 +202,7 @@ int Handshakes::on_cookie_wanted(ssl_st* ssl, unsigned char* cookie, unsigned in
 
 int Handshakes::on_cookie(ssl_st* ssl, const unsigned char* cookie, unsigned int size) {
     const Handshake& handshake = Handshake::of(ssl);
-    const protection::Key own = handshake.owner.cookie_of(handshake.path);
+    const protection::Key own = handshake.owner.cookie_for(handshake.path);
     return size == own.size() && CRYPTO_memcmp(cookie, own.data(), own.size()) == 0 ? 1 : 0;
 }
 
@@ -270,6 +280,11 @@ std::optional<Agreed> Handshakes::take(Instant now, const Path& path, const Reco
 
 std::optional<Agreed> Handshakes::begin(Instant now, const Path& path, const Record& record,
                                         Actions& out) {
+    const Bytes cookie = cookie_of(record);
+    if (!cookie.empty() && std::ranges::equal(cookie, cookie_for(path)) && !make_room(now, path)) {
+        ++crowded_out_;
+        return std::nullopt;
+    }
     stranger_->path = path;
     stranger_->out = &out;
     stranger_->set_input(record.whole);
@@ -281,8 +296,6 @@ std::optional<Agreed> Handshakes::begin(Instant now, const Path& path, const Rec
     stranger_->set_input({});
     if (listened < 0) stranger_ = make();
     if (listened <= 0) return std::nullopt;
-    going_on_.erase(path);
-    make_room();
     auto& handshake = going_on_[path];
     handshake = std::exchange(stranger_, make());
     handshake->began = now;
@@ -292,12 +305,42 @@ std::optional<Agreed> Handshakes::begin(Instant now, const Path& path, const Rec
     return agreed;
 }
 
-void Handshakes::make_room() {
-    if (going_on_.size() < most_handshakes) return;
-    const auto oldest = std::ranges::min_element(
-        going_on_, {}, [](const auto& each) { return each.second->began; });
-    if (!oldest->second->is_agreed) ++failed_;
-    going_on_.erase(oldest);
+bool Handshakes::make_room(Instant now, const Path& path) {
+    const auto makes_way = [now](const auto& each) {
+        return each.second->is_agreed || now - each.second->began >= least_turn;
+    };
+    if (const auto before = going_on_.find(path); before != going_on_.end()) {
+        if (!makes_way(*before)) return false;
+        drop(before);
+    }
+    auto oldest = going_on_.end();
+    auto oldest_of_host = going_on_.end();
+    std::size_t of_host = 0;
+    for (auto each = going_on_.begin(); each != going_on_.end(); ++each) {
+        const auto is_older_than = [&](GoingOn::iterator other) {
+            return makes_way(*each) &&
+                   (other == going_on_.end() || each->second->began < other->second->began);
+        };
+        if (is_older_than(oldest)) oldest = each;
+        if (each->first.from.address != path.from.address) continue;
+        ++of_host;
+        if (is_older_than(oldest_of_host)) oldest_of_host = each;
+    }
+    const bool is_host_full = of_host >= most_of_host;
+    if (!is_host_full && going_on_.size() < most_handshakes) return true;
+    const auto goes = is_host_full ? oldest_of_host : oldest;
+    if (goes == going_on_.end()) return false;
+    drop(goes);
+    return true;
+}
+
+void Handshakes::drop(GoingOn::iterator handshake) {
+    if (!handshake->second->is_agreed) ++failed_;
+    going_on_.erase(handshake);
+}
+
+bool Handshakes::is_client_hello(const Record& record) {
+    return client_random_of(record).has_value();
 }
 
 /// Without `ssl` afterwards it has failed.

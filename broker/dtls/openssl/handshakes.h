@@ -2,9 +2,12 @@
 // association. A shell, for OpenSSL's timers read the real clock; no socket.
 //
 // A stranger costs nothing that stays before it has answered the cookie of its address (RFC 6347
-// section 4.2.1), and then one of `most_handshakes` places for a while: the oldest makes room.
+// section 4.2.1), and then one of `most_handshakes` places for a while. Who came before goes on for
+// `least_turn` at least, so that no more than that many are begun in vain in that time, from one IP
+// address `most_of_host`; after it the oldest makes room.
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -65,8 +68,14 @@ public:
     [[nodiscard]] std::size_t size() const { return going_on_.size(); }
     [[nodiscard]] std::uint64_t agreed() const { return agreed_; }
     [[nodiscard]] std::uint64_t failed() const { return failed_; }
+    /// ClientHellos for which there was no room.
+    [[nodiscard]] std::uint64_t crowded_out() const { return crowded_out_; }
+
+    [[nodiscard]] static bool is_client_hello(const Record& record);
 
     static constexpr std::size_t most_handshakes = 256;
+    static constexpr std::size_t most_of_host = 64;
+    static constexpr Duration least_turn = std::chrono::seconds{1};
 
 private:
     struct Handshake;
@@ -80,9 +89,13 @@ private:
     [[nodiscard]] std::optional<Agreed> step(Handshake& handshake, Bytes record,
                                              broker::Actions& out);
     [[nodiscard]] static std::optional<Agreed> agreement(const Handshake& handshake);
-    void make_room();
+    using GoingOn = std::unordered_map<Path, std::unique_ptr<Handshake>, PathHash>;
 
-    [[nodiscard]] protection::Key cookie_of(const Path& path) const;
+    /// For a new one from there; false when nobody can make way.
+    [[nodiscard]] bool make_room(Instant now, const Path& path);
+    void drop(GoingOn::iterator handshake);
+
+    [[nodiscard]] protection::Key cookie_for(const Path& path) const;
     static int on_cookie_wanted(ssl_st* ssl, unsigned char* cookie, unsigned int* size);
     static int on_cookie(ssl_st* ssl, const unsigned char* cookie, unsigned int size);
     void use(const Certificates& certificates);
@@ -96,9 +109,10 @@ private:
     FindKey find_key_;
     std::unique_ptr<ssl_ctx_st, FreeContext> context_;
     std::unique_ptr<Handshake> stranger_;  // whoever has not answered its cookie, one after another
-    std::unordered_map<Path, std::unique_ptr<Handshake>, PathHash> going_on_;
+    GoingOn going_on_;
     std::uint64_t agreed_ = 0;
     std::uint64_t failed_ = 0;
+    std::uint64_t crowded_out_ = 0;
 };
 
 }  // namespace romano::dtls

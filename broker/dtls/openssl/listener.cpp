@@ -22,9 +22,12 @@ void Listener::take(Instant now, const Path& path, Bytes datagram, broker::Actio
     const auto frame = mqttsn::decode_frame(datagram);
     if (frame && frame->type == mqttsn::MsgType::searchgw)
         return deliver({path, datagram});  // a hint
-    while (!datagram.empty()) {
+    // A ClientHello is a flight of its own: who sends many at once is answered once.
+    for (bool is_first = true; !datagram.empty(); is_first = false) {
         const auto record = first_record(datagram, own_id_octets);
-        if (!record) return clients_.count(Refusal::malformed);
+        if (!record || (!is_first && Handshakes::is_client_hello(*record))) {
+            return clients_.count(Refusal::malformed);
+        }
         datagram = datagram.subspan(record->whole.size());
         take_record(now, path, *record, out, deliver);
     }
@@ -57,8 +60,10 @@ void Listener::take_protected(const Path& path, const Record& record, broker::Ac
 void Listener::take_of_handshake(Instant now, const Path& path, const Record& record,
                                  broker::Actions& out) {
     const std::uint64_t failed = handshakes_.failed();
+    const std::uint64_t crowded_out = handshakes_.crowded_out();
     if (const auto agreed = handshakes_.take(now, path, record, out)) clients_.add(*agreed);
     if (handshakes_.failed() != failed) clients_.count(Refusal::handshake_failed);
+    if (handshakes_.crowded_out() != crowded_out) clients_.count(Refusal::handshake_rate);
 }
 
 }  // namespace romano::dtls

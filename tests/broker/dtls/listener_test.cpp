@@ -95,16 +95,47 @@ TEST_F(AtADtlsAddress, ACookieIsOfOneAddressAlone) {
 }
 
 TEST_F(AtADtlsAddress, HandshakesThatLeadNowhereAreBoundedAndForgotten) {
-    for (std::uint16_t port = 1; port <= Handshakes::most_handshakes + 50; ++port) {
-        Client stranger{"nobody", key_b};
-        stranger.from = endpoint(77, port);
-        (void)stranger.connect(broker);
-    }
+    const auto begin = [&](std::uint8_t host, std::size_t handshakes) {
+        for (std::uint16_t port = 1; port <= handshakes; ++port) {
+            Client stranger{"nobody", key_b};
+            stranger.from = endpoint(host, port);
+            (void)stranger.connect(broker);
+        }
+    };
+    begin(77, Handshakes::most_of_host + 10);
+    EXPECT_EQ(broker.listener.handshakes().size(), Handshakes::most_of_host);
+    EXPECT_EQ(broker.refused(Refusal::handshake_rate), 10U);
+    ASSERT_TRUE(a.connect(broker)) << "one host does not keep others out";
+    EXPECT_EQ(a.ask(broker, connect_as("a")), MsgType::connack);
+    for (std::uint8_t host = 78; host <= 81; ++host) begin(host, Handshakes::most_of_host);
     EXPECT_EQ(broker.listener.handshakes().size(), Handshakes::most_handshakes);
-    ASSERT_TRUE(a.connect(broker)) << "they do not keep others out";
+    EXPECT_EQ(broker.refused(Refusal::handshake_rate), 10U + Handshakes::most_of_host);
+    (void)broker.wait(1s);
+    Client b{"b", key_b};
+    b.from = other_place;
+    ASSERT_TRUE(b.connect(broker)) << "many do for a second";
+    EXPECT_EQ(broker.listener.handshakes().size(), Handshakes::most_handshakes);
     (void)broker.wait(20s);
     EXPECT_EQ(broker.listener.handshakes().size(), 0U);
-    EXPECT_EQ(a.ask(broker, connect_as("a")), MsgType::connack);
+    EXPECT_EQ(b.ask(broker, connect_as("b")), MsgType::connack);
+}
+
+TEST_F(AtADtlsAddress, WhoBeginsAgainAndAgainIsHeededOnceASecond) {
+    for (int round = 0; round < 100; ++round) {
+        Client stranger{"nobody", key_b};
+        EXPECT_FALSE(stranger.connect(broker));
+    }
+    EXPECT_EQ(broker.refused(Refusal::handshake_rate), 99U);
+    (void)broker.wait(1s);
+    EXPECT_TRUE(a.connect(broker));
+}
+
+TEST_F(AtADtlsAddress, ManyClientHellosInADatagramAreAnsweredOnce) {
+    a.end.connect();
+    Octets many;
+    for (int n = 0; n < 100; ++n) many.insert(many.end(), a.outbox[0].begin(), a.outbox[0].end());
+    EXPECT_EQ(broker.take(place, many).size(), 1U);
+    EXPECT_EQ(broker.refused(Refusal::malformed), 1U);
 }
 
 TEST_F(AtADtlsAddress, TheLastFlightIsSentAgainWhenItWasLost) {
@@ -147,6 +178,7 @@ TEST_F(AtADtlsAddress, AClientBeginsAnewFromTheSamePortAndNobodyCanDoItInItsPlac
     Client thief{"a", key_b};  // at the same address
     EXPECT_FALSE(thief.connect(broker));
     EXPECT_EQ(a.ask(broker, ping), MsgType::pingresp) << "the association of before goes on";
+    (void)broker.wait(1s);
     for (int round = 0; round < 5; ++round) {
         Client again{"a", key_a};
         ASSERT_TRUE(again.connect(broker));
