@@ -134,6 +134,11 @@ void DtlsClients::note_to_tell(Entry& entry) {
 Message DtlsClients::open(const Path& path, const Record& record, broker::Actions& out) {
     const auto taken = take(path, record);
     if (!taken) return {};
+    const ContentType type = taken->opened.type;
+    if (type != ContentType::application_data && type != ContentType::alert) {
+        count(Refusal::malformed);  // a Finished, say, that somebody sent again
+        return {};
+    }
     Entry& entry = *taken->entry;
     ++counters_.opened;
     note_to_tell(entry);
@@ -142,11 +147,11 @@ Message DtlsClients::open(const Path& path, const Record& record, broker::Action
     if (taken->is_newest && entry.association.may_roam()) {
         follow(*taken, path, record.whole.size(), out);
     }
-    if (taken->opened.type == ContentType::application_data) {
+    if (type == ContentType::application_data) {
         const Path known_at{path.via, entry.association.path().from};
         return {known_at, take_message(*taken, known_at, out)};
     }
-    if (taken->opened.type == ContentType::alert) take_alert(*taken, path.via, out);
+    take_alert(*taken, path.via, out);
     return {};
 }
 

@@ -106,6 +106,22 @@ TEST_F(ARoamingClient, IsNotMovedByAnOlderRecordWhichIsHeededAllTheSame) {
     EXPECT_EQ(moved(), 1U);
 }
 
+TEST_F(ARoamingClient, IsSpokenToByItsNewAssociationThoughItsFinishedOfBeforeIsRepeated) {
+    Roamer again;
+    Roamer newest;
+    ASSERT_TRUE(again.connect(broker));
+    const Octets finished = again.last_sent;
+    ASSERT_EQ(again.ask(broker, connect_as("a")), MsgType::connack);
+    ASSERT_TRUE(newest.connect(broker));
+    ASSERT_EQ(newest.ask(broker, connect_as("a")), MsgType::connack);
+    ASSERT_EQ(newest.ask(broker, {7, 18, 0x02, 0, 1, 'a', 'b'}), MsgType::suback);
+    const std::uint64_t opened = broker.listener.clients().counters().opened;
+    EXPECT_TRUE(take(place, finished).empty());
+    EXPECT_EQ(broker.listener.clients().counters().opened, opened);
+    EXPECT_EQ(broker.refused(Refusal::malformed), 1U);
+    EXPECT_THAT(newest.hear_all(publish(3)), testing::ElementsAre(MsgType::publish));
+}
+
 TEST_F(ARoamingClient, IsNotMovedByRepeatedOrForgedRecords) {
     const Octets record = a.record_of(ping);
     (void)take(place, record);
