@@ -48,6 +48,13 @@ std::uint16_t far_from(mqttsn::MsgId one, mqttsn::MsgId other, Random& random) {
     }
 }
 
+/// The rank of a home's copy does not fall when another one takes its place: other homes have
+/// compared theirs with it, and would both give way (overlay/cluster/ownership/settlement.h).
+void keep_rank(SessionHeader& comes, const SessionHeader& own) {
+    if (comes.epoch == own.epoch) ++comes.epoch;
+    comes.last_heard = std::max(comes.last_heard, own.last_heard);
+}
+
 }  // namespace
 
 bool Adoption::adopt(SessionImage image, std::vector<MessagePtr> missed,
@@ -58,6 +65,7 @@ bool Adoption::adopt(SessionImage image, std::vector<MessagePtr> missed,
     Settled settled;
     if (session != nullptr) {
         settled = settle(image_of(*session, tables_), std::move(image), missed);
+        if (settled.comes) keep_rank(settled.image.header, session->header);
         if (settled.is_new) {
             tables_.sessions.come_back(*session);
             tables_.sessions.unmap(*session);
@@ -65,7 +73,9 @@ bool Adoption::adopt(SessionImage image, std::vector<MessagePtr> missed,
         }
     } else {
         if (ours) {
+            const SessionHeader own = ours->header;
             settled = settle(*std::move(ours), std::move(image), missed);
+            if (settled.comes) keep_rank(settled.image.header, own);
             settled.is_new = true;
         } else {
             settled.image = std::move(image);

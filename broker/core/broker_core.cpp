@@ -148,6 +148,11 @@ void BrokerCore::pass_on(const SessionImage& image, const LogId& to, Actions& ou
     log.append(out, [&] { return SessionMoved{image.header, to}; });
 }
 
+void BrokerCore::append_header(std::string_view client_id, Actions& out) {
+    const SessionHeader* now = header(client_id);
+    if (now != nullptr) state_->tables.log.append(out, [&] { return SessionChanged{*now}; });
+}
+
 void BrokerCore::seal(const Endpoint& address, const LogId& to, Actions& out) {
     state_->tables.log.append(out, [&] { return Sealed{address, to}; });
 }

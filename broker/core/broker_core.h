@@ -100,6 +100,8 @@ public:
                                           std::uint64_t epochs, Actions& out);
     /// Appends that this session, which was never here, goes to the broker with that log.
     void pass_on(const SessionImage& image, const LogId& to, Actions& out);
+    /// Appends how the client's session is now: the log does not say else when it was last heard.
+    void append_header(std::string_view client_id, Actions& out);
     /// Appends that all sessions of the address have gone there.
     void seal(const Endpoint& address, const LogId& to, Actions& out);
 

@@ -117,8 +117,8 @@ std::vector<Route> Router::routes() const {
     return found;
 }
 
-void Router::accept(const Publication& publication, const Session* publisher, MsgId msg_id,
-                    Turn& turn, const ClientId& will_of) {
+void Router::accept(const Publication& publication, Session* publisher, MsgId msg_id, Turn& turn,
+                    const ClientId& will_of) {
     claim_room();
     message_ = {};
     if (!publication.retain && !tables_.log.writes()) return;
@@ -131,6 +131,8 @@ void Router::accept(const Publication& publication, const Session* publisher, Ms
         turn.out.push(Forward{message_});
         return;
     }
+    // By that a mirror knows that it was heard: it shall not know of more than its home.
+    if (publisher != nullptr) publisher->header.last_heard = message_->published_at;
     tables_.log.append(turn.out, [&] {
         return Published{message_, publisher == nullptr ? ClientId{} : publisher->header.client_id,
                          msg_id, routes(), will_of};

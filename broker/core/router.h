@@ -54,7 +54,7 @@ public:
                                             Instant now) const;
     /// Writes the message into the log and the retained store. `publisher` and `msg_id` only for
     /// QoS 2; `will_of` see Published.
-    void accept(const Publication& publication, const Session* publisher, mqttsn::MsgId msg_id,
+    void accept(const Publication& publication, Session* publisher, mqttsn::MsgId msg_id,
                 Turn& turn, const ClientId& will_of = {});
     /// Hands what was accepted last to its receivers.
     void deliver(const Publication& publication, Turn& turn);

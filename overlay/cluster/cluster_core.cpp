@@ -24,7 +24,7 @@ ClusterCore::ClusterCore(const ClusterOptions& options, const Identity& identity
       hand_back_(identity.log.broker, options.sessions_per_turn),
       arrivals_(identity.log, options.sessions_per_turn),
       departures_(options.sessions_per_turn),
-      settlement_(identity.log.broker),
+      settlement_(identity.log.broker, options.sessions_per_turn),
       roaming_(digest_of(identity.predefined)),
       predefined_(digest_of(identity.predefined)),
       settings_(identity.name, agreed_settings(options, identity.predefined)) {}
@@ -40,8 +40,7 @@ bool ClusterCore::is_for_later(Instant now, const ClusterMessage& message) const
     }
     return std::holds_alternative<ViewProposal>(message) ||
            std::holds_alternative<ViewHoldings>(message) ||
-           std::holds_alternative<SessionRequest>(message) ||
-           std::holds_alternative<SessionClaim>(message);
+           std::holds_alternative<SessionRequest>(message);
 }
 
 void ClusterCore::on_message(Effects& effects, const Envelope& envelope) {
@@ -73,7 +72,7 @@ void ClusterCore::on_tick(Effects& effects, const std::set<Endpoint>& pending_ou
                              .half_adopted = take_over_.half_adopted(),
                              .inheriting = take_over_.inheriting()});
         departures_.carry_on(effects, logs(), view());
-        settlement_.carry_on(effects, logs_, hand_back_);
+        settlement_.carry_on(effects, logs_, membership_, hand_back_, departures_);
     }
     catch_up(effects);
     after_input(effects);
@@ -538,7 +537,7 @@ void ClusterCore::restart(Effects& effects, LogId log) {
     compared_.reset();
     arrivals_ = Arrivals(log, options_.sessions_per_turn);
     departures_ = Departures(options_.sessions_per_turn);
-    settlement_ = Settlement(log.broker);
+    settlement_ = Settlement(log.broker, options_.sessions_per_turn);
     roaming_ = Roaming(predefined_);
     log_sender_ = {};
     for (const Endpoint& address : addresses_.claimed()) addresses_.give_up(effects, address);
@@ -570,12 +569,6 @@ void ClusterCore::heed_arrivals(Effects& effects) {
         // It may have been handed on while they were on their way: they follow it.
         if (address.family != Endpoint::Family::none) addresses_.take(effects, address);
     }
-}
-
-void ClusterCore::on(Effects& effects, BrokerId from, const SessionClaim& claim) {
-    const Peer* peer = membership_.find(from);
-    if (peer == nullptr) return;
-    settlement_.on_claim(effects, peer->beacon.log, claim, hand_back_, departures_, logs_);
 }
 
 void ClusterCore::on(Effects& effects, BrokerId from, const SessionRequest& request) {

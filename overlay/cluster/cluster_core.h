@@ -198,7 +198,6 @@ private:
     void on(Effects& effects, BrokerId from, const Fetch& message);
     void on(Effects& effects, BrokerId from, const SnapshotPart& message);
     void on(Effects& effects, BrokerId from, const SessionRequest& message);
-    void on(Effects& effects, BrokerId from, const SessionClaim& message);
     static void on(Effects&, BrokerId, const SecuredTold&) {}
 
     void say(Effects& effects, const Beacon& beacon);

@@ -10,7 +10,9 @@ namespace romano::cluster {
 
 void ClusterCore::append(Seq seq, const LogEventPtr& event) {
     if (const auto* session = std::get_if<broker::SessionPut>(&*event)) {
-        peer_sessions_.on_own_session(session->image.header.client_id, logs_);
+        const broker::ClientId& client = session->image.header.client_id;
+        peer_sessions_.on_own_session(client, logs_);
+        if (is_homed_at_peer(client)) settlement_.on_own_session(client, logs_);
     }
     log_sender_.on_own_event(own_.id(), *event);
     own_.append(seq, event);
@@ -207,7 +209,7 @@ void ClusterCore::apply_event(Effects& effects, const LogId& id, PeerLog& log) {
         const broker::ClientId& client = put->image.header.client_id;
         mark_taken(client);
         peer_sessions_.on_living_home(client, logs_);
-        settlement_.on_peer_session(effects, id.broker, client);
+        settlement_.on_peer_session(effects, id, client);
     }
 }
 

@@ -258,11 +258,6 @@ struct SnapshotPart {
 struct SessionRequest {
     broker::ClientId client_id{};
 };
-/// After a heal two brokers may be home to one client: "this is my copy". A receiver whose own copy
-/// is outranked moves it; another one answers with its own claim.
-struct SessionClaim {
-    broker::SessionHeader header;
-};
 
 /// How far the packets of a protected client were taken (overlay/packets_told.h).
 struct PacketsOfClient {
@@ -307,10 +302,9 @@ struct SecuredTold {
     std::vector<ProgressOfAssociation> progress{};
 };
 
-using ClusterMessage =
-    std::variant<Heartbeat, LogBatch, LogAck, ForwardBatch, ElectionMessage, ViewProposal,
-                 ViewHoldings, ViewAnnouncement, Fetch, SnapshotPart, SessionRequest, SessionClaim,
-                 Pulse, Particulars, SecuredTold>;
+using ClusterMessage = std::variant<Heartbeat, LogBatch, LogAck, ForwardBatch, ElectionMessage,
+                                    ViewProposal, ViewHoldings, ViewAnnouncement, Fetch,
+                                    SnapshotPart, SessionRequest, Pulse, Particulars, SecuredTold>;
 
 /// How a message travels.
 enum class Delivery : std::uint8_t {

@@ -218,9 +218,6 @@ struct MessageWriter {
     void operator()(const cluster::SessionRequest& m) const {
         out.set_session_request(m.client_id);
     }
-    void operator()(const cluster::SessionClaim& m) const {
-        to_proto(m.header, *out.mutable_session_claim());
-    }
     void operator()(const cluster::Pulse& m) const {
         to_proto(m.log, *out.mutable_pulse()->mutable_log());
         out.mutable_pulse()->set_tick(m.tick);
@@ -475,11 +472,6 @@ MaybeMessage from_proto(const ClusterMessage& in) {
             return read_snapshot_part(in.snapshot_part());
         case ClusterMessage::kSessionRequest:
             return cluster::SessionRequest{in.session_request()};
-        case ClusterMessage::kSessionClaim:
-            if (auto header = from_proto(in.session_claim())) {
-                return cluster::SessionClaim{std::move(*header)};
-            }
-            break;
         case ClusterMessage::kPulse:
             if (const auto log = from_proto(in.pulse().log())) {
                 return cluster::Pulse{*log, in.pulse().tick()};

@@ -214,9 +214,6 @@ std::string line(const SnapshotPart& m) {
 std::string line(const SessionRequest& m) {
     return "SessionRequest " + m.client_id;
 }
-std::string line(const SessionClaim& m) {
-    return "SessionClaim [" + text(m.header) + ']';
-}
 std::string line(const Pulse& m) {
     return "Pulse after beacon " + std::to_string(m.tick);
 }

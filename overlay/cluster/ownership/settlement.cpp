@@ -5,9 +5,16 @@
 
 namespace romano::cluster {
 
-void Settlement::on_peer_session(const Effects& effects, BrokerId peer,
+void Settlement::on_peer_session(const Effects& effects, const LogId& peer,
                                  const broker::ClientId& client) {
-    if (effects.broker.header(client) != nullptr) conflicts_.emplace(client, peer);
+    if (effects.broker.header(client) != nullptr) conflicts_.try_emplace({client, peer});
+}
+
+void Settlement::on_own_session(const broker::ClientId& client, const PeerLogs& logs) {
+    for (const auto& [id, log] : logs) {
+        const bool is_home = !log.is_frozen() && log.mirror().contains(client);
+        if (is_home) conflicts_.try_emplace({client, id});
+    }
 }
 
 void Settlement::compare(const broker::BrokerCore& broker, const View& view) {
@@ -22,47 +29,65 @@ void Settlement::compare_some(const PeerLogs& logs) {
         const auto log = logs.find(member);
         if (log == logs.end()) continue;
         for (const broker::ClientId& client : piece) {
-            if (log->second.mirror().contains(client)) conflicts_.emplace(client, member.broker);
+            if (log->second.mirror().contains(client)) conflicts_.try_emplace({client, member});
         }
     }
     to_compare_.resize(to_compare_.size() - count);
 }
 
-void Settlement::carry_on(Effects& effects, const PeerLogs& logs, const HandBack& moving) {
-    if (effects.now < next_claims_) return;
-    next_claims_ = effects.now + effects.times.claims_repeated_every();
-    std::erase_if(conflicts_, [&](const auto& conflict) {
-        const broker::ClientId& client = conflict.first;
-        const BrokerId peer = conflict.second;
-        const bool held_there = std::ranges::any_of(logs, [&](const auto& entry) {
-            return entry.first.broker == peer && !entry.second.is_frozen() &&
-                   entry.second.mirror().contains(client);
-        });
-        const broker::SessionHeader* own = effects.broker.header(client);
-        if (!held_there || own == nullptr) return true;
-        if (moving.is_silent(own->via)) return false;
-        effects.peers.push_back({peer, SessionClaim{*own}});
-        return false;
-    });
+void Settlement::carry_on(Effects& effects, const PeerLogs& logs, const Membership& membership,
+                          const HandBack& moving, Departures& departures) {
+    auto at = conflicts_.begin();
+    if (looked_at_) {
+        at = conflicts_.upper_bound(*looked_at_);
+    } else if (effects.now < next_look_) {
+        return;
+    } else {
+        next_look_ = effects.now + effects.times.conflicts_looked_at_every();
+    }
+    looked_at_.reset();
+    for (std::size_t looked = 1; at != conflicts_.end(); ++looked) {
+        const auto conflict = at++;
+        if (looked == sessions_per_turn_ && at != conflicts_.end()) looked_at_ = conflict->first;
+        if (!settle(effects, conflict->first, conflict->second, logs, membership, moving,
+                    departures)) {
+            conflicts_.erase(conflict);
+        }
+        if (looked_at_) return;
+    }
 }
 
-void Settlement::on_claim(Effects& effects, const LogId& from, const SessionClaim& claim,
-                          const HandBack& moving, Departures& departures, const PeerLogs& logs) {
-    const broker::ClientId& client = claim.header.client_id;
+bool Settlement::settle(Effects& effects, const Conflict& conflict, broker::HybridTime& told,
+                        const PeerLogs& logs, const Membership& membership, const HandBack& moving,
+                        Departures& departures) const {
+    const auto& [client, home] = conflict;
+    const auto log = logs.find(home);
+    if (log == logs.end() || log->second.is_frozen()) return false;
     const broker::SessionHeader* own = effects.broker.header(client);
-    if (own == nullptr || moving.is_silent(own->via)) return;
-    const auto log = logs.find(from);
-    const bool is_foreign = log != logs.end() && log->second.is_foreign();
-    const auto precedes = [is_foreign](const auto& a, const auto& b) {
-        return is_foreign ? a.last_heard > b.last_heard : broker::outranks(a, b);
-    };
-    const bool stays =
-        precedes(*own, claim.header) || (!precedes(claim.header, *own) && self_ > from.broker);
-    if (stays) {
-        conflicts_.emplace(client, from.broker);  // and say so
-        return;
+    const broker::SessionHeader* theirs = log->second.mirror().header(client);
+    if (own == nullptr || theirs == nullptr) return false;
+    // An earlier life of its broker adopts nothing any more.
+    if (moving.is_silent(own->via) || !membership.is_alive(home)) return true;
+    if (gives_way(*own, log->second, *theirs)) {
+        departures.move(effects, client, home, 0, logs);
+        return false;
     }
-    departures.move(effects, client, from, 0, logs);
+    if (own->last_heard != told) {
+        told = own->last_heard;
+        effects.broker.append_header(client, effects.clients);
+    }
+    return true;
+}
+
+/// Where topic ids mean something else, neither copy goes on from the other; the one stays to which
+/// the client spoke last.
+bool Settlement::gives_way(const broker::SessionHeader& own, const PeerLog& other,
+                           const broker::SessionHeader& theirs) const {
+    const auto precedes = [&other](const auto& a, const auto& b) {
+        return other.is_foreign() ? a.last_heard > b.last_heard : broker::outranks(a, b);
+    };
+    const BrokerId home = other.mirror().log().broker;
+    return precedes(theirs, own) || (!precedes(own, theirs) && home > self_);
 }
 
 }  // namespace romano::cluster

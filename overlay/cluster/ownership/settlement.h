@@ -2,12 +2,21 @@
 // other stays (broker::outranks; the higher broker id at a full tie), the other home moves its copy
 // there (departures.h; design section 3, "Joining and healing").
 //
-// Mirrors know when a client was last heard only as of the last event, so the homes tell each other
-// directly: each claims its copy to the other, and who sees itself outranked gives way. Ranks of a
-// copy only grow, so never do both.
+// Each home compares its own copy with the mirror of the other home's log. A mirror knows when a
+// client was last heard only as of the last event, so a home that stays writes that into its log.
+//
+// I7, never both: the rank of a copy does not fall, and a mirror shows one that the copy had. Had
+// each home given way, then each copy would have ended below a rank that the other one had before.
+//
+// P4, one finally does. Both homes notice, whoever was the last to become one. A client talks to
+// one address at a time. The rank of the copy that is not heard is written once; that of the other
+// one is written whenever it has grown. Once both mirrors show that, the lower copy's home sees it.
+// Where the higher copy is not heard, its rank is final; where the lower one is not, whatever is
+// written of the higher one lies above it.
 #pragma once
 
-#include <set>
+#include <map>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -21,32 +30,46 @@ namespace romano::cluster {
 
 class Settlement {
 public:
-    explicit Settlement(BrokerId self) : self_(self) {}
+    Settlement(BrokerId self, std::size_t sessions_per_turn)
+        : self_(self), sessions_per_turn_(sessions_per_turn) {}
 
     /// A peer's log says that it is home to this client.
-    void on_peer_session(const Effects& effects, BrokerId peer, const broker::ClientId& client);
+    void on_peer_session(const Effects& effects, const LogId& peer, const broker::ClientId& client);
+    /// This broker is home to the client: the other home sees it no sooner than the own log says
+    /// so.
+    void on_own_session(const broker::ClientId& client, const PeerLogs& logs);
     /// Looks for all clients that are homed here and at another member; in pieces.
     void compare(const broker::BrokerCore& broker, const View& view);
     void compare_some(const PeerLogs& logs);
     /// There is more to look at.
-    [[nodiscard]] bool is_half_done() const { return !to_compare_.empty(); }
+    [[nodiscard]] bool is_half_done() const {
+        return !to_compare_.empty() || looked_at_.has_value();
+    }
 
-    /// Claims what both hold, from time to time.
+    /// Gives way, or says how the own copy is, from time to time; in pieces.
     /// Sessions of an address that is on its way (`moving`) are settled by the address's owner.
-    void carry_on(Effects& effects, const PeerLogs& logs, const HandBack& moving);
-    /// Where topic ids mean something else, neither copy goes on from the other; the one stays to
-    /// which the client spoke last.
-    void on_claim(Effects& effects, const LogId& from, const SessionClaim& claim,
-                  const HandBack& moving, Departures& departures, const PeerLogs& logs);
+    void carry_on(Effects& effects, const PeerLogs& logs, const Membership& membership,
+                  const HandBack& moving, Departures& departures);
 
     static constexpr std::size_t compared_per_turn = 2'000;  // about a millisecond
 
 private:
+    using Conflict = std::pair<broker::ClientId, LogId>;
+
+    /// When the own copy was last heard, as the own log says; false when the conflict is over.
+    bool settle(Effects& effects, const Conflict& conflict, broker::HybridTime& told,
+                const PeerLogs& logs, const Membership& membership, const HandBack& moving,
+                Departures& departures) const;
+    [[nodiscard]] bool gives_way(const broker::SessionHeader& own, const PeerLog& other,
+                                 const broker::SessionHeader& theirs) const;
+
     BrokerId self_;
+    std::size_t sessions_per_turn_;
     std::vector<broker::ClientId> to_compare_;
     std::vector<LogId> compared_with_;
-    std::set<std::pair<broker::ClientId, BrokerId>> conflicts_;
-    Instant next_claims_ = Instant::min();
+    std::map<Conflict, broker::HybridTime> conflicts_;
+    std::optional<Conflict> looked_at_;  // the next ones are looked at in the next turn
+    Instant next_look_ = Instant::min();
 };
 
 }  // namespace romano::cluster

@@ -42,6 +42,22 @@ TEST_F(TwoHomes, TheCopyWhoseClientWasHeardWins) {
     home.expects_mirror_to_agree();
 }
 
+// Other homes have compared theirs with it, and must not both give way.
+TEST_F(TwoHomes, TheRankOfACopyDoesNotFallWhenAnotherTakesItsPlace) {
+    robot.connects(false);
+    const SessionHeader before = *home.core.header("robot");
+    SessionImage later = image_of(home, "robot");
+    later.header.last_heard.value += 1;
+    EXPECT_TRUE(home.core.adopt(home.now, later, {}, home.actions));
+    const SessionHeader& now = *home.core.header("robot");
+    EXPECT_TRUE(now.provisional);
+    EXPECT_TRUE(outranks(now, before));
+    later.header.epoch = now.epoch + 1;
+    later.header.last_heard = {};
+    EXPECT_TRUE(home.core.adopt(home.now, later, {}, home.actions));
+    EXPECT_GT(home.core.header("robot")->last_heard, before.last_heard);
+}
+
 // Beyond a cut: it knows nothing of the session that the heir has.
 TEST_F(TwoHomes, ASessionThatIsBegunAnewOutranksOneThatItsBrokerNeverSaw) {
     robot.connects();
@@ -86,6 +102,8 @@ TEST_F(TwoHomes, AMirrorKnowsThatAPublisherWasHeard) {
                            MsgId{9}, as_octets("go")});
     const SessionImage image = image_of(home, "publisher");
     EXPECT_GT(image.header.last_heard, before);
+    EXPECT_EQ(image.header.last_heard, home.core.header("publisher")->last_heard)
+        << "of no later word than its home: by their ranks two homes would both give way";
     EXPECT_THAT(image.unreleased, testing::ElementsAre(MsgId{9}));
 }
 

@@ -120,7 +120,7 @@ TEST(BodyCodec, WantedParticularsSayNothingElse) {
 TEST(BodyCodec, ParticularsKeepTheirFields) {
     Random random{2};
     BodyCodec codec;
-    const auto message = random_message(13, random);
+    const auto message = random_message(12, random);
     const auto& in = std::get<cluster::Particulars>(message).beacon;
     const auto decoded = codec.decode(copy(codec.encode(message)));
     ASSERT_TRUE(decoded);
@@ -262,14 +262,12 @@ TEST(BodyCodec, RefusesAnAddressThatIsNoIpAddress) {
 }
 
 TEST(BodyCodec, RefusesValuesOutOfRange) {
-    proto::ClusterMessage claim;
-    claim.mutable_session_claim()->set_state(4);
-    EXPECT_TRUE(decode(claim));
-    claim.mutable_session_claim()->set_state(5);
-    EXPECT_FALSE(decode(claim));
-
     proto::ClusterMessage batch;
     auto& event = *batch.mutable_log_batch()->add_events();
+    event.mutable_session_changed()->mutable_header()->set_state(4);
+    EXPECT_TRUE(decode(batch));
+    event.mutable_session_changed()->mutable_header()->set_state(5);
+    EXPECT_FALSE(decode(batch));
     event.mutable_publish_released()->set_msg_id(0x10000);
     EXPECT_FALSE(decode(batch));
     event.mutable_publish_released()->set_msg_id(0xFFFF);

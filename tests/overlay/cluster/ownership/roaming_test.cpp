@@ -62,7 +62,6 @@ TEST_F(RoamingTest, P2_IsNoStrangerWhileItsSessionWaitsToBeAdopted) {
     arriving.heed(now, [](const LogPosition&) { return true; });
     Effects acting = effects();
     arriving.on_turn();
-    Departures departures{256};
     arriving.carry_on(acting, {logs, own}, departures);
     EXPECT_FALSE(is_waited_for_after(1ms));
     EXPECT_NE(broker.header("robot"), nullptr);
