@@ -148,8 +148,8 @@ bool ClusterCore::must_wait(const Endpoint& via, const Endpoint& from) const {
 bool ClusterCore::must_fetch(Effects& effects, const Endpoint& via, const Endpoint& from,
                              Bytes datagram) {
     return is_fetching(via, from) ||
-           roaming_.on_datagram(effects, {via, from}, datagram, peer_sessions_.homes(), membership_,
-                                view());
+           roaming_.on_datagram(effects, {via, from}, datagram, peer_sessions_.homes(), departures_,
+                                membership_, view());
 }
 
 void ClusterCore::on_address(Effects& effects, const Endpoint& address, bool served) {
@@ -183,7 +183,8 @@ void ClusterCore::after_input(Effects& effects) {
                        [this](const LogId& log) { return take_over_.awaits(log); });
     publish_order_.carry_on(effects, logs_, view());
     heed_arrivals(effects);
-    roaming_.carry_on(effects, logs(), peer_sessions_.homes(), arrivals_, membership_, view());
+    roaming_.carry_on(effects, logs(), peer_sessions_.homes(), arrivals_, departures_, membership_,
+                      view());
     break_silence();
     // Others wait for these news.
     const bool news = leadership() != last_leadership_ || view().number != last_view_;

@@ -45,6 +45,7 @@ std::vector<Invariant> Invariants::judge(Instant now, std::span<const Sight> bro
     as_at_the_seal(brokers, broker);
     named_first(broker);
     one_shard(brokers, broker);
+    one_copy(broker);
     bounded(brokers, broker);
     return std::exchange(new_, {});
 }
@@ -216,6 +217,14 @@ void Invariants::one_shard(std::span<const Sight> brokers, const Sight& broker) 
             report(Invariant::one_shard,
                    client + " is spoken to by " + broker.name + " and by " + other.name);
         }
+    }
+}
+
+/// I7: a broker has one copy of a session, its own or one on its way to another home.
+void Invariants::one_copy(const Sight& broker) {
+    for (const std::string& client : broker.twice) {
+        report(Invariant::one_copy,
+               broker.name + " has a session of " + client + ", and another one that leaves");
     }
 }
 

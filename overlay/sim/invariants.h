@@ -31,9 +31,10 @@ enum class Invariant : std::uint8_t {
     as_at_the_seal,
     named_first,
     one_shard,
+    one_copy,
     bounded,
 };
-inline constexpr std::size_t invariant_count = 9;
+inline constexpr std::size_t invariant_count = 10;
 inline constexpr std::array<std::string_view, invariant_count> invariant_names{
     "I1 one speaker",
     "I2 agreed end",
@@ -43,6 +44,7 @@ inline constexpr std::array<std::string_view, invariant_count> invariant_names{
     "I5s state at the seal",
     "I6 what is named comes first",
     "I7 one shard a client",
+    "I7s one copy a home",
     "I8 bounded"};
 
 /// Of each invariant where it broke first; empty: it held.
@@ -67,6 +69,7 @@ private:
     void as_at_the_seal(std::span<const Sight> brokers, const Sight& broker);
     void named_first(const Sight& broker);
     void one_shard(std::span<const Sight> brokers, const Sight& broker);
+    void one_copy(const Sight& broker);
     void bounded(std::span<const Sight> brokers, const Sight& broker);
 
     [[nodiscard]] bool is_broken(Invariant invariant) const;

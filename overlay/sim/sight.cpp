@@ -55,9 +55,12 @@ void look_at_copies(const cluster::ClusterCore& cluster, Sight& sight) {
     sight.copies = std::move(copies);
 }
 
-void look_at_moves(const cluster::ClusterCore& cluster, Sight& sight) {
+void look_at_moves(const cluster::ClusterCore& cluster, const broker::BrokerCore& broker,
+                   Sight& sight) {
     sight.leaving.clear();
+    sight.twice.clear();
     for (const auto& [client, leaving] : cluster.departures().all()) {
+        if (broker.header(client) != nullptr) sight.twice.push_back(client);
         sight.leaving.push_back({{sight.log, leaving.session.at}, leaving.session.image});
     }
     sight.mirrored.clear();
@@ -101,7 +104,7 @@ void look_at(const ClusterBroker& broker, Instant now, const std::vector<std::st
     }
     look_at_seals(cluster.own_log().history(), sight);
     look_at_copies(cluster, sight);
-    look_at_moves(cluster, sight);
+    look_at_moves(cluster, member.broker(), sight);
     look_again(broker, now, sight);
 }
 

@@ -61,6 +61,7 @@ struct Sight {
     std::vector<Reference> references{};     // of this step
     std::vector<SessionBetween> leaving{};   // its own
     std::vector<SessionBetween> mirrored{};  // of others
+    std::vector<std::string> twice{};  // clients of whom it has a session, and one that leaves
 
     [[nodiscard]] const LogCopy* copy_of(const broker::LogId& wanted) const;
 };

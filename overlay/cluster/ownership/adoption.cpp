@@ -56,13 +56,13 @@ broker::SessionImage caught_up(const Effects& effects, const Logs& logs,
     return effects.broker.caught_up(std::move(image), missed);
 }
 
-bool adopt(Effects& effects, const Logs& logs, broker::SessionImage image,
+void adopt(Effects& effects, const Logs& logs, broker::SessionImage image,
            const std::optional<LogPosition>& moved, std::optional<broker::SessionImage> ours) {
     if (ours) ours = caught_up(effects, logs, *std::move(ours));
     find_missing_messages(image, effects, logs);
     auto missed = missed_publishes(image, effects.broker, logs);
-    return effects.broker.adopt(effects.now, std::move(image), std::move(missed), effects.clients,
-                                moved, std::move(ours));
+    effects.broker.adopt(effects.now, std::move(image), std::move(missed), effects.clients, moved,
+                         std::move(ours));
 }
 
 }  // namespace romano::cluster

@@ -33,8 +33,8 @@ struct Logs {
                                              broker::SessionImage image);
 
 /// `moved`: what its living home said of it. `ours`: the own copy that was on its way to another
-/// home. False when the own session of that client stays because it outranks the image.
-bool adopt(Effects& effects, const Logs& logs, broker::SessionImage image,
+/// home (departures.h).
+void adopt(Effects& effects, const Logs& logs, broker::SessionImage image,
            const std::optional<LogPosition>& moved = std::nullopt,
            std::optional<broker::SessionImage> ours = std::nullopt);
 

@@ -80,7 +80,7 @@ void Arrivals::carry_on(Effects& effects, const Logs& logs, Departures& departur
             return false;
         }
         --allowed_;
-        adopt(effects, logs, session->image, arrival.moved, departures.call_off(arrival.client));
+        departures.adopt(effects, logs, session->image, arrival.moved);
         log->second.on_arrived(arrival.client, at);
         return true;
     });

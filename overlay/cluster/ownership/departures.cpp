@@ -90,6 +90,12 @@ std::optional<broker::SessionImage> Departures::call_off(const broker::ClientId&
     return take(leaving).session.image;
 }
 
+void Departures::adopt(Effects& effects, const Logs& logs, broker::SessionImage image,
+                       const std::optional<LogPosition>& moved) {
+    auto ours = call_off(image.header.client_id);
+    cluster::adopt(effects, logs, std::move(image), moved, std::move(ours));
+}
+
 bool Departures::crosses(const MovedSession& comes, const LogId& from) const {
     const auto leaving = leaving_.find(comes.image.header.client_id);
     if (leaving == leaving_.end() || leaving->second.session.to != from) return false;
@@ -122,7 +128,7 @@ void Departures::carry_on(Effects& effects, const Logs& logs, const View& view) 
         broker::SessionHeader& header = taken.session.image.header;
         // Where its client began another session meanwhile, the ranks decide.
         if (effects.broker.header(header.client_id) == nullptr) ++header.epoch;
-        adopt(effects, logs, std::move(taken.session.image));
+        cluster::adopt(effects, logs, std::move(taken.session.image));
     }
 }
 

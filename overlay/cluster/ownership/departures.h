@@ -2,6 +2,9 @@
 // the event, so that two homes never speak to a client, but kept until the new home has them in its
 // log. What does not get there is taken back: when the log of the new home has ended without it,
 // as the view agreed, or the answer does not come.
+//
+// I7: a broker has one copy of a session: its own, or one on its way. What comes beside that is
+// joined with it, as their ranks say (broker::settle), from wherever it comes.
 #pragma once
 
 #include <map>
@@ -21,15 +24,14 @@ public:
     /// connect anew.
     void move(Effects& effects, const broker::ClientId& client, const LogId& to,
               std::uint64_t epochs, const PeerLogs& logs);
-    /// A session of a dead home goes to the one that serves its address, and was never here. A copy
-    /// that another dead one had, and that has not arrived, is joined with it.
+    /// A session of a dead home goes to the one that serves its address, and was never here.
     void pass_on(Effects& effects, broker::SessionImage image, const LogId& to,
                  const PeerLogs& logs);
     /// The new home says that it has what the event `at` of the own log moved there.
     void on_arrived(const broker::ClientId& client, Seq at);
-    /// Another copy of that session comes, and ours has not arrived: they are joined, as their
-    /// ranks say. None when there is none.
-    [[nodiscard]] std::optional<broker::SessionImage> call_off(const broker::ClientId& client);
+    /// The session comes here. `moved`: the event by which its living home said so.
+    void adopt(Effects& effects, const Logs& logs, broker::SessionImage image,
+               const std::optional<LogPosition>& moved = std::nullopt);
     /// Ours goes to the broker whose copy comes from that log, and outranks it: the two are joined
     /// there.
     [[nodiscard]] bool crosses(const MovedSession& comes, const LogId& from) const;
@@ -50,6 +52,8 @@ public:
     [[nodiscard]] const std::map<broker::ClientId, Leaving>& all() const { return leaving_; }
 
 private:
+    /// Ours, that has not arrived; none when there is none.
+    [[nodiscard]] std::optional<broker::SessionImage> call_off(const broker::ClientId& client);
     void put(Effects& effects, broker::SessionImage image, const LogId& to, std::uint64_t epochs);
     Leaving take(std::map<broker::ClientId, Leaving>::iterator leaving);
 

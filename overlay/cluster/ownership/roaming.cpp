@@ -59,7 +59,8 @@ bool is_of_session(Bytes datagram) {
 }  // namespace
 
 bool Roaming::on_datagram(Effects& effects, const Way& way, Bytes datagram, const Homes& homes,
-                          const Membership& membership, const View& view) {
+                          const Departures& leaving, const Membership& membership,
+                          const View& view) {
     const Said said = unwrap(way.from, datagram);
     if (!is_of_session(said.message) || effects.broker.serves(way.via, way.from, datagram)) {
         return false;
@@ -67,7 +68,7 @@ bool Roaming::on_datagram(Effects& effects, const Way& way, Bytes datagram, cons
     auto client = named_client(said.message);
     if (!client) {
         client = client_at({way.via, said.from}, effects.broker, homes);
-    } else if (!homes.of(*client) && !has_let_go(*client)) {
+    } else if (!homes.of(*client) && !has_let_go(*client) && !leaving.all().contains(*client)) {
         return false;
     }
     if (!client || fetching_.size() >= fetching_most) return false;
@@ -119,27 +120,32 @@ void Roaming::on_standstill(Instant now) {
 }
 
 void Roaming::carry_on(Effects& effects, const Logs& logs, const Homes& homes,
-                       const Arrivals& arriving, const Membership& membership, const View& view) {
+                       const Arrivals& arriving, Departures& departures,
+                       const Membership& membership, const View& view) {
     while (!let_go_.empty() && let_go_.front().until < effects.now) let_go_.pop_front();
     std::erase_if(fetching_, [&](const auto& entry) {
         const Fetching& fetching = entry.second;
         if (effects.broker.header(fetching.client) != nullptr) return true;
         if (effects.now <= fetching.since + effects.times.session_waited_for()) return false;
-        if (arriving.holds(fetching.client)) return false;
-        if (!fetching.asked) adopt_copy(effects, logs, fetching.client, homes);
+        if (arriving.holds(fetching.client) || departures.all().contains(fetching.client)) {
+            return false;
+        }
+        if (!fetching.asked) adopt_copy(effects, logs, fetching.client, homes, departures);
         return true;
     });
     for (auto& [way, fetching] : fetching_) ask(effects, fetching, homes, membership, view);
 }
 
 void Roaming::adopt_copy(Effects& effects, const Logs& logs, const broker::ClientId& client,
-                         const Homes& homes) {
+                         const Homes& homes, Departures& departures) {
     const auto home = homes.of(client);
     if (!home) return;
     for (auto& [id, log] : logs.peers) {
         if (id.broker != home->broker || log.is_foreign()) continue;
         if (log.session(client) == nullptr) continue;
-        if (auto image = log.mirror().image(client)) adopt(effects, logs, *std::move(image));
+        if (auto image = log.mirror().image(client)) {
+            departures.adopt(effects, logs, *std::move(image));
+        }
         log.mark_taken(client);
     }
 }

@@ -3,7 +3,8 @@
 // heir's word, and the session is fetched from there. Has the home just let it go to another
 // broker, because the client roams faster than a round trip, they wait for that one's word. Comes
 // none, because others hear the home and we do not, it is adopted from the copy that is held here;
-// settlement.h does the rest. A home with other predefined topics is asked for nothing: its client
+// settlement.h does the rest. What is on its way from here is waited for: it arrives, or comes
+// back. A home with other predefined topics is asked for nothing: its client
 // is a stranger here.
 //
 // Bounded: so many clients at a time, and each for so long; without an answer of the home the
@@ -17,6 +18,7 @@
 #include "overlay/cluster/agreement/membership.h"
 #include "overlay/cluster/effects.h"
 #include "overlay/cluster/ownership/arrivals.h"
+#include "overlay/cluster/ownership/departures.h"
 #include "overlay/cluster/ownership/homes.h"
 #include "overlay/cluster/speaking/way.h"
 #include "romano/base/bytes.h"
@@ -30,12 +32,12 @@ public:
 
     /// True when the datagram shall wait: its session is asked for.
     bool on_datagram(Effects& effects, const Way& way, Bytes datagram, const Homes& homes,
-                     const Membership& membership, const View& view);
+                     const Departures& leaving, const Membership& membership, const View& view);
     /// We let it go to a peer, or a peer's log says that it is no longer home to the client.
     void on_let_go(const Effects& effects, const broker::SessionHeader& session);
     /// Looks again who is home to those whose sessions are awaited.
     void carry_on(Effects& effects, const Logs& logs, const Homes& homes, const Arrivals& arriving,
-                  const Membership& membership, const View& view);
+                  Departures& departures, const Membership& membership, const View& view);
     void on_standstill(Instant now);
     [[nodiscard]] bool is_fetching(const Way& way) const { return fetching_.contains(way); }
 
@@ -60,7 +62,7 @@ private:
     [[nodiscard]] std::optional<broker::ClientId> let_go(const broker::ClientAddress& from) const;
     [[nodiscard]] bool has_let_go(const broker::ClientId& client) const;
     static void adopt_copy(Effects& effects, const Logs& logs, const broker::ClientId& client,
-                           const Homes& homes);
+                           const Homes& homes, Departures& departures);
     void ask(Effects& effects, Fetching& fetching, const Homes& homes, const Membership& membership,
              const View& view) const;
 

@@ -177,11 +177,12 @@ bool TakeOver::adopt_some(Effects& effects, const Pending& pending, PeerLog& log
     for (auto& image : sessions) {
         const broker::ClientId client = image.header.client_id;
         if (!is_elsewhere(image.header, log, effects, logs.peers)) {
-            if (pending.server) {
+            // One that is here already is joined with it, and goes from here.
+            if (pending.server && effects.broker.header(client) == nullptr) {
                 auto whole = caught_up(effects, logs, std::move(image));
                 departures.pass_on(effects, std::move(whole), *pending.server, logs.peers);
             } else {
-                adopt(effects, logs, std::move(image), std::nullopt, departures.call_off(client));
+                departures.adopt(effects, logs, std::move(image));
             }
         }
         log.mark_taken(client);

@@ -223,6 +223,12 @@ TEST_F(InvariantsTest, OneShardBreaksWhenTwoOfOneViewSpeakToOneClient) {
     EXPECT_THAT(after_step_of(0), ElementsAre(Invariant::one_shard));
 }
 
+TEST_F(InvariantsTest, OneCopyBreaksWhenASessionIsHereAndLeavesAsWell) {
+    EXPECT_THAT(after_step_of(0), IsEmpty());
+    brokers[0].twice = {"robot"};
+    EXPECT_THAT(after_step_of(0), ElementsAre(Invariant::one_copy));
+}
+
 TEST_F(InvariantsTest, BoundedBreaksWhenLogsOfOldLivesPileUp) {
     for (std::uint64_t life = 1; life <= 48; ++life) {
         brokers[0].copies.push_back({{broker::BrokerId{1}, life}, 1, 1, {}});

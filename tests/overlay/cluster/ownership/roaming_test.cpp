@@ -26,12 +26,13 @@ struct RoamingTest : testing::Test, Owner {
         std::vector<std::uint8_t> ping(8);
         ping.resize(mqttsn::encode(mqttsn::Pingreq{}, ping));
         Effects acting = effects();
-        EXPECT_TRUE(roaming.on_datagram(acting, {ours, from}, ping, homes, membership, view));
+        EXPECT_TRUE(
+            roaming.on_datagram(acting, {ours, from}, ping, homes, departures, membership, view));
     }
     [[nodiscard]] bool is_waited_for_after(Duration time) {
         now += time;
         Effects acting = effects();
-        roaming.carry_on(acting, {logs, own}, homes, arriving, membership, view);
+        roaming.carry_on(acting, {logs, own}, homes, arriving, departures, membership, view);
         return roaming.is_fetching({ours, from});
     }
 
@@ -43,6 +44,7 @@ struct RoamingTest : testing::Test, Owner {
     Membership membership{ClusterOptions{}, self.broker, 1};
     View view{.members = {self}};
     Arrivals arriving{self, 256};
+    Departures departures{256};
     Roaming roaming{0};
 };
 
@@ -72,6 +74,38 @@ TEST_F(RoamingTest, P2_TimeInWhichWeStoodStillDoesNotCount) {
     roaming.on_standstill(now);
     EXPECT_TRUE(is_waited_for_after(2 * patience));
     EXPECT_FALSE(is_waited_for_after(1ms));
+}
+
+/// The own copy goes to a third broker, and has not arrived there.
+Seq send_away(RoamingTest& test) {
+    (void)test.broker.adopt(test.now, test.robot, {}, test.clients);
+    Effects acting = test.effects();
+    test.departures.move(acting, "robot", test::log_of("third"), 1, test.logs);
+    return test.departures.all().at("robot").session.at;
+}
+
+// What its silent home had would come beside that.
+TEST_F(RoamingTest, I7_AnotherCopyIsNotAdoptedWhileTheOwnIsOnItsWay) {
+    PeerLog& home = logs.try_emplace(peer, peer, 100).first->second;
+    home.offer(1, {broker::SessionPut{robot}});
+    home.apply();
+    const Seq at = send_away(*this);
+    EXPECT_TRUE(is_waited_for_after(2 * patience + 1ms));
+    EXPECT_EQ(broker.header("robot"), nullptr);
+    departures.on_arrived("robot", at);
+    EXPECT_FALSE(is_waited_for_after(1ms));
+    EXPECT_NE(broker.header("robot"), nullptr) << "the third broker's log does not say so";
+}
+
+TEST_F(RoamingTest, I7_WhoConnectsFromElsewhereWaitsForTheSessionThatIsOnItsWay) {
+    homes.forget(peer.broker, "robot");
+    send_away(*this);
+    std::vector<std::uint8_t> connect(40);
+    connect.resize(
+        mqttsn::encode(mqttsn::Connect{false, false, mqttsn::protocol_id, 60, "robot"}, connect));
+    Effects acting = effects();
+    EXPECT_TRUE(roaming.on_datagram(acting, {ours, test::address(98)}, connect, homes, departures,
+                                    membership, view));
 }
 
 // What is asked of a home while it listens after a stall is not heard.
@@ -118,7 +152,8 @@ TEST_F(RoamingTest, ANodeBehindAForwarderIsItsOwnClient) {
         std::vector<std::uint8_t> wrapped(60);
         wrapped.resize(mqttsn::encode(mqttsn::Encapsulated{0, as_octets(node), inner}, wrapped));
         Effects acting = effects();
-        return roaming.on_datagram(acting, {ours, from}, wrapped, homes, membership, view);
+        return roaming.on_datagram(acting, {ours, from}, wrapped, homes, departures, membership,
+                                   view);
     };
     EXPECT_TRUE(asks_for("7", mqttsn::Pingreq{""}));
     EXPECT_FALSE(asks_for("8", mqttsn::Pingreq{""}));

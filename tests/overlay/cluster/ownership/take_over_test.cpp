@@ -72,6 +72,20 @@ TEST_F(TakeOverTest, I1_WhereAMemberAnswersAlreadyNobodyElseTakesTheAddress) {
     EXPECT_EQ(std::get<broker::Sealed>(*sealed.event).address, theirs);
 }
 
+// Of that one the own log would say that it is gone.
+TEST_F(TakeOverTest, I7_WhatTheDeadHadIsJoinedWithTheOwnSessionAndNotPassedOn) {
+    view.members.push_back(other);
+    Beacon server{.log = other, .tick = 1, .hears = {self.broker}};
+    server.serving = {theirs};
+    (void)membership.on_beacon(now, server);
+    auto session = std::get<broker::SessionPut>(test::session("robot", test::address(1)));
+    session.image.header.epoch = 5;
+    (void)broker.adopt(now, session.image, {}, clients);
+    EXPECT_EQ(inherit(), 1U);
+    EXPECT_EQ(broker.header("robot")->epoch, 5U);
+    EXPECT_TRUE(departures.all().empty());
+}
+
 // The dead one lives again and serves its address, while the heir still binds it: sealed for that
 // one, it would be spoken from here as soon as it is bound (simulator, as shipped, seed 1767).
 TEST_F(TakeOverTest, I1_AnHeirThatTakesTheAddressItselfPassesNothingOn) {
