@@ -158,14 +158,15 @@ Seq ClusterCore::held_of(const LogId& id, const PeerLog& log) const {
 }
 
 Acknowledgements::IsHeld ClusterCore::is_held() const {
-    return [this](const LogPosition& publish) {
+    return [this](const LogId& by, const LogPosition& publish) {
         const LogId& id = publish.log;
         if (id == own_.id()) return true;
         const auto log = logs_.find(id);
         if (view_change_.contains(id)) {
             return log != logs_.end() && log->second.holds(publish.seq);
         }
-        if (log == logs_.end()) return true;  // it ended before we came
+        // It ended before we came: the home that names it brings it (fetching.h).
+        if (log == logs_.end()) return !logs_.at(by).mirror().is_unresolved(publish);
         // Of a removed log comes what the view agreed on, from the members that hold it.
         if (log->second.is_frozen()) return !fetching_.awaits(publish);
         return log->second.holds(publish.seq) || !membership_.is_alive(id);
@@ -187,9 +188,6 @@ void ClusterCore::apply_event(Effects& effects, const LogId& id, PeerLog& log) {
         peer_sessions_.on_late_event(id);
     }
     if (put != nullptr) publish_order_.on_session(effects, log, put->image, logs_, view());
-    if (!log.is_frozen()) {
-        acknowledgements_.on_event(id, log.applied() + 1, event, is_held());
-    }
     log.apply();
     arrivals_.on_event(effects, log, event);
     if (put != nullptr && put->adopted) on_arrived(put->image.header.client_id, *put->adopted);
@@ -205,6 +203,7 @@ void ClusterCore::apply_event(Effects& effects, const LogId& id, PeerLog& log) {
         if (message) log.mirror().resolve(message);
     }
     note_lacking(id, log);
+    if (!log.is_frozen()) acknowledgements_.on_event(id, log.applied(), event, is_held());
     if (put != nullptr && !put->image.header.client_id.empty() && !log.is_frozen()) {
         const broker::ClientId& client = put->image.header.client_id;
         mark_taken(client);

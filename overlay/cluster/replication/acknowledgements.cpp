@@ -20,7 +20,7 @@ void Acknowledgements::on_session(const broker::LogId& log, broker::Seq seq,
 
 void Acknowledgements::wait(const broker::LogId& log, broker::Seq seq,
                             const broker::LogPosition& publish, const IsHeld& is_held) {
-    if (is_held(publish)) return;
+    if (is_held(log, publish)) return;
     auto& waiting = waiting_[log];
     if (waiting.size() < waiting_most) waiting.push_back({seq, publish});
 }
@@ -30,7 +30,7 @@ broker::Seq Acknowledgements::through(const broker::LogId& log, broker::Seq appl
     const auto found = waiting_.find(log);
     if (found == waiting_.end()) return applied;
     for (const auto& [seq, publish] : found->second) {
-        if (!is_held(publish)) return seq - 1;
+        if (!is_held(log, publish)) return seq - 1;
     }
     return applied;
 }
@@ -39,7 +39,7 @@ std::vector<broker::LogId> Acknowledgements::advance(const IsHeld& is_held) {
     std::vector<broker::LogId> advanced;
     for (auto& [log, waiting] : waiting_) {
         const std::size_t before = waiting.size();
-        while (!waiting.empty() && is_held(waiting.front().publish)) waiting.pop_front();
+        while (!waiting.empty() && is_held(log, waiting.front().publish)) waiting.pop_front();
         if (waiting.size() < before) advanced.push_back(log);
     }
     std::erase_if(waiting_, [](const auto& entry) { return entry.second.empty(); });

@@ -19,8 +19,8 @@ namespace romano::cluster {
 
 class Acknowledgements {
 public:
-    /// That publish is here, or lies beyond where a view ended its log.
-    using IsHeld = std::function<bool(const broker::LogPosition& publish)>;
+    /// The publish that the log `by` names is here, or lies beyond where a view ended its log.
+    using IsHeld = std::function<bool(const broker::LogId& by, const broker::LogPosition& publish)>;
 
     /// The next event of that log, which is `seq` of it, was applied.
     void on_event(const broker::LogId& log, broker::Seq seq, const broker::LogEvent& event,

@@ -1,6 +1,7 @@
 #include "overlay/cluster/replication/fetching.h"
 
 #include <algorithm>
+#include <set>
 
 namespace romano::cluster {
 
@@ -43,7 +44,7 @@ void Fetching::carry_on(Effects& effects, const PeerLogs& logs, const Membership
         if (!has_gap && !lacks_messages && !missing_.contains(id)) continue;
         if (log.second.is_frozen() || !membership.is_alive(id)) continue;
         if (has_gap) ask(effects, {id, received(id)}, gaps_since, id.broker);
-        ask_for_messages(effects, log);
+        ask_for_messages(effects, log, logs);
     }
     for (auto& [id, removed] : removed_) {
         const LogPosition after{id, received(id)};
@@ -100,11 +101,19 @@ void Fetching::on_events(Effects& effects, BrokerId from, const PeerLogs::value_
     if (lacks(log)) send(effects, wait->second, {log.first, received}, from);
 }
 
-void Fetching::ask_for_messages(Effects& effects, const PeerLogs::value_type& log) {
+void Fetching::ask_for_messages(Effects& effects, const PeerLogs::value_type& log,
+                                const PeerLogs& logs) {
     const auto& [id, held] = log;
     auto at = missing_.find(id);
     if (at == missing_.end()) {
         at = missing_.emplace(id, Missing{held.mirror().unresolved(), effects.now}).first;
+        std::set<LogId> ended;
+        for (const LogPosition& message : at->second.messages) {
+            if (!logs.contains(message.log)) ended.insert(message.log);
+        }
+        for (const LogId& log_before_us : ended) {
+            effects.peers.push_back({id.broker, Fetch{{log_before_us, 0}, self_}});
+        }
     }
     Missing& missing = at->second;
     std::erase_if(missing.messages, [&mirror = held.mirror()](const LogPosition& message) {

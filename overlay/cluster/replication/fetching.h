@@ -10,7 +10,8 @@
 // And deliveries of a peer's sessions may name messages that came from nowhere: they were published
 // at a broker that came and died while this one was away. The home of these sessions is asked for
 // a snapshot when they have been missing for long; most come a moment later, with their
-// publisher's log.
+// publisher's log. Of a log that ended before this broker came nothing comes by itself: that home
+// is asked for its publishes at once, for until they are here what names them is not acknowledged.
 #pragma once
 
 #include <functional>
@@ -59,7 +60,7 @@ private:
     };
 
     void ask(Effects& effects, const LogPosition& after, Instant missing_since, BrokerId holder);
-    void ask_for_messages(Effects& effects, const PeerLogs::value_type& log);
+    void ask_for_messages(Effects& effects, const PeerLogs::value_type& log, const PeerLogs& logs);
     void send(Effects& effects, Wait& wait, const LogPosition& after, BrokerId holder);
     [[nodiscard]] bool lacks(const PeerLogs::value_type& log) const;
     [[nodiscard]] std::optional<BrokerId> next_holder(const LogPosition& after,

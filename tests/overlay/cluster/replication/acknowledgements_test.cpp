@@ -28,7 +28,8 @@ protected:
 
     broker::Seq held = 0;
     broker::Seq applied = 0;
-    Acknowledgements::IsHeld is_held = [this](const broker::LogPosition& publish) {
+    Acknowledgements::IsHeld is_held = [this](const broker::LogId&,
+                                              const broker::LogPosition& publish) {
         return publish.log != publisher || publish.seq <= held;
     };
     Acknowledgements acknowledgements;

@@ -207,7 +207,7 @@ struct MissingMessages : testing::Test, Cluster {
         hear(3);
         take(LogBatch{peer, 1, {test::session("robot", theirs), routed(own), routed(unknown)}});
         hear(3);
-        (void)take_sent<Fetch>();
+        asked_at_once = take_sent<Fetch>();
     }
     static LogEvent routed(const LogPosition& message) {
         return broker::Routed{message, {{"robot", mqttsn::Qos::at_least_once}}};
@@ -238,8 +238,24 @@ struct MissingMessages : testing::Test, Cluster {
         return {.as_of = {peer, 2}, .last = true, .sessions = {std::move(robot)}};
     }
 
+    [[nodiscard]] Seq acknowledged() const { return core.held_of(peer, core.peer_logs().at(peer)); }
+
     const LogPosition own{peer, 1};
+    std::vector<Fetch> asked_at_once;
 };
+
+// Its log ended before this broker came: it is in no tail, and nobody sends it by itself.
+TEST_F(MissingMessages, I6_WhatNamesAMessageOfAnEarlierLogIsAcknowledgedWhenThatIsHere) {
+    ASSERT_EQ(asked_at_once.size(), 1U);
+    EXPECT_EQ(asked_at_once.front().after, (LogPosition{unknown.log, 0}));
+    EXPECT_EQ(acknowledged(), 2U);
+    broker::Message message{};
+    message.position = unknown;
+    take(SnapshotPart{
+        .as_of = {unknown.log, 9}, .last = true, .publishes = {MessagePtr{std::move(message)}}});
+    EXPECT_EQ(missing(), 1U);
+    EXPECT_EQ(acknowledged(), 3U);
+}
 
 TEST_F(MissingMessages, P1_WhatIsMissingForLongIsAskedOfItsHome) {
     ASSERT_EQ(missing(), 2U);
