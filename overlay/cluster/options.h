@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "overlay/cluster/times.h"
 #include "romano/base/time.h"
 
 namespace romano::cluster {
@@ -32,6 +33,11 @@ struct ClusterOptions {
     std::size_t log_events_kept = 200'000;  // for peers that lag; beyond it they need a snapshot
     std::size_t events_per_turn = 256;      // of a log that is caught up with: half a millisecond
     std::size_t sessions_per_turn = 256;    // that are moved: four milliseconds
+
+    /// With the detection time as of now.
+    [[nodiscard]] Times times(Duration detection) const {
+        return {beacon_every, detection, found_within, found_again_within};
+    }
 };
 
 }  // namespace romano::cluster

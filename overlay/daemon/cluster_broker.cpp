@@ -53,8 +53,7 @@ bool contains(const std::vector<Endpoint>& list, const Endpoint& address) {
 
 /// Empty for the profiles that listen for less than a second.
 std::string listening(const cluster::ClusterOptions& options) {
-    const cluster::Times times{options.beacon_every, options.detection_timeout,
-                               options.found_within, options.found_again_within};
+    const cluster::Times times = options.times(options.detection_timeout);
     const bool is_voted =
         options.elector == "raft";  // a term's first election is a random time away
     const Duration leads_after =

@@ -112,10 +112,7 @@ public:
     /// Peers that were taken for dead since the last call.
     [[nodiscard]] std::vector<BrokerId> take_lost();
     [[nodiscard]] Duration detection_time() const { return linked_->detection_time(); }
-    [[nodiscard]] Times times() const {
-        return {options_.beacon_every, detection_time(), options_.found_within,
-                options_.found_again_within};
-    }
+    [[nodiscard]] Times times() const { return options_.times(detection_time()); }
 
 private:
     /// What others act on, of what heartbeats tell.
