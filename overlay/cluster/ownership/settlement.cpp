@@ -66,7 +66,7 @@ bool Settlement::settle(Effects& effects, const Conflict& conflict, broker::Hybr
     const broker::SessionHeader* own = effects.broker.header(client);
     const broker::SessionHeader* theirs = log->second.mirror().header(client);
     if (own == nullptr || theirs == nullptr) return false;
-    // An earlier life of its broker adopts nothing any more.
+    // An earlier life of its broker adopts nothing, nor does who does not hear us.
     if (moving.is_silent(own->via) || !membership.is_alive(home)) return true;
     if (gives_way(*own, log->second, *theirs)) {
         departures.move(effects, client, home, 0, logs);
