@@ -94,6 +94,10 @@ Contestant::Contestant(Entrant entrant, std::uint32_t clients) : entrant_(std::m
             fleet_.emplace(scratch("fleet"), std::vector<std::string>{"bench"}, clients);
             const auto with_keys = fleet_->broker_arguments("bench");
             arguments.insert(arguments.end(), with_keys.begin(), with_keys.end());
+            if (entrant_.packets == Endpoint::Packets::plain) {  // their clients come there
+                const std::string sealed = host_ + ":" + std::to_string(port_ + 1000);
+                arguments.insert(arguments.end(), {"--listen", "protected://" + sealed});
+            }
         }
     } else if (entrant_.kind == Kind::mosquitto) {
         std::ofstream(scratch("mosquitto.conf")) << mosquitto_configuration(host_, port_);
