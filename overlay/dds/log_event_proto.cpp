@@ -79,7 +79,12 @@ struct EventWriter {
         for (const auto& route : e.routes) to_proto(route, *to.add_routes());
     }
     void operator()(const broker::Cursor& e) const {
-        all_to_proto(e.through, *out.mutable_cursor()->mutable_through());
+        auto& to = *out.mutable_cursor();
+        for (const broker::LogPosition& position : e.through) {
+            to.add_brokers(static_cast<std::uint64_t>(position.log.broker));
+            to.add_incarnations(position.log.incarnation);
+            to.add_through(position.seq);
+        }
     }
     void operator()(const broker::DeliveryStarted& e) const {
         auto& to = *out.mutable_delivery_started();
@@ -173,8 +178,14 @@ MaybeEvent read_session_moved(const SessionMoved& in) {
 }
 
 MaybeEvent read_cursor(const Cursor& in) {
+    const int count = in.brokers_size();
+    if (in.incarnations_size() != count || in.through_size() != count) return std::nullopt;
     broker::Cursor out;
-    if (!all_from_proto(in.through(), out.through)) return std::nullopt;
+    out.through.reserve(static_cast<std::size_t>(count));
+    for (int i = 0; i < count; ++i) {
+        out.through.push_back(
+            {{broker::BrokerId{in.brokers(i)}, in.incarnations(i)}, in.through(i)});
+    }
     return out;
 }
 

@@ -295,6 +295,18 @@ TEST(BodyCodec, RefusesAHeartbeatThatHoldsMoreLogsThanPositions) {
     EXPECT_TRUE(decode(message));
 }
 
+TEST(BodyCodec, RefusesACursorThatNamesMoreLogsThanPositions) {
+    proto::ClusterMessage batch;
+    auto& cursor = *batch.mutable_log_batch()->add_events()->mutable_cursor();
+    cursor.add_brokers(1);
+    cursor.add_incarnations(1);
+    EXPECT_FALSE(decode(batch));
+    cursor.add_through(300);
+    EXPECT_TRUE(decode(batch));
+    cursor.add_incarnations(2);
+    EXPECT_FALSE(decode(batch));
+}
+
 TEST(BodyCodec, RefusesAnEventWithoutContent) {
     proto::ClusterMessage batch;
     batch.mutable_log_batch()->add_events();
