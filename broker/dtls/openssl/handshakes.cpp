@@ -34,32 +34,6 @@ constexpr const char* psk_suites = "PSK-AES128-CCM8:PSK-AES128-GCM-SHA256";
 constexpr const char* all_suites =
     "PSK-AES128-CCM8:PSK-AES128-GCM-SHA256:ECDHE-ECDSA-AES128-CCM8:ECDHE-ECDSA-AES128-GCM-SHA256";
 
-// RFC 5246 section 7.4 and RFC 6347 section 4.2.2: where a ClientHello has its random octets.
-constexpr std::uint8_t client_hello = 1;
-constexpr std::size_t random_at = 12 + 2;
-using Random = std::array<std::uint8_t, 32>;
-
-std::optional<Random> client_random_of(const Record& record) {
-    if (record.type != ContentType::handshake || record.epoch != 0 ||
-        record.body.size() < random_at + std::tuple_size_v<Random> ||
-        record.body[0] != client_hello) {
-        return std::nullopt;
-    }
-    Random random;
-    std::copy_n(record.body.begin() + random_at, random.size(), random.begin());
-    return random;
-}
-
-/// Of a ClientHello; empty when it has none.
-Bytes cookie_of(const Record& hello) {
-    std::size_t at = random_at + std::tuple_size_v<Random>;
-    const Bytes body = hello.body;
-    if (at >= body.size()) return {};
-    at += 1U + body[at];  // the session's id
-    if (at >= body.size() || body.size() - at - 1 < body[at]) return {};
-    return body.subspan(at + 1, body[at]);
-}
-
 struct FreeCertificate {
     void operator()(BIO* bio) const { BIO_free(bio); }
     void operator()(X509* certificate) const { X509_free(certificate); }
@@ -69,6 +43,16 @@ struct FreeCertificate {
 std::unique_ptr<BIO, FreeCertificate> reader_of(const std::string& text) {
     return std::unique_ptr<BIO, FreeCertificate>{
         BIO_new_mem_buf(text.data(), static_cast<int>(text.size()))};
+}
+
+bool is_same(const Cookie& own, Bytes said) {
+    return said.size() == own.size() && CRYPTO_memcmp(said.data(), own.data(), own.size()) == 0;
+}
+
+/// The octets that were written to what `out` had reserved.
+void send(const Path& path, std::size_t octets, Actions& out) {
+    const auto size = static_cast<std::uint32_t>(octets);
+    out.push(Send{path.via, {path.from, {}}, 0, out.commit(octets), size});
 }
 
 /// The common name; empty when there is none, or one that is too long for a client id.
@@ -92,10 +76,8 @@ struct Handshakes::Handshake final : Datagrams {
             datagram = owner.ids_.with_id(session_keys(ssl.get()), datagram, *clients_id);
             if (datagram.empty()) return;
         }
-        const MutableBytes room = out->reserve(datagram.size());
-        std::ranges::copy(datagram, room.begin());
-        const auto size = static_cast<std::uint32_t>(datagram.size());
-        out->push(Send{path.via, {path.from, {}}, 0, out->commit(datagram.size()), size});
+        std::ranges::copy(datagram, out->reserve(datagram.size()).begin());
+        send(path, datagram.size(), *out);
     }
 
     // --- Connection IDs: OpenSSL asks
@@ -122,12 +104,15 @@ struct Handshakes::Handshake final : Datagrams {
         return 1;
     }
 
+    /// It keeps its place for its turn, so that nobody begins as often as it can fail.
+    [[nodiscard]] bool has_failed() const { return ssl == nullptr; }
+
     Handshakes& owner;
     Path path;
     Actions* out = nullptr;  // while OpenSSL works
     std::string identity;    // that has a key
     Instant began;
-    Random client_random{};
+    std::array<std::uint8_t, 32> client_random{};
     std::optional<ConnectionId> clients_id;  // when both have agreed on such ids
     AssociationId id{};                      // and the one that we gave
     std::array<std::uint8_t, 1 + own_id_octets> id_answer{};
@@ -145,6 +130,7 @@ Handshakes::Handshakes(std::uint32_t place, const protection::Key& secret, FindK
       secret_(secret),
       find_key_(std::move(find_key)),
       context_(SSL_CTX_new(DTLS_server_method())) {
+    protection::hkdf_sha256(secret, {}, "ROMANO DTLS cookie", {}, cookie_key_);
     SSL_CTX* context = context_.get();
     if (context == nullptr || SSL_CTX_set_min_proto_version(context, DTLS1_2_VERSION) != 1 ||
         SSL_CTX_set_cipher_list(context, certificates ? all_suites : psk_suites) != 1) {
@@ -156,7 +142,6 @@ Handshakes::Handshakes(std::uint32_t place, const protection::Key& secret, FindK
                                      SSL_OP_CIPHER_SERVER_PREFERENCE);
     SSL_CTX_set_session_cache_mode(context, SSL_SESS_CACHE_OFF);
     SSL_CTX_set_mode(context, SSL_MODE_RELEASE_BUFFERS);
-    SSL_CTX_set_cookie_generate_cb(context, on_cookie_wanted);
     SSL_CTX_set_cookie_verify_cb(context, on_cookie);
     SSL_CTX_set_psk_server_callback(context, on_identity);
     if (SSL_CTX_add_custom_ext(
@@ -165,45 +150,16 @@ Handshakes::Handshakes(std::uint32_t place, const protection::Key& secret, FindK
         throw std::runtime_error("OpenSSL does not let us have Connection IDs");
     }
     if (certificates) use(*certificates);
-    stranger_ = make();
 }
 Handshakes::~Handshakes() = default;
 
-std::unique_ptr<Handshakes::Handshake> Handshakes::make() {
-    return std::make_unique<Handshake>(*this, context_.get());
-}
-
 // --- what OpenSSL asks
 
-protection::Key Handshakes::cookie_for(const Path& path) const {
-    std::array<std::uint8_t, 2 * 23> whose{};
-    std::size_t at = 0;
-    for (const Endpoint& end : {path.from, path.via}) {
-        std::copy(end.address.begin(), end.address.end(), whose.begin() + at);
-        put_be16(whose, at + 16, end.port);
-        whose[at + 18] = static_cast<std::uint8_t>(end.family);
-        for (std::size_t i = 0; i < 4; ++i) {
-            whose[at + 19 + i] = static_cast<std::uint8_t>(end.scope >> 8 * i);
-        }
-        at += 23;
-    }
-    protection::Key cookie;
-    protection::hkdf_sha256(secret_, {}, "ROMANO DTLS cookie ", whose, cookie);
-    return cookie;
-}
-
-int Handshakes::on_cookie_wanted(ssl_st* ssl, unsigned char* cookie, unsigned int* size) {
-    const Handshake& handshake = Handshake::of(ssl);
-    const protection::Key own = handshake.owner.cookie_for(handshake.path);
-    std::copy(own.begin(), own.end(), cookie);
-    *size = static_cast<unsigned int>(own.size());
-    return 1;
-}
-
+/// OpenSSL asks again what begin() asked.
 int Handshakes::on_cookie(ssl_st* ssl, const unsigned char* cookie, unsigned int size) {
     const Handshake& handshake = Handshake::of(ssl);
-    const protection::Key own = handshake.owner.cookie_for(handshake.path);
-    return size == own.size() && CRYPTO_memcmp(cookie, own.data(), own.size()) == 0 ? 1 : 0;
+    const Cookie own = cookie_of(handshake.owner.cookie_key_, handshake.path);
+    return is_same(own, {cookie, size}) ? 1 : 0;
 }
 
 void Handshakes::use(const Certificates& certificates) {
@@ -265,44 +221,44 @@ unsigned int Handshakes::on_identity(ssl_st* ssl, const char* identity, unsigned
 
 std::optional<Agreed> Handshakes::take(Instant now, const Path& path, const Record& record,
                                        Actions& out) {
-    const auto random = client_random_of(record);
+    const auto hello = client_hello_in(record);
     const auto found = going_on_.find(path);
     const bool is_known = found != going_on_.end();
     // A client that began anew from the same port has another random.
-    if (random && (!is_known || found->second->client_random != *random)) {
-        return begin(now, path, record, out);
+    if (hello && (!is_known || found->second->client_random != hello->random)) {
+        return begin(now, path, record, *hello, out);
     }
-    if (!is_known) return std::nullopt;
-    auto agreed = step(*found->second, record.whole, out);
-    if (found->second->ssl == nullptr) going_on_.erase(found);
-    return agreed;
+    if (!is_known || found->second->has_failed()) return std::nullopt;
+    return step(*found->second, record.whole, out);
 }
 
 std::optional<Agreed> Handshakes::begin(Instant now, const Path& path, const Record& record,
-                                        Actions& out) {
-    const Bytes cookie = cookie_of(record);
-    if (!cookie.empty() && std::ranges::equal(cookie, cookie_for(path)) && !make_room(now, path)) {
+                                        const ClientHello& hello, Actions& out) {
+    const Cookie own = cookie_of(cookie_key_, path);
+    if (!is_same(own, hello.cookie)) {
+        put_verify_request(record, own, out.reserve(verify_request_octets));
+        send(path, verify_request_octets, out);
+        return std::nullopt;
+    }
+    if (!make_room(now, path)) {
         ++crowded_out_;
         return std::nullopt;
     }
-    stranger_->path = path;
-    stranger_->out = &out;
-    stranger_->set_input(record.whole);
+    Handshake& handshake = *(going_on_[path] = std::make_unique<Handshake>(*this, context_.get()));
+    handshake.path = path;
+    handshake.began = now;
+    handshake.client_random = hello.random;
+    handshake.out = &out;
+    handshake.set_input(record.whole);
     static const auto free_address = [](BIO_ADDR* address) { BIO_ADDR_free(address); };
     static const std::unique_ptr<BIO_ADDR, decltype(free_address)> not_asked_for{BIO_ADDR_new(),
                                                                                  free_address};
     ERR_clear_error();
-    const int listened = DTLSv1_listen(stranger_->ssl.get(), not_asked_for.get());
-    stranger_->set_input({});
-    if (listened < 0) stranger_ = make();
-    if (listened <= 0) return std::nullopt;
-    auto& handshake = going_on_[path];
-    handshake = std::exchange(stranger_, make());
-    handshake->began = now;
-    handshake->client_random = *client_random_of(record);
-    auto agreed = step(*handshake, {}, out);
-    if (handshake->ssl == nullptr) going_on_.erase(path);
-    return agreed;
+    const bool is_heeded = DTLSv1_listen(handshake.ssl.get(), not_asked_for.get()) == 1;
+    handshake.set_input({});
+    if (is_heeded) return step(handshake, {}, out);
+    fail(handshake);
+    return std::nullopt;
 }
 
 bool Handshakes::make_room(Instant now, const Path& path) {
@@ -335,15 +291,15 @@ bool Handshakes::make_room(Instant now, const Path& path) {
 }
 
 void Handshakes::drop(GoingOn::iterator handshake) {
-    if (!handshake->second->is_agreed) ++failed_;
+    fail(*handshake->second);
     going_on_.erase(handshake);
 }
 
-bool Handshakes::is_client_hello(const Record& record) {
-    return client_random_of(record).has_value();
+void Handshakes::fail(Handshake& handshake) {
+    if (!handshake.is_agreed && !handshake.has_failed()) ++failed_;
+    handshake.ssl.reset();
 }
 
-/// Without `ssl` afterwards it has failed.
 std::optional<Agreed> Handshakes::step(Handshake& handshake, Bytes record, Actions& out) {
     SSL* ssl = handshake.ssl.get();
     handshake.set_input(record);
@@ -361,8 +317,7 @@ std::optional<Agreed> Handshakes::step(Handshake& handshake, Bytes record, Actio
             ++agreed_;
             handshake.is_agreed = true;
         } else if (!goes_on) {
-            ++failed_;
-            handshake.ssl.reset();
+            fail(handshake);
         }
     }
     handshake.set_input({});
@@ -381,7 +336,8 @@ std::optional<Record> Handshakes::without_id(const Path& path, const Record& rec
     const auto found = going_on_.find(path);
     if (found == going_on_.end()) return std::nullopt;
     const Handshake& handshake = *found->second;
-    if (!handshake.clients_id || own_id_of(record.id) != handshake.id) return std::nullopt;
+    if (handshake.has_failed() || !handshake.clients_id || own_id_of(record.id) != handshake.id)
+        return std::nullopt;
     const auto plain = ids_.without_id(session_keys(handshake.ssl.get()), record);
     const bool is_its = plain && (plain->type == ContentType::handshake ||
                                   (plain->type == ContentType::alert && !handshake.is_agreed));
@@ -396,10 +352,9 @@ void Handshakes::on_heard(const Path& path) {
 void Handshakes::on_time(Instant now, Actions& out) {
     std::erase_if(going_on_, [&](const auto& each) {
         Handshake& handshake = *each.second;
-        if (now - handshake.began > patience) {
-            if (!handshake.is_agreed) ++failed_;
-            return true;
-        }
+        const bool is_over = now - handshake.began > patience;
+        if (is_over) fail(handshake);
+        if (handshake.has_failed()) return is_over || now - handshake.began >= least_turn;
         if (!handshake.is_agreed) {
             ERR_clear_error();
             handshake.out = &out;

@@ -2,9 +2,9 @@
 // association. A shell, for OpenSSL's timers read the real clock; no socket.
 //
 // A stranger costs nothing that stays before it has answered the cookie of its address (RFC 6347
-// section 4.2.1), and then one of `most_handshakes` places for a while. Who came before goes on for
-// `least_turn` at least, so that no more than that many are begun in vain in that time, from one IP
-// address `most_of_host`; after it the oldest makes room.
+// section 4.2.1), and then one of `most_handshakes` places for a while. Who came before has its
+// place for `least_turn` at least, also when it has failed, so that no more than that many are
+// begun in vain in that time, from one IP address `most_of_host`; after it the oldest makes room.
 #pragma once
 
 #include <chrono>
@@ -19,6 +19,7 @@
 
 #include "broker/core/actions.h"
 #include "broker/dtls/association.h"
+#include "broker/dtls/cookie.h"
 #include "broker/dtls/dtls_clients.h"
 #include "romano/base/bytes.h"
 #include "romano/base/time.h"
@@ -71,8 +72,6 @@ public:
     /// ClientHellos for which there was no room.
     [[nodiscard]] std::uint64_t crowded_out() const { return crowded_out_; }
 
-    [[nodiscard]] static bool is_client_hello(const Record& record);
-
     static constexpr std::size_t most_handshakes = 256;
     static constexpr std::size_t most_of_host = 64;
     static constexpr Duration least_turn = std::chrono::seconds{1};
@@ -83,9 +82,8 @@ private:
         void operator()(ssl_ctx_st* context) const;
     };
 
-    [[nodiscard]] std::unique_ptr<Handshake> make();
     [[nodiscard]] std::optional<Agreed> begin(Instant now, const Path& path, const Record& record,
-                                              broker::Actions& out);
+                                              const ClientHello& hello, broker::Actions& out);
     [[nodiscard]] std::optional<Agreed> step(Handshake& handshake, Bytes record,
                                              broker::Actions& out);
     [[nodiscard]] static std::optional<Agreed> agreement(const Handshake& handshake);
@@ -94,9 +92,8 @@ private:
     /// For a new one from there; false when nobody can make way.
     [[nodiscard]] bool make_room(Instant now, const Path& path);
     void drop(GoingOn::iterator handshake);
+    void fail(Handshake& handshake);
 
-    [[nodiscard]] protection::Key cookie_for(const Path& path) const;
-    static int on_cookie_wanted(ssl_st* ssl, unsigned char* cookie, unsigned int* size);
     static int on_cookie(ssl_st* ssl, const unsigned char* cookie, unsigned int size);
     void use(const Certificates& certificates);
     static int on_certificate(int is_signed, x509_store_ctx_st* about);
@@ -105,10 +102,10 @@ private:
 
     std::uint32_t place_;
     protection::Key secret_;
+    protection::Key cookie_key_{};
     OpensslWithIds ids_{End::server};
     FindKey find_key_;
     std::unique_ptr<ssl_ctx_st, FreeContext> context_;
-    std::unique_ptr<Handshake> stranger_;  // whoever has not answered its cookie, one after another
     GoingOn going_on_;
     std::uint64_t agreed_ = 0;
     std::uint64_t failed_ = 0;

@@ -25,7 +25,7 @@ void Listener::take(Instant now, const Path& path, Bytes datagram, broker::Actio
     // A ClientHello is a flight of its own: who sends many at once is answered once.
     for (bool is_first = true; !datagram.empty(); is_first = false) {
         const auto record = first_record(datagram, own_id_octets);
-        if (!record || (!is_first && Handshakes::is_client_hello(*record))) {
+        if (!record || (!is_first && client_hello_in(*record))) {
             return clients_.count(Refusal::malformed);
         }
         datagram = datagram.subspan(record->whole.size());

@@ -130,6 +130,19 @@ TEST_F(AtADtlsAddress, WhoBeginsAgainAndAgainIsHeededOnceASecond) {
     EXPECT_TRUE(a.connect(broker));
 }
 
+TEST_F(AtADtlsAddress, WhoFailsKeepsItsPlaceForASecond) {
+    for (int round = 0; round < 100; ++round) {
+        Client stranger{"a", key_a, "PSK-AES256-GCM-SHA384"};  // which is refused by an alert
+        EXPECT_FALSE(stranger.connect(broker));
+    }
+    EXPECT_EQ(broker.refused(Refusal::handshake_failed), 1U);
+    EXPECT_EQ(broker.refused(Refusal::handshake_rate), 99U);
+    EXPECT_EQ(broker.listener.handshakes().size(), 1U);
+    (void)broker.wait(1s);
+    EXPECT_EQ(broker.listener.handshakes().size(), 0U);
+    EXPECT_TRUE(a.connect(broker));
+}
+
 TEST_F(AtADtlsAddress, ManyClientHellosInADatagramAreAnsweredOnce) {
     a.end.connect();
     Octets many;
