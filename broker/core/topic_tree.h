@@ -50,6 +50,15 @@ public:
         return remove_below(root_, filter, subscriber);
     }
 
+    /// The subscriber is nowhere any more. Looks at everybody's subscriptions.
+    void remove_all(const Subscriber& subscriber) {
+        for (std::size_t place = plains_.size(); place-- > 0;) {
+            Plain& plain = *plains_[place];
+            if (erase_from(plain.entries, subscriber) && plain.entries.empty()) forget(plain);
+        }
+        remove_all_below(root_, subscriber);
+    }
+
     /// The grant of exactly this filter (compared as text), or null.
     [[nodiscard]] Grant* find(std::string_view filter, const Subscriber& subscriber) {
         Entries* entries = nullptr;
@@ -216,6 +225,18 @@ private:
             }
         }
         return removed;
+    }
+
+    void remove_all_below(Level& level, const Subscriber& subscriber) {
+        erase_from(level.here, subscriber);
+        erase_from(level.open, subscriber);
+        std::erase_if(level.children, [&](const auto& child) {
+            remove_all_below(*child.second, subscriber);
+            return child.second->is_bare();
+        });
+        if (level.any == nullptr) return;
+        remove_all_below(*level.any, subscriber);
+        if (level.any->is_bare()) level.any.reset();
     }
 
     template <typename Visitor>

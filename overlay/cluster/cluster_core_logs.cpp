@@ -88,7 +88,7 @@ void ClusterCore::on(Effects& effects, BrokerId from, const SnapshotPart& part) 
     publish_order_.on_snapshot(effects, part, logs_);
     for (const auto& message : part.publishes) learn(message);
     const bool is_first = log.applied() == 0;
-    if (is_first) peer_sessions_.on_first_snapshot(part);
+    if (is_first) peer_sessions_.on_first_snapshot(part, log.replaced());
     const auto as_of = log.restart();
     if (!as_of) return;
     for (const LogPosition& position : log.mirror().unresolved()) {

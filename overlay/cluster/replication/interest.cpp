@@ -3,39 +3,51 @@
 #include <algorithm>
 
 namespace romano::cluster {
+namespace {
 
-void Interest::on_event(BrokerId peer, const broker::LogEvent& event) {
+bool has(const broker::SessionImage& session, const std::string& filter) {
+    return std::ranges::count(session.subscriptions, filter, &broker::Subscription::filter) > 0;
+}
+
+}  // namespace
+
+void Interest::on_event(const broker::Mirror& sessions, const broker::LogEvent& event) {
+    const BrokerId peer = sessions.log().broker;
+    const auto remove_known = [&](const broker::ClientId& client) {
+        if (const auto* session = sessions.session(client)) remove(peer, *session);
+    };
     if (const auto* subscribed = std::get_if<broker::Subscribed>(&event)) {
-        add(peer, subscribed->client_id, subscribed->subscription.filter);
+        const auto* session = sessions.session(subscribed->client_id);
+        const std::string& filter = subscribed->subscription.filter;
+        if (session != nullptr && !has(*session, filter)) add(peer, filter);
     } else if (const auto* unsubscribed = std::get_if<broker::Unsubscribed>(&event)) {
-        const auto session = filters_[peer].find(unsubscribed->client_id);
-        if (session != filters_[peer].end() && session->second.erase(unsubscribed->filter) != 0) {
-            remove(peer, unsubscribed->filter);
-        }
-    } else if (const auto* put_event = std::get_if<broker::SessionPut>(&event)) {
-        put(peer, put_event->image);
+        const auto* session = sessions.session(unsubscribed->client_id);
+        const std::string& filter = unsubscribed->filter;
+        if (session != nullptr && has(*session, filter)) remove(peer, filter);
+    } else if (const auto* put = std::get_if<broker::SessionPut>(&event)) {
+        remove_known(put->image.header.client_id);
+        add(peer, put->image);
     } else if (const broker::ClientId* left = broker::leaver(event)) {
-        remove_session(peer, *left);
+        remove_known(*left);
     }
 }
 
-void Interest::reset(BrokerId peer, const broker::Mirror& sessions) {
+void Interest::reset(const broker::Mirror& sessions) {
+    const BrokerId peer = sessions.log().broker;
     forget(peer);
-    sessions.visit([&](const broker::SessionImage& image) { put(peer, image); });
+    sessions.visit([&](const broker::SessionImage& session) { add(peer, session); });
 }
 
 void Interest::forget(BrokerId peer) {
-    const auto known = filters_.extract(peer);
-    if (known.empty()) return;
-    for (const auto& [client, filters] : known.mapped()) {
-        for (const auto& filter : filters) remove(peer, filter);
-    }
+    if (peers_.erase(peer) != 0) tree_.remove_all(peer);
 }
 
-bool Interest::wants(std::string_view topic) const {
-    bool somebody = false;
-    tree_.match(topic, [&somebody](BrokerId, std::uint32_t) { somebody = true; });
-    return somebody;
+void Interest::add(BrokerId peer, const broker::SessionImage& session) {
+    for (const auto& subscription : session.subscriptions) add(peer, subscription.filter);
+}
+
+void Interest::remove(BrokerId peer, const broker::SessionImage& session) {
+    for (const auto& subscription : session.subscriptions) remove(peer, subscription.filter);
 }
 
 std::vector<BrokerId> Interest::interested_in(std::string_view topic) const {
@@ -46,31 +58,18 @@ std::vector<BrokerId> Interest::interested_in(std::string_view topic) const {
     return peers;
 }
 
-void Interest::add(BrokerId peer, const broker::ClientId& client, const std::string& filter) {
-    if (!filters_[peer][client].insert(filter).second) return;
+void Interest::add(BrokerId peer, const std::string& filter) {
     if (std::uint32_t* count = tree_.find(filter, peer)) {
         ++*count;
     } else {
         tree_.put(filter, peer, 1);
+        peers_.insert(peer);
     }
 }
 
 void Interest::remove(BrokerId peer, const std::string& filter) {
     std::uint32_t* count = tree_.find(filter, peer);
     if (count != nullptr && --*count == 0) tree_.remove(filter, peer);
-}
-
-void Interest::remove_session(BrokerId peer, const broker::ClientId& client) {
-    const auto session = filters_[peer].extract(client);
-    if (session.empty()) return;
-    for (const auto& filter : session.mapped()) remove(peer, filter);
-}
-
-void Interest::put(BrokerId peer, const broker::SessionImage& image) {
-    remove_session(peer, image.header.client_id);
-    for (const auto& subscription : image.subscriptions) {
-        add(peer, image.header.client_id, subscription.filter);
-    }
 }
 
 }  // namespace romano::cluster

@@ -1,9 +1,8 @@
 // Which peers have a subscriber for a topic: QoS 0 publishes go to these only. Kept from the
-// events of their logs.
+// events of their logs; what a session wanted until then its mirror knows.
 #pragma once
 
 #include <cstdint>
-#include <map>
 #include <set>
 #include <string>
 #include <string_view>
@@ -17,26 +16,25 @@ namespace romano::cluster {
 
 class Interest {
 public:
-    void on_event(BrokerId peer, const broker::LogEvent& event);
-    /// Replaces all that is known of the peer.
-    void reset(BrokerId peer, const broker::Mirror& sessions);
+    /// The next event of a peer's log, before its mirror applies it.
+    void on_event(const broker::Mirror& sessions, const broker::LogEvent& event);
+    /// Replaces all that is known of the mirror's broker.
+    void reset(const broker::Mirror& sessions);
     void forget(BrokerId peer);
-    /// A session as it is now.
-    void put(BrokerId peer, const broker::SessionImage& image);
-    void remove_session(BrokerId peer, const broker::ClientId& client);
+    /// What the session wants.
+    void add(BrokerId peer, const broker::SessionImage& session);
+    void remove(BrokerId peer, const broker::SessionImage& session);
 
-    [[nodiscard]] bool wants(std::string_view topic) const;
+    [[nodiscard]] bool wants(std::string_view topic) const { return tree_.matches(topic); }
     /// Sorted, each once.
     [[nodiscard]] std::vector<BrokerId> interested_in(std::string_view topic) const;
 
 private:
-    using Filters = std::set<std::string>;
-
-    void add(BrokerId peer, const broker::ClientId& client, const std::string& filter);
+    void add(BrokerId peer, const std::string& filter);
     void remove(BrokerId peer, const std::string& filter);
 
     broker::TopicTree<BrokerId, std::uint32_t> tree_;  // with the number of the peer's subscribers
-    std::map<BrokerId, std::map<broker::ClientId, Filters>> filters_;
+    std::set<BrokerId> peers_;                         // that are in it, or were
 };
 
 }  // namespace romano::cluster

@@ -128,11 +128,18 @@ bool PeerLog::offer(const SnapshotPart& part) {
     }
     offer_ahead(part.publishes);
     ++snapshot_->next_part;
+    snapshot_->replaced.clear();
+    const auto note_replaced = [this](const broker::ClientId& client) {
+        const auto* earlier = snapshot_->sessions.session(client);
+        if (earlier != nullptr) snapshot_->replaced.push_back(*earlier);
+    };
     for (const auto& image : part.sessions) {
+        note_replaced(image.header.client_id);
         snapshot_->sessions.put(image);
         snapshot_->moved.erase(image.header.client_id);
     }
     for (const auto& client : part.gone) {
+        note_replaced(client);
         snapshot_->sessions.erase(client);
         snapshot_->moved.erase(client);
     }

@@ -62,6 +62,10 @@ public:
     void offer_ahead(const std::vector<MessagePtr>& publishes);
     /// False when it does not follow the parts that are here.
     [[nodiscard]] bool offer(const SnapshotPart& part);
+    /// What earlier parts said of the sessions that the last one speaks of.
+    [[nodiscard]] const std::vector<broker::SessionImage>& replaced() const {
+        return snapshot_->replaced;
+    }
     /// Once the last part is here: replaces mirror and history by the snapshot, and says as of
     /// which event it is.
     [[nodiscard]] std::optional<LogPosition> restart();
@@ -168,6 +172,7 @@ private:
         Seq since;
         std::uint32_t next_part = 0;
         broker::Mirror sessions;
+        std::vector<broker::SessionImage> replaced;  // by the last part
         std::map<broker::ClientId, MovedSession> moved;
         std::vector<MessagePtr> publishes;
         std::optional<Seq> as_of;  // once it is whole

@@ -4,7 +4,7 @@ namespace romano::cluster {
 
 void PeerSessions::on_event(Instant now, const broker::Mirror& sessions,
                             const broker::LogEvent& event, std::size_t many) {
-    interest_.on_event(sessions.log().broker, event);
+    if (follow(sessions.log())) interest_.on_event(sessions, event);
     homes_.on_event(sessions.log().broker, event);
     slow_.on_event(now, sessions, event, many);
 }
@@ -13,21 +13,20 @@ void PeerSessions::on_late_event(const LogId& log) {
     if (follow(log)) followed_.erase(log.broker);
 }
 
-void PeerSessions::on_first_snapshot(const SnapshotPart& part) {
+void PeerSessions::on_first_snapshot(const SnapshotPart& part,
+                                     const std::vector<broker::SessionImage>& replaced) {
     const LogId& log = part.as_of.log;
     if (part.part == 0) reset(log, broker::Mirror(log));
+    for (const auto& image : replaced) interest_.remove(log.broker, image);
     for (const auto& image : part.sessions) {
-        interest_.put(log.broker, image);
+        interest_.add(log.broker, image);
         homes_.put(log.broker, image.header);
     }
-    for (const auto& client : part.gone) {
-        interest_.remove_session(log.broker, client);
-        homes_.forget(log.broker, client);
-    }
+    for (const auto& client : part.gone) homes_.forget(log.broker, client);
 }
 
 void PeerSessions::reset(const LogId& log, const broker::Mirror& sessions) {
-    interest_.reset(log.broker, sessions);
+    interest_.reset(sessions);
     homes_.reset(log.broker, sessions);
     slow_.forget(log.broker);
     followed_.insert_or_assign(log.broker, log);
@@ -39,7 +38,7 @@ bool PeerSessions::follow(const LogId& log) const {
 }
 
 void PeerSessions::on_end(const LogId& log) {
-    if (!follow(log)) return;
+    if (followed_.contains(log.broker) && !follow(log)) return;
     interest_.forget(log.broker);
     followed_.erase(log.broker);
 }

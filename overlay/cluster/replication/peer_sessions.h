@@ -5,6 +5,7 @@
 
 #include <map>
 #include <string_view>
+#include <vector>
 
 #include "broker/core/audience.h"
 #include "overlay/cluster/ownership/homes.h"
@@ -34,8 +35,10 @@ public:
                   std::size_t many);
     /// An event of a log that has ended: the tables lack it.
     void on_late_event(const LogId& log);
-    /// The next part of the snapshot of a log of which nothing was known.
-    void on_first_snapshot(const SnapshotPart& part);
+    /// The next part of the snapshot of a log of which nothing was known, and what earlier parts
+    /// said of its sessions.
+    void on_first_snapshot(const SnapshotPart& part,
+                           const std::vector<broker::SessionImage>& replaced);
     /// Replaces all that is known of the log's broker.
     void reset(const LogId& log, const broker::Mirror& sessions);
     /// The tables have all sessions of that log.

@@ -96,6 +96,21 @@ TEST(TopicTree, RemoveComparesFiltersAsText) {
     EXPECT_TRUE(tree.empty());
 }
 
+TEST(TopicTree, RemoveAllLeavesTheOthers) {
+    Tree tree;
+    for (const char* filter : {"a/b", "a/+", "a/#", "+/b", "#", "c"}) {
+        tree.put(filter, 1, 'x');
+        tree.put(filter, 2, 'x');
+        tree.put(std::string{"of/1/"} + filter, 1, 'x');
+    }
+    tree.remove_all(1);
+    EXPECT_EQ(matching(tree, "a/b"), std::vector<int>(5, 2));
+    EXPECT_EQ(matching(tree, "c"), (std::vector<int>{2, 2}));
+    EXPECT_EQ(tree.size(), 6U);
+    tree.remove_all(2);
+    EXPECT_TRUE(tree.empty());
+}
+
 TEST(TopicTree, VisitsSubscribersInOrderWhateverTheOrderOfSubscription) {
     Tree tree;
     for (const int subscriber : {3, 1, 2}) tree.put("a", subscriber, 'x');
@@ -120,7 +135,11 @@ TEST(TopicTree, AgreesWithTheMatchingRuleOnRandomFilters) {
     for (int step = 0; step < 3000; ++step) {
         const int subscriber = static_cast<int>(random.below(40));
         if (filters.contains(subscriber)) {
-            EXPECT_TRUE(tree.remove(filters[subscriber], subscriber));
+            if (step % 2 == 0) {
+                tree.remove_all(subscriber);
+            } else {
+                EXPECT_TRUE(tree.remove(filters[subscriber], subscriber));
+            }
             filters.erase(subscriber);
         } else {
             filters[subscriber] = text(true);

@@ -2,6 +2,11 @@
 
 #include <gmock/gmock.h>
 
+#include <initializer_list>
+#include <map>
+#include <string_view>
+#include <vector>
+
 #include "tests/overlay/cluster/events.h"
 
 namespace romano::cluster::interest_test {
@@ -17,57 +22,84 @@ using testing::IsEmpty;
 constexpr BrokerId b1{1};
 constexpr BrokerId b2{2};
 
-TEST(Interest, APeerWithAMatchingSubscriberIsInterestedOnce) {
+/// Mirrors of two brokers' logs, and what is known from both.
+struct Peers {
+    std::map<BrokerId, broker::Mirror> mirrors{{b1, broker::Mirror{{b1, 1}}},
+                                               {b2, broker::Mirror{{b2, 1}}}};
     Interest interest;
-    interest.on_event(b1, subscribed("a", "pose"));
-    interest.on_event(b1, subscribed("b", "pose"));
-    interest.on_event(b1, subscribed("b", "+"));
-    interest.on_event(b2, subscribed("c", "#"));
-    EXPECT_THAT(interest.interested_in("pose"), ElementsAre(b1, b2));
-    EXPECT_THAT(interest.interested_in("a/b"), ElementsAre(b2));
+
+    void tell(BrokerId peer, const broker::LogEvent& event) {
+        broker::Mirror& mirror = mirrors.at(peer);
+        interest.on_event(mirror, event);
+        mirror.apply(mirror.applied() + 1, event);
+    }
+    void sessions_at(BrokerId peer, std::initializer_list<const char*> clients) {
+        for (const char* client : clients) tell(peer, session(client));
+    }
+    [[nodiscard]] std::vector<BrokerId> interested_in(std::string_view topic) const {
+        return interest.interested_in(topic);
+    }
+};
+
+TEST(Interest, APeerWithAMatchingSubscriberIsInterestedOnce) {
+    Peers peers;
+    peers.sessions_at(b1, {"a", "b"});
+    peers.sessions_at(b2, {"c"});
+    peers.tell(b1, subscribed("a", "pose"));
+    peers.tell(b1, subscribed("b", "pose"));
+    peers.tell(b1, subscribed("b", "+"));
+    peers.tell(b2, subscribed("c", "#"));
+    EXPECT_THAT(peers.interested_in("pose"), ElementsAre(b1, b2));
+    EXPECT_THAT(peers.interested_in("a/b"), ElementsAre(b2));
 }
 
 TEST(Interest, TheLastSubscriberTakesItAway) {
-    Interest interest;
-    interest.on_event(b1, subscribed("a", "pose"));
-    interest.on_event(b1, subscribed("b", "pose"));
-    interest.on_event(b1, unsubscribed("a", "pose"));
-    EXPECT_THAT(interest.interested_in("pose"), ElementsAre(b1));
-    interest.on_event(b1, unsubscribed("b", "pose"));
-    EXPECT_THAT(interest.interested_in("pose"), IsEmpty());
+    Peers peers;
+    peers.sessions_at(b1, {"a", "b"});
+    peers.tell(b1, subscribed("a", "pose"));
+    peers.tell(b1, subscribed("b", "pose"));
+    peers.tell(b1, unsubscribed("a", "pose"));
+    EXPECT_THAT(peers.interested_in("pose"), ElementsAre(b1));
+    peers.tell(b1, unsubscribed("a", "pose"));
+    EXPECT_THAT(peers.interested_in("pose"), ElementsAre(b1)) << "it had none any more";
+    peers.tell(b1, unsubscribed("b", "pose"));
+    EXPECT_THAT(peers.interested_in("pose"), IsEmpty());
 }
 
 TEST(Interest, ARepeatedSubscriptionCountsOnce) {
-    Interest interest;
-    interest.on_event(b1, subscribed("a", "pose"));
-    interest.on_event(b1, subscribed("a", "pose"));
-    interest.on_event(b1, unsubscribed("a", "pose"));
-    EXPECT_THAT(interest.interested_in("pose"), IsEmpty());
+    Peers peers;
+    peers.sessions_at(b1, {"a"});
+    peers.tell(b1, subscribed("a", "pose"));
+    peers.tell(b1, subscribed("a", "pose"));
+    peers.tell(b1, unsubscribed("a", "pose"));
+    EXPECT_THAT(peers.interested_in("pose"), IsEmpty());
 }
 
 TEST(Interest, ASessionTakesItsSubscriptionsAlong) {
-    Interest interest;
-    interest.on_event(b1, subscribed("a", "pose"));
-    interest.on_event(b1, session("a"));  // connected anew, clean
-    EXPECT_THAT(interest.interested_in("pose"), IsEmpty());
-    interest.on_event(b1, subscribed("a", "pose"));
-    interest.on_event(b1, erased("a"));
-    EXPECT_THAT(interest.interested_in("pose"), IsEmpty());
+    Peers peers;
+    peers.sessions_at(b1, {"a"});
+    peers.tell(b1, subscribed("a", "pose"));
+    peers.sessions_at(b1, {"a"});  // connected anew, clean
+    EXPECT_THAT(peers.interested_in("pose"), IsEmpty());
+    peers.tell(b1, subscribed("a", "pose"));
+    peers.tell(b1, erased("a"));
+    EXPECT_THAT(peers.interested_in("pose"), IsEmpty());
 }
 
 TEST(Interest, ASnapshotReplacesWhatWasKnown) {
-    Interest interest;
-    interest.on_event(b1, subscribed("a", "old/#"));
+    Peers peers;
+    peers.sessions_at(b1, {"a"});
+    peers.tell(b1, subscribed("a", "old/#"));
     auto image = std::get<broker::SessionPut>(session("a")).image;
     image.subscriptions.push_back({.filter = "new/#"});
     broker::Mirror mirror{{b1, 1}};
     mirror.put(image);
-    interest.reset(b1, mirror);
-    interest.reset(b1, mirror);
-    EXPECT_THAT(interest.interested_in("old/x"), IsEmpty());
-    EXPECT_THAT(interest.interested_in("new/x"), ElementsAre(b1));
-    interest.forget(b1);
-    EXPECT_THAT(interest.interested_in("new/x"), IsEmpty());
+    peers.interest.reset(mirror);
+    peers.interest.reset(mirror);
+    EXPECT_THAT(peers.interested_in("old/x"), IsEmpty());
+    EXPECT_THAT(peers.interested_in("new/x"), ElementsAre(b1));
+    peers.interest.forget(b1);
+    EXPECT_THAT(peers.interested_in("new/x"), IsEmpty());
 }
 
 }  // namespace

@@ -16,6 +16,7 @@ struct PeerSessionsTest : testing::Test {
         sessions.reset(peer, broker::Mirror{peer});
         for (const auto& event : {test::session("robot"), test::subscribed("robot", "pose")}) {
             sessions.on_event({}, mirror, event, 10);
+            mirror.apply(mirror.applied() + 1, event);
         }
     }
     [[nodiscard]] bool is_homed() const { return sessions.homes().of("robot").has_value(); }
@@ -59,6 +60,43 @@ TEST_F(PeerSessionsTest, OfALogWhoseLateEventsTheyLackTheyDoNotHaveAll) {
     sessions.reset(peer, broker::Mirror{peer});
     EXPECT_TRUE(sessions.follow(peer));
     EXPECT_FALSE(is_homed());
+}
+
+TEST_F(PeerSessionsTest, NobodyWantsAnythingAtALogThatEndedWithLateEvents) {
+    sessions.on_late_event(peer);
+    EXPECT_TRUE(sessions.interest().wants("pose")) << "its broker may be a member yet";
+    sessions.on_end(peer);
+    EXPECT_FALSE(sessions.interest().wants("pose"));
+}
+
+// Two lives of a broker are two logs, and subscriptions are counted by broker.
+TEST_F(PeerSessionsTest, OnlyTheLogThatIsFollowedTellsWhatIsWanted) {
+    broker::Mirror later{test::log_of("peer", 2)};
+    for (const auto& event : {test::session("robot"), test::subscribed("robot", "pose"),
+                              test::subscribed("robot", "map"), test::erased("robot")}) {
+        sessions.on_event({}, later, event, 10);
+        later.apply(later.applied() + 1, event);
+        EXPECT_FALSE(sessions.interest().wants("map"));
+    }
+    EXPECT_TRUE(sessions.interest().wants("pose"));
+}
+
+TEST_F(PeerSessionsTest, WhatALaterPartOfTheFirstSnapshotSaysOfASessionIsWhatItWants) {
+    const auto image_with = [](const char* client, const char* filter) {
+        auto image = std::get<broker::SessionPut>(test::session(client)).image;
+        image.subscriptions.push_back({.filter = filter});
+        return image;
+    };
+    PeerLog log(heir, 10);
+    const auto take = [&](const SnapshotPart& part) {
+        ASSERT_TRUE(log.offer(part));
+        sessions.on_first_snapshot(part, log.replaced());
+    };
+    take({.as_of = {heir, 5}, .sessions = {image_with("a", "old"), image_with("b", "gone")}});
+    take({.as_of = {heir, 5}, .part = 1, .sessions = {image_with("a", "new")}, .gone = {"b"}});
+    EXPECT_TRUE(sessions.interest().wants("new"));
+    EXPECT_FALSE(sessions.interest().wants("old"));
+    EXPECT_FALSE(sessions.interest().wants("gone"));
 }
 
 }  // namespace
