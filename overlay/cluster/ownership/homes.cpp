@@ -1,6 +1,8 @@
 #include "overlay/cluster/ownership/homes.h"
 
 #include <algorithm>
+#include <iterator>
+#include <utility>
 
 namespace romano::cluster {
 
@@ -22,94 +24,121 @@ void Homes::reset(BrokerId peer, const broker::Mirror& sessions) {
 }
 
 void Homes::forget(BrokerId peer) {
-    for (auto& [client, claims] : by_client_) take_back(peer, client, claims);
-    std::erase_if(by_client_, [](const auto& entry) { return entry.second.empty(); });
+    for (auto at = by_client_.begin(); at != by_client_.end();) {
+        at = at->second.broker == peer ? erase(at) : std::next(at);
+    }
 }
 
 std::optional<Home> Homes::of(const broker::ClientId& client) const {
-    const auto found = by_client_.find(client);
-    if (found == by_client_.end()) return std::nullopt;
-    return Home{client, found->second.back().broker};
+    const auto [first, end] = by_client_.equal_range(client);
+    if (first == end) return std::nullopt;
+    const auto newest = std::max_element(first, end, [](const Entry& a, const Entry& b) {
+        return a.second.number < b.second.number;
+    });
+    return Home{client, newest->second.broker};
 }
 
 std::optional<Home> Homes::at(const broker::Origin& place) const {
-    const auto found = by_address_.find(place.from);
-    if (found == by_address_.end()) return std::nullopt;
-    const auto heard = std::ranges::find(found->second, place.via, &Heard::via);
-    return heard == found->second.end() ? std::nullopt : of(heard->client_id);
+    const Entry* there = nullptr;
+    visit(place.from, [&](const Entry& entry) {
+        if (entry.second.is_there && entry.second.place.via == place.via) there = &entry;
+    });
+    return there == nullptr ? std::nullopt : of(there->first);
 }
 
 std::optional<Home> Homes::only_one_at(const broker::ClientAddress& address) const {
-    const auto found = by_address_.find(address);
-    if (found == by_address_.end()) return std::nullopt;
-    const Heard* only = nullptr;
-    for (const Heard& heard : found->second) {
-        if (!heard.is_connected) continue;
-        if (only != nullptr && only->client_id != heard.client_id) return std::nullopt;
-        only = &heard;
-    }
-    return only == nullptr ? std::nullopt : of(only->client_id);
+    const Entry* only = nullptr;
+    bool are_several = false;
+    visit(address, [&](const Entry& entry) {
+        if (!entry.second.is_there || !entry.second.is_connected) return;
+        are_several = are_several || (only != nullptr && only->first != entry.first);
+        only = &entry;
+    });
+    return only == nullptr || are_several ? std::nullopt : of(only->first);
 }
 
 bool Homes::share_address_with(const broker::SessionHeader& client) const {
-    const auto found = by_address_.find(client.address);
-    if (found == by_address_.end()) return false;
-    return std::ranges::any_of(found->second, [&client](const Heard& heard) {
-        const bool is_displaced = heard.via == client.via && heard.at < client.last_heard;
-        return heard.is_connected && heard.client_id != client.client_id && !is_displaced;
+    bool do_share = false;
+    visit(client.address, [&](const Entry& entry) {
+        const auto& [other, claim] = entry;
+        const bool is_displaced =
+            claim.place.via == client.via && claim.heard_at < client.last_heard;
+        do_share = do_share || (claim.is_there && claim.is_connected && other != client.client_id &&
+                                !is_displaced);
     });
+    return do_share;
 }
 
 void Homes::put(BrokerId peer, const broker::SessionHeader& header) {
-    Claims& claims = by_client_[header.client_id];
-    take_back(peer, header.client_id, claims);
-    const broker::Origin place{header.via, header.address};
-    claims.push_back({peer, place});
-    if (!broker::has_place(place.from)) return;
-    std::vector<Heard>& all = by_address_[place.from];
-    Heard heard{place.via, header.client_id, header.last_heard, broker::is_connected(header)};
-    const auto same = std::ranges::find(all, place.via, &Heard::via);
-    if (same == all.end()) {
-        all.push_back(std::move(heard));
-    } else if (same->client_id == heard.client_id || same->at <= heard.at) {
-        *same = std::move(heard);
-    }
+    forget(peer, header.client_id);
+    Claim claim{.broker = peer,
+                .place = {header.via, header.address},
+                .heard_at = header.last_heard,
+                .number = ++claims_heard_,
+                .is_connected = broker::is_connected(header)};
+    Entry& entry = *by_client_.emplace(header.client_id, std::move(claim));
+    const broker::ClientAddress& address = entry.second.place.from;
+    if (!broker::has_place(address)) return;
+    by_address_.insert(broker::ClientAddressHash{}(address), &entry);
+    settle_place_of(entry);
+}
+
+void Homes::settle_place_of(const Entry& newest) {
+    const auto& [client, claim] = newest;
+    const auto visit_there = [&](auto&& look) {
+        visit(claim.place.from, [&](Entry& entry) {
+            if (entry.second.place.via == claim.place.via) look(entry.first, entry.second);
+        });
+    };
+    bool is_there = true;
+    visit_there([&](const broker::ClientId& other, const Claim& at) {
+        if (other != client && at.is_there && at.heard_at > claim.heard_at) is_there = false;
+    });
+    visit_there([&](const broker::ClientId& other, Claim& at) {
+        if (other == client) {
+            at.heard_at = claim.heard_at;
+            at.is_connected = claim.is_connected;
+            at.is_there = is_there;
+        } else if (is_there) {
+            at.is_there = false;
+        }
+    });
 }
 
 void Homes::forget(BrokerId peer, const broker::ClientId& client) {
-    const auto found = by_client_.find(client);
-    if (found == by_client_.end()) return;
-    take_back(peer, client, found->second);
-    if (found->second.empty()) by_client_.erase(found);
-}
-
-void Homes::take_back(BrokerId peer, const broker::ClientId& client, Claims& claims) {
-    const auto claim = std::ranges::find(claims, peer, &Claim::broker);
-    if (claim == claims.end()) return;
-    const broker::Origin place = claim->place;
-    claims.erase(claim);
-    if (std::ranges::count(claims, place, &Claim::place) == 0) leave(client, place);
+    const auto found = find(peer, client);
+    if (found != by_client_.end()) erase(found);
 }
 
 void Homes::lose(BrokerId peer, const broker::ClientId& client) {
-    const auto claims = by_client_.find(client);
-    if (claims == by_client_.end()) return;
-    const auto claim = std::ranges::find(claims->second, peer, &Claim::broker);
-    if (claim == claims->second.end()) return;
-    const auto found = by_address_.find(claim->place.from);
-    if (found == by_address_.end()) return;
-    for (Heard& heard : found->second) {
-        if (heard.via == claim->place.via && heard.client_id == client) heard.is_connected = false;
+    const auto lost = find(peer, client);
+    if (lost == by_client_.end()) return;
+    const auto [first, end] = by_client_.equal_range(client);
+    for (auto at = first; at != end; ++at) {
+        if (at->second.place == lost->second.place) at->second.is_connected = false;
     }
 }
 
-void Homes::leave(const broker::ClientId& client, const broker::Origin& place) {
-    const auto found = by_address_.find(place.from);
-    if (found == by_address_.end()) return;
-    std::erase_if(found->second, [&](const Heard& heard) {
-        return heard.via == place.via && heard.client_id == client;
+Homes::Claims::iterator Homes::find(BrokerId peer, const broker::ClientId& client) {
+    const auto [first, end] = by_client_.equal_range(client);
+    const auto found = std::find_if(
+        first, end, [peer](const Entry& entry) { return entry.second.broker == peer; });
+    return found == end ? by_client_.end() : found;
+}
+
+Homes::Claims::iterator Homes::erase(Claims::iterator entry) {
+    const broker::ClientAddress& address = entry->second.place.from;
+    if (broker::has_place(address)) {
+        by_address_.erase(broker::ClientAddressHash{}(address), &*entry);
+    }
+    return by_client_.erase(entry);
+}
+
+template <typename Look>
+void Homes::visit(const broker::ClientAddress& address, Look&& look) const {
+    by_address_.visit(broker::ClientAddressHash{}(address), [&](Entry& entry) {
+        if (entry.second.place.from == address) look(entry);
     });
-    if (found->second.empty()) by_address_.erase(found);
 }
 
 }  // namespace romano::cluster

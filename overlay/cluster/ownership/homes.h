@@ -7,12 +7,12 @@
 // (broker/core/session_table.h has the same rule for the own clients).
 #pragma once
 
+#include <cstdint>
 #include <optional>
-#include <string>
 #include <unordered_map>
-#include <vector>
 
 #include "broker/core/mirror.h"
+#include "broker/core/pointer_table.h"
 #include "overlay/cluster/messages.h"
 
 namespace romano::cluster {
@@ -42,28 +42,30 @@ public:
     [[nodiscard]] bool share_address_with(const broker::SessionHeader& client) const;
 
 private:
+    /// What a peer says of a client of its own.
     struct Claim {
         BrokerId broker;
         broker::Origin place;
+        broker::HybridTime heard_at;  // there, as whoever said so last has it
+        std::uint64_t number = 0;     // the newest has the highest
+        bool is_connected = false;
+        bool is_there = false;  // nobody else was heard later at that place
     };
-    using Claims = std::vector<Claim>;  // one a peer, the newest last; never empty
+    using Claims = std::unordered_multimap<broker::ClientId, Claim>;  // one a peer
+    using Entry = Claims::value_type;
 
-    /// Who was heard last at an address and a service address.
-    struct Heard {
-        Endpoint via;
-        broker::ClientId client_id;
-        broker::HybridTime at;
-        bool is_connected;
-    };
-
-    void take_back(BrokerId peer, const broker::ClientId& client, Claims& claims);
+    [[nodiscard]] Claims::iterator find(BrokerId peer, const broker::ClientId& client);
+    Claims::iterator erase(Claims::iterator entry);
     void lose(BrokerId peer, const broker::ClientId& client);
-    void leave(const broker::ClientId& client, const broker::Origin& place);
+    /// Of all that were heard at its place: who is there.
+    void settle_place_of(const Entry& newest);
+    /// Calls `look(Entry&)` for each claim with that address.
+    template <typename Look>
+    void visit(const broker::ClientAddress& address, Look&& look) const;
 
-    std::unordered_map<broker::ClientId, Claims> by_client_;
-    /// One for each service address, and so never many.
-    std::unordered_map<broker::ClientAddress, std::vector<Heard>, broker::ClientAddressHash>
-        by_address_;
+    Claims by_client_;
+    broker::PointerTable<Entry> by_address_;
+    std::uint64_t claims_heard_ = 0;
 };
 
 }  // namespace romano::cluster

@@ -91,6 +91,29 @@ TEST(Homes, OfTwoClientsHeardAtOnePlaceTheLaterOneIsThere) {
     }
 }
 
+TEST(Homes, WhoWasDisplacedIsThereAgainOnceItWasHeardLater) {
+    Homes homes;
+    homes.on_event(b1, session_from("a", 1, 101, 1));
+    homes.on_event(b2, session_from("b", 1, 101, 2));
+    homes.on_event(b2, erased("b"));
+    EXPECT_FALSE(homes.at(place(1, 101))) << "nobody knows who speaks there";
+    homes.on_event(b1, session_from("a", 1, 101, 3));
+    EXPECT_EQ(homes.at(place(1, 101))->client_id, "a");
+}
+
+TEST(Homes, WhatTheLastOfTwoHomesSaysOfAPlaceCounts) {
+    Homes homes;
+    homes.on_event(b1, session_from("a", 1, 101, 2));
+    auto left = session_from("a", 1, 101, 3);
+    std::get<broker::SessionPut>(left).image.header.state = broker::SessionState::disconnected;
+    homes.on_event(b2, left);
+    EXPECT_FALSE(homes.only_one_at({test::address(1), {}}));
+    homes.on_event(b2, erased("a"));
+    EXPECT_TRUE(homes.at(place(1, 101)));
+    homes.on_event(b1, erased("a"));
+    EXPECT_FALSE(homes.at(place(1, 101)));
+}
+
 TEST(Homes, WhoIsLostIsConnectedFromNoAddress) {
     Homes homes;
     homes.on_event(b1, session_from("a", 1, 101));
