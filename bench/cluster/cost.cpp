@@ -72,6 +72,10 @@ std::vector<CostScenario> cost_scenarios(Duration measured) {
     qos0.publishers = qos0.subscribers = qos0.topics = 1;
     qos0.qos = Qos::at_most_once;
     qos0.in_flight = 64;
+    LoadPlan many = loop;
+    many.publishers = 2;  // at the brokers that live
+    many.subscribers = many.topics = 30'000;
+    many.rate_per_s = 2000;
     return {
         {"qos1_acks_0", loop, {0}, {"--acks", "0"}},
         {"qos1_acks_1", loop, {0}, {"--acks", "1"}},
@@ -80,11 +84,17 @@ std::vector<CostScenario> cost_scenarios(Duration measured) {
         {"qos0_local", qos0, {0}, {}},
         {"qos0_between", qos0, {0, 1}, {}},
         {"qos1_paced_between", paced, {0, 1}, {}},
-        {"qos1_acks_1_proven", loop, {0}, {"--acks", "1"}, false, true},
-        {"qos0_between_proven", qos0, {0, 1}, {}, false, true},
-        {"qos1_paced_between_proven", paced, {0, 1}, {}, false, true},
-        {"peer_stops_acks_1", paced, {0, 1}, {"--acks", "1"}, true},
-        {"peer_stops_acks_all", paced, {0, 1}, {"--acks", "all"}, true},
+        {"qos1_acks_1_proven", loop, {0}, {"--acks", "1"}, {}, true},
+        {"qos0_between_proven", qos0, {0, 1}, {}, {}, true},
+        {"qos1_paced_between_proven", paced, {0, 1}, {}, {}, true},
+        {"peer_stops_acks_1", paced, {0, 1}, {"--acks", "1"}, Fault::silence},
+        {"peer_stops_acks_all", paced, {0, 1}, {"--acks", "all"}, Fault::silence},
+        {.name = "peer_dies_many_sessions",
+         .plan = many,
+         .homes = {0, 1, 2},
+         .broker_arguments = {"--max-sessions", "40000"},
+         .fault = Fault::crash,
+         .when_asked_for = true},
     };
 }
 
@@ -114,12 +124,13 @@ CostRow run(const CostScenario& scenario, unsigned repetition, const Options& br
     experiments::LoadRun load(scenario.plan, clients,
                               {.on_progress =
                                    [&](const std::string& phase, double share) {
-                                       const bool stop = scenario.stops_a_peer &&
-                                                         phase == "measuring" && share > 1.0 / 3 &&
-                                                         share < 2.0 / 3;
+                                       const bool stop = scenario.fault && phase == "measuring" &&
+                                                         share > 1.0 / 3 && share < 2.0 / 3;
                                        if (stop == is_stopped) return;
                                        is_stopped = stop;
-                                       stop ? cluster.pause(last) : cluster.revive(last);
+                                       if (!stop) return cluster.revive(last);
+                                       scenario.fault == Fault::crash ? cluster.kill(last)
+                                                                      : cluster.pause(last);
                                    },
                                .on_measuring = [&] { cpu_before = cpu_s(cluster); },
                                .on_measured = [&] { cpu_after = cpu_s(cluster); },

@@ -17,8 +17,9 @@ struct CostScenario {
     experiments::LoadPlan plan;
     std::vector<std::size_t> homes;             // of the clients, in turn: brokers from 0
     std::vector<std::string> broker_arguments;  // besides name, addresses and domain
-    bool stops_a_peer = false;              // the last broker stands still for a third of the time
-    bool brokers_prove_themselves = false;  // with --keys; the clients are plain nevertheless
+    std::optional<Fault> fault = {};            // of the last broker, for a third of the time
+    bool brokers_prove_themselves = false;      // with --keys; the clients are plain nevertheless
+    bool when_asked_for = false;                // takes long: not without --only
 };
 
 [[nodiscard]] std::vector<CostScenario> cost_scenarios(Duration measured);
