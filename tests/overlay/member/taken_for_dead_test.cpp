@@ -92,6 +92,27 @@ TEST(Member, P3_WhoWasAwayWaitsForThoseWhoCameSince) {
     expect_unnoticed(robot);
 }
 
+// P3: those who went on without it may have answered that. Who was not answered asks again.
+TEST(Member, P3_ANewcomerThatStoodStillAnswersNothingThatCameMeanwhile) {
+    Brokers brokers;
+    brokers.start(1);
+    brokers.run_for(10ms);
+    ASSERT_FALSE(brokers.member(1).cluster().is_in_view());
+    Robot& robot = brokers.robot("robot", 1);
+    brokers.stall(1);
+    robot.connect();
+    brokers.run_for(1ms);
+    robot.move_to(broker_address(2));  // where it repeats that
+    brokers.run_for(500ms);
+    brokers.wake(1);
+    brokers.run_for(2s);
+    ASSERT_TRUE(brokers.member(1).cluster().is_in_view());
+    EXPECT_THAT(brokers.sessions_at(1), IsEmpty());
+    robot.move_to(broker_address(1));
+    brokers.run_for(500ms);
+    EXPECT_THAT(brokers.sessions_at(1), ElementsAre("robot"));
+}
+
 // Its patience ended in the second standstill, and nobody was there to tell it (simulator, faults
 // `starve`).
 TEST(Member, P3_WhoStandsStillAgainWhileItListensListensAnew) {

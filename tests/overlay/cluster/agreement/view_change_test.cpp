@@ -438,6 +438,70 @@ TEST(ViewChange, NoClockTakesAPromiseBack) {
     EXPECT_LT(member.change.view().number, older.number);
 }
 
+// I1: two proposals of one leader came in another order than they left.
+TEST(ViewChange, AProposalOlderThanThePromiseIsNotAnswered) {
+    Leader member;
+    member.begin();
+    const ViewNumber promised{member.term() + 1, high.broker, 1};
+    View view{promised, {high, self}};
+    std::ranges::sort(view.members);
+    member.hear(high, high, promised.term, 9);
+    member.change.on_proposal(member.now, {.view = view, .removed = {}}, member.around(),
+                              member.out);
+    ASSERT_EQ(member.change.promised(), promised);
+    member.out.clear();
+    view.number.count = 0;
+    ASSERT_GT(view.number, member.change.view().number);
+    member.change.on_proposal(member.now, {.view = view, .removed = {}}, member.around(),
+                              member.out);
+    EXPECT_EQ(member.change.promised(), promised);
+    EXPECT_TRUE(member.out.empty());
+}
+
+// It may have got the promise of each member but this one, and so may the leader.
+TEST(ViewChange, AMemberAnswersWhomItFollows) {
+    Leader member;
+    member.begin();
+    const ViewNumber before = member.change.promised();
+    View view{{member.term(), high.broker, 1}, {high, self}};
+    std::ranges::sort(view.members);
+    ASSERT_GT(view.number, before);
+    member.out.clear();
+    member.change.on_proposal(member.now, {.view = view, .removed = {}}, member.around(),
+                              member.out);
+    EXPECT_EQ(member.change.promised(), before);
+    EXPECT_TRUE(member.out.empty());
+    member.hear(high, high, member.term() + 1, 9);
+    member.change.on_proposal(member.now, {.view = view, .removed = {}}, member.around(),
+                              member.out);
+    EXPECT_EQ(member.change.promised(), view.number);
+}
+
+TEST(ViewChange, AMemberInstallsWhatItPromisedOrHasFromItsLeader) {
+    Leader member;
+    member.begin();
+    const ViewNumber before = member.change.view().number;
+    View view{{member.term(), high.broker, 1}, {high, self}};
+    std::ranges::sort(view.members);
+    ASSERT_GT(view.number, member.change.promised());
+    member.change.on_announcement(member.now, {.view = view}, member.around());
+    EXPECT_EQ(member.change.view().number, before);
+}
+
+// Meanwhile the others may have gone on without it (simulator, faults `relapse`).
+TEST(ViewChange, WhatWasPromisedBeforeAStandstillIsNotPromisedAnew) {
+    Leader member;
+    member.begin();
+    View view{{member.term() + 1, high.broker, 1}, {high, self}};
+    std::ranges::sort(view.members);
+    member.hear(high, high, view.number.term, 9);
+    member.change.on_proposal(member.now, {.view = view, .removed = {}}, member.around(),
+                              member.out);
+    EXPECT_TRUE(member.change.is_promised_anew(view));
+    member.change.on_standstill();
+    EXPECT_FALSE(member.change.is_promised_anew(view));
+}
+
 // I4: or else a member whose leader went away before it announced would wait for ever.
 TEST(ViewChange, ALeaderGoesBeyondWhatAMemberPromised) {
     Leader leader;

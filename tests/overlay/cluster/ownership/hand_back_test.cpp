@@ -47,11 +47,11 @@ struct AfterAHeal {
                                          .serving = std::move(serving)});
         compare();
     }
-    [[nodiscard]] std::size_t handed_over() {
+    [[nodiscard]] std::size_t handed_over(const std::set<Endpoint>& pending_output = {}) {
         clients.clear();
         Effects acting = effects();
         hand_back.carry_on(acting, {logs, own}, membership, view, addresses, departures,
-                           {{}, {}, {}});
+                           {pending_output, {}, {}});
         return clients.list().size();
     }
     void compare() {
@@ -297,6 +297,7 @@ TEST(HandBack, AHolderGoesOnUntilTheOwnerHasBoundAndAnswersHaveLeft) {
     EXPECT_EQ(holder.handed_over(), 0U);
     EXPECT_FALSE(holder.hand_back.is_silent(theirs)) << "answers leave";
     holder.now += 50ms;
+    EXPECT_EQ(holder.handed_over({theirs}), 0U) << "an answer waits for peers to hold it";
     EXPECT_EQ(holder.handed_over(), 1U) << "the seal";
     EXPECT_TRUE(holder.hand_back.is_silent(theirs));
     EXPECT_EQ(holder.handed_over(), 0U);

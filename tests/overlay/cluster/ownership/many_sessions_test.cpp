@@ -53,7 +53,8 @@ struct Holder : Owner {
     OwnLog own{self, 100};
     View view{.members = {self, peer}};
 
-    Holder() {
+    /// The owner binds its address yet, or speaks there.
+    explicit Holder(std::vector<Endpoint> binding = {}) {
         std::ranges::sort(view.members);
         addresses.on_address(ours, true);
         addresses.on_address(theirs, true);
@@ -62,7 +63,8 @@ struct Holder : Owner {
                                          .hears = {self.broker},
                                          .applied = {{self, 1}},
                                          .home_addresses = {theirs},
-                                         .serving = {theirs}});
+                                         .serving = {theirs},
+                                         .binding = std::move(binding)});
         Effects acting = effects();
         hand_back.compare(acting, membership, view, addresses);
         for (std::size_t i = 0; i < sessions; ++i) {
@@ -153,6 +155,17 @@ TEST(ManySessions, TheyAreHandedBackInPieces) {
     }
     holder.carry_on();
     EXPECT_FALSE(holder.addresses.is_serving(theirs));
+}
+
+// I7: the owner may have the later word, when it spoke there, too.
+TEST(ManySessions, ThoseThatMoveOutrankWhatIsLeftOfThemUnlessTheOwnerSpokeToo) {
+    for (const bool speaks : {false, true}) {
+        Holder holder{speaks ? std::vector<Endpoint>{} : std::vector{theirs}};
+        holder.move_all();
+        const auto moved = holder.take_written<broker::SessionMoved>();
+        ASSERT_EQ(moved.size(), sessions);
+        EXPECT_EQ(moved[0].header.epoch, image(0, theirs).header.epoch + (speaks ? 0 : 1));
+    }
 }
 
 // What it said for them comes first, from its log (simulator, seed 811931).

@@ -57,6 +57,17 @@ TEST_F(TakeOverTest, AnHeirAdopts) {
     EXPECT_EQ(inherit(), 1U);
 }
 
+// P3: what the view agreed on and is not here yet was said to clients.
+TEST_F(TakeOverTest, AnHeirGoesOnWhenItHoldsTheAgreedEnd) {
+    PeerLog& log = peers.at(dead);
+    log.freeze();
+    log.end_at(2, {.term = 2});
+    EXPECT_EQ(inherit(), 0U);
+    log.offer(2, {test::published(dead, 2)});
+    log.apply();
+    EXPECT_EQ(inherit(), 1U);
+}
+
 // An earlier life of the dead one left it the address; the heir, who holds what the later life
 // wrote, took it as well (simulator, faults `relapse`, seed 39).
 TEST_F(TakeOverTest, I1_WhereAMemberAnswersAlreadyNobodyElseTakesTheAddress) {

@@ -21,9 +21,9 @@ protected:
         for (int i = 0; i < 5; ++i) hear_beacon(0);
     }
 
-    void take(ClusterMessage message) {
+    void take(ClusterMessage message, const LogId& from = peer) {
         Effects acting = effects();
-        core.on_message(acting, {peer, std::move(message)});
+        core.on_message(acting, {from, std::move(message)});
     }
     void take(const Beacon& beacon) {
         Effects acting = effects();
@@ -187,10 +187,8 @@ TEST_F(CatchingUp, P3_AMessageThatAHomeWorksOnIsAcknowledgedWhenTheMessageIsHere
                   .events = {broker::Routed{.message = {publisher, 1}, .routes = {}}}});
     EXPECT_EQ(applied(), 2U);
     EXPECT_EQ(take_sent<LogAck>().back().through, (LogPosition{peer, 1}));
-    Effects acting = effects();
-    core.on_message(acting, {publisher, LogBatch{.log = publisher,
-                                                 .first_seq = 1,
-                                                 .events = {test::published(publisher, 1)}}});
+    take(LogBatch{.log = publisher, .first_seq = 1, .events = {test::published(publisher, 1)}},
+         publisher);
     const auto acks = take_sent<LogAck>();
     EXPECT_TRUE(std::ranges::any_of(acks, [](const LogAck& ack) {
         return ack.through == LogPosition{peer, 2};
@@ -238,6 +236,38 @@ TEST_F(CatchingUp, WhatNamesAMessageOfASilentBrokerWaitsForTheViewThatEndsItsLog
     EXPECT_EQ(acknowledged(), 1U) << "it is before the end, so that it comes yet";
     take(LogBatch{.log = publisher, .first_seq = 1, .events = {test::published(publisher, 1)}});
     EXPECT_EQ(acknowledged(), 2U);
+}
+
+// I2: the leader asked how much is held here, and agrees on the end by the answer.
+TEST_F(CatchingUp, AFrozenLogTakesNothingMoreFromItsWriter) {
+    const LogId publisher = test::log_of("publisher");
+    while (!core.leadership().leader) {
+        take(
+            Beacon{.name = "publisher", .log = publisher, .tick = ++ticks, .hears = {self.broker}});
+        hear_beacon(0);
+    }
+    ViewAnnouncement announcement{
+        .view = {.number = {100, self.broker, 1}, .members = {self, peer, publisher}}};
+    std::ranges::sort(announcement.view.members);
+    take(announcement);
+    const PeerLog& log = core.peer_logs().at(publisher);
+    take(LogBatch{.log = publisher, .first_seq = 1, .events = {test::published(publisher, 1)}},
+         publisher);
+    ASSERT_EQ(log.applied(), 1U);
+    while (core.membership().is_alive(publisher)) hear_beacon(0);
+    ViewProposal proposal{
+        .view = {.number = {core.promised().term + 1, peer.broker, 1}, .members = {self, peer}},
+        .removed = {publisher}};
+    std::ranges::sort(proposal.view.members);
+    for (int i = 0; i < 200 && core.promised() != proposal.view.number; ++i) {
+        take(proposal);
+        hear_beacon(0);
+    }
+    ASSERT_TRUE(log.is_frozen());
+    take(LogBatch{.log = publisher, .first_seq = 2, .events = {test::published(publisher, 2)}},
+         publisher);
+    take(SnapshotPart{.as_of = {publisher, 10}, .last = true}, publisher);
+    EXPECT_EQ(log.applied(), 1U);
 }
 
 // They have passed the broker by when the session comes (simulator, seed 970610).

@@ -47,5 +47,22 @@ TEST_F(LogAnswers, AnAcknowledgementCountsForAllBefore) {
     EXPECT_EQ(acks[0].through, (LogPosition{peer, 2}));
 }
 
+// P3: an earlier life's log had as many events.
+TEST_F(LogAnswers, AnAcknowledgementOfAnEarlierLifesLogMakesNothingSafe) {
+    ViewAnnouncement announcement{
+        .view = {.number = {100, self.broker, 1}, .members = {self, peer}}};
+    std::ranges::sort(announcement.view.members);
+    while (!cluster.core.leadership().leader) cluster.hear();
+    cluster.take(announcement);
+    for (int i = 0; i < 20; ++i) cluster.hear();
+    cluster.core.append(1, test::published(self, 1));
+    const auto safe_after = [this](const LogId& log) {
+        cluster.take(LogAck{{log, 1}, peer});
+        return cluster.core.safe(cluster.now);
+    };
+    EXPECT_EQ(safe_after(test::log_of("self", 0)), 0U);
+    EXPECT_EQ(safe_after(self), 1U);
+}
+
 }  // namespace
 }  // namespace romano::cluster::log_answers_test

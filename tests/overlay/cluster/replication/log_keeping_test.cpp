@@ -74,6 +74,48 @@ TEST(LogKeeping, AnEventStaysUntilEveryPeerHoldsIt) {
     EXPECT_EQ(keeper.peers.at(writer).history().events_kept(), events_per_batch);
 }
 
+TEST(LogKeeping, AnOwnEventStaysUntilEveryPeerHasAcknowledgedIt) {
+    Keeper keeper;
+    constexpr Seq last = events_per_batch + 10;
+    for (Seq seq = 1; seq <= last; ++seq) keeper.own.append(seq, test::published(self, seq));
+    keeper.watermark.on_ack(writer, last);
+    keeper.watermark.on_ack(reader, 4);
+    const auto kept = [&keeper] {
+        keeper.keeping.forget_passed(keeper.now, test::times, keeper.logs(), keeper.membership,
+                                     keeper.watermark);
+        return keeper.own.history().events_kept();
+    };
+    EXPECT_EQ(kept(), last - 4);
+    keeper.watermark.on_ack(reader, last);
+    EXPECT_EQ(kept(), events_per_batch);
+}
+
+// P2: an heir to the reader's sessions asks for it.
+TEST(LogKeeping, AnOwnPublishStaysUntilThePeersSessionsHavePassedIt) {
+    Keeper keeper;
+    for (Seq seq = 1; seq <= 10; ++seq) keeper.own.append(seq, test::published(self, seq));
+    const auto has_passed = [&keeper](const LogId& peer, Seq through) {
+        PeerLog& log = keeper.peers.at(peer);
+        log.offer(log.applied() + 1, {broker::Cursor{{{self, through}}}});
+        while (log.has_next()) log.apply();
+    };
+    const auto kept = [&keeper] {
+        const auto forget = [&keeper] {
+            keeper.keeping.forget_passed(keeper.now, test::times, keeper.logs(), keeper.membership,
+                                         keeper.watermark);
+        };
+        forget();
+        keeper.now += test::times.passed_publishes_kept_for() + 1ms;
+        forget();
+        return keeper.own.history().publishes_kept();
+    };
+    has_passed(writer, 10);
+    has_passed(reader, 4);
+    EXPECT_EQ(kept(), 6U);
+    has_passed(reader, 10);
+    EXPECT_EQ(kept(), 0U);
+}
+
 // P2: one that was out of sight when the last events were written, and has become heir to their
 // writer since, gets them (simulator, faults `starve`, seed 142).
 TEST(LogKeeping, TheLastBatchIsThereForAnHeirThatWasNoMember) {
