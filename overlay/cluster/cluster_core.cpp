@@ -72,7 +72,6 @@ void ClusterCore::on_tick(Effects& effects, const std::set<Endpoint>& pending_ou
                              .half_adopted = take_over_.half_adopted(),
                              .inheriting = take_over_.inheriting()});
         departures_.carry_on(effects, logs(), view());
-        settlement_.carry_on(effects, logs_, membership_, hand_back_, departures_);
     }
     catch_up(effects);
     after_input(effects);
@@ -113,8 +112,9 @@ void ClusterCore::warn_when_leaderless(Effects& effects) {
 Instant ClusterCore::next_wakeup() const {
     const bool is_behind = publish_order_.is_behind() || (arrivals_.is_half_done() && !is_back()) ||
                            departures_.is_half_done() || hand_back_.is_half_done() ||
-                           settlement_.is_half_done() || !take_over_.half_adopted().empty() ||
-                           !said_again_.empty() || !behind_.empty();
+                           (settlement_.is_half_done() && !is_back()) ||
+                           !take_over_.half_adopted().empty() || !said_again_.empty() ||
+                           !behind_.empty();
     if (is_behind) return Instant::min();
     return std::min({next_tick_, membership_.next_wakeup(), log_sender_.next_wakeup(),
                      view_change_.next_wakeup()});
@@ -186,6 +186,9 @@ void ClusterCore::after_input(Effects& effects) {
     roaming_.carry_on(effects, logs(), peer_sessions_.homes(), arrivals_, departures_, membership_,
                       view());
     break_silence();
+    if (knows_its_place(effects.now)) {
+        settlement_.carry_on(effects, logs_, membership_, hand_back_, departures_);
+    }
     // Others wait for these news.
     const bool news = leadership() != last_leadership_ || view().number != last_view_;
     if (news) send_beacon(effects);
@@ -198,6 +201,7 @@ void ClusterCore::break_silence() {
             silent_.insert(address);
         } else if (silent_.erase(address) != 0) {
             said_again_.insert_or_assign(address, 0);
+            settlement_.look_again();
         }
     }
 }
@@ -371,6 +375,7 @@ void ClusterCore::on_view(Effects& effects, const ViewAnnouncement& announcement
     fetching_.on_view(announcement);
     acknowledge_what_waited(effects);
     settlement_.compare(effects.broker, view());
+    settlement_.compare_some(logs_);  // before anything is said in this view
 }
 
 /// Nobody goes on for those whom only brokers with other predefined topics survive. Told once, and

@@ -210,6 +210,8 @@ void ClusterCore::apply_event(Effects& effects, const LogId& id, PeerLog& log) {
         peer_sessions_.on_living_home(client, logs_);
         settlement_.on_peer_session(effects, id, client);
     }
+    const auto* changed = std::get_if<broker::SessionChanged>(&event);
+    if (changed != nullptr) settlement_.on_peer_session(effects, id, changed->header.client_id);
 }
 
 void ClusterCore::on_arrived(const broker::ClientId& client, const LogPosition& moved) {

@@ -233,6 +233,11 @@ const Peer* Membership::find(BrokerId id) const {
     return found == peers_.end() ? nullptr : &found->second;
 }
 
+bool Membership::is_heard(const LogId& log) const {
+    const Peer* peer = find(log.broker);
+    return peer != nullptr && is_heard(log.broker) && peer->beacon.log == log;
+}
+
 bool Membership::is_alive(const LogId& log) const {
     const Peer* peer = find(log.broker);
     return peer != nullptr && peer->alive && peer->beacon.log == log;

@@ -93,6 +93,8 @@ public:
     [[nodiscard]] const Peer* find(BrokerId id) const;
     /// Its beacons come here, whether or not ours reach it.
     [[nodiscard]] bool is_heard(BrokerId id) const { return heard_->is_alive(node_of(id)); }
+    /// Those of this life.
+    [[nodiscard]] bool is_heard(const LogId& log) const;
     /// Alive, and in this life.
     [[nodiscard]] bool is_alive(const LogId& log) const;
     /// Its last sign of life is much younger than a silence that means death.

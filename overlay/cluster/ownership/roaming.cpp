@@ -76,7 +76,7 @@ bool Roaming::on_datagram(Effects& effects, const Way& way, Bytes datagram, cons
     Fetching fetching{.client = *std::move(client),
                       .since = effects.now,
                       .asked = std::nullopt,
-                      .asked_at = effects.now};
+                      .asked_at = Instant::min()};
     ask(effects, fetching, homes, membership, view);
     fetching_.insert_or_assign(way, std::move(fetching));
     return true;
@@ -154,16 +154,17 @@ void Roaming::ask(Effects& effects, Fetching& fetching, const Homes& homes,
                   const Membership& membership, const View& view) const {
     const auto home = homes.of(fetching.client);
     if (!home) return;
-    // A home that has just stood still listens only: it is asked again.
-    const bool is_asked = home->broker == fetching.asked;
-    if (is_asked && effects.now < fetching.asked_at + effects.times.session_asked_again_after())
-        return;
     const Peer* peer = membership.find(home->broker);
-    if (peer == nullptr || !peer->alive || !view.contains(peer->beacon.log)) {
-        return;
+    if (peer == nullptr || !view.contains(peer->beacon.log)) return;
+    // A home that has just stood still listens only: it is asked again. One that cannot answer may
+    // hear us, and falls silent.
+    const bool is_asked = home->broker == fetching.asked;
+    const Instant again_at = fetching.asked_at + effects.times.session_asked_again_after();
+    if ((is_asked || !peer->alive) && effects.now < again_at) return;
+    if (peer->alive && !is_asked) {
+        fetching.asked = home->broker;
+        fetching.since = effects.now;
     }
-    if (!is_asked) fetching.since = effects.now;
-    fetching.asked = home->broker;
     fetching.asked_at = effects.now;
     effects.peers.push_back({home->broker, SessionRequest{fetching.client}});
 }

@@ -7,13 +7,18 @@ namespace romano::cluster {
 
 void Settlement::on_peer_session(const Effects& effects, const LogId& peer,
                                  const broker::ClientId& client) {
-    if (effects.broker.header(client) != nullptr) conflicts_.try_emplace({client, peer});
+    if (effects.broker.header(client) != nullptr) heed({client, peer});
+}
+
+void Settlement::heed(Conflict conflict) {
+    conflicts_.try_emplace(conflict);
+    if (news_.size() < sessions_per_turn_) news_.insert(std::move(conflict));
 }
 
 void Settlement::on_own_session(const broker::ClientId& client, const PeerLogs& logs) {
     for (const auto& [id, log] : logs) {
         const bool is_home = !log.is_frozen() && log.mirror().contains(client);
-        if (is_home) conflicts_.try_emplace({client, id});
+        if (is_home) heed({client, id});
     }
 }
 
@@ -29,7 +34,7 @@ void Settlement::compare_some(const PeerLogs& logs) {
         const auto log = logs.find(member);
         if (log == logs.end()) continue;
         for (const broker::ClientId& client : piece) {
-            if (log->second.mirror().contains(client)) conflicts_.try_emplace({client, member});
+            if (log->second.mirror().contains(client)) heed({client, member});
         }
     }
     to_compare_.resize(to_compare_.size() - count);
@@ -37,6 +42,16 @@ void Settlement::compare_some(const PeerLogs& logs) {
 
 void Settlement::carry_on(Effects& effects, const PeerLogs& logs, const Membership& membership,
                           const HandBack& moving, Departures& departures) {
+    const auto is_over = [&](const auto& conflict) {
+        return !settle(effects, conflict->first, conflict->second, logs, membership, moving,
+                       departures);
+    };
+    std::size_t looked = news_.size();
+    for (const Conflict& news : std::exchange(news_, {})) {
+        const auto conflict = conflicts_.find(news);
+        if (conflict != conflicts_.end() && is_over(conflict)) conflicts_.erase(conflict);
+    }
+    if (looked == sessions_per_turn_) return;
     auto at = conflicts_.begin();
     if (looked_at_) {
         at = conflicts_.upper_bound(*looked_at_);
@@ -46,13 +61,10 @@ void Settlement::carry_on(Effects& effects, const PeerLogs& logs, const Membersh
         next_look_ = effects.now + effects.times.conflicts_looked_at_every();
     }
     looked_at_.reset();
-    for (std::size_t looked = 1; at != conflicts_.end(); ++looked) {
+    while (at != conflicts_.end()) {
         const auto conflict = at++;
-        if (looked == sessions_per_turn_ && at != conflicts_.end()) looked_at_ = conflict->first;
-        if (!settle(effects, conflict->first, conflict->second, logs, membership, moving,
-                    departures)) {
-            conflicts_.erase(conflict);
-        }
+        if (++looked == sessions_per_turn_ && at != conflicts_.end()) looked_at_ = conflict->first;
+        if (is_over(conflict)) conflicts_.erase(conflict);
         if (looked_at_) return;
     }
 }
@@ -66,8 +78,8 @@ bool Settlement::settle(Effects& effects, const Conflict& conflict, broker::Hybr
     const broker::SessionHeader* own = effects.broker.header(client);
     const broker::SessionHeader* theirs = log->second.mirror().header(client);
     if (own == nullptr || theirs == nullptr) return false;
-    // An earlier life of its broker adopts nothing, nor does who does not hear us.
-    if (moving.is_silent(own->via) || !membership.is_alive(home)) return true;
+    // An earlier life of its broker adopts nothing. Who does not hear us reads later what we wrote.
+    if (moving.is_silent(own->via) || !membership.is_heard(home)) return true;
     if (gives_way(*own, log->second, *theirs)) {
         departures.move(effects, client, home, 0, logs);
         return false;

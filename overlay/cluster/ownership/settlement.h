@@ -5,6 +5,9 @@
 // Each home compares its own copy with the mirror of the other home's log. A mirror knows when a
 // client was last heard only as of the last event, so a home that stays writes that into its log.
 //
+// I7, at once: the lower copy's home gives way in the turn in which it reads of the higher one,
+// whether or not that one's home hears it. All conflicts are looked at again from time to time.
+//
 // I7, never both: the rank of a copy does not fall, and a mirror shows one that the copy had. Had
 // each home given way, then each copy would have ended below a rank that the other one had before.
 //
@@ -17,6 +20,7 @@
 
 #include <map>
 #include <optional>
+#include <set>
 #include <utility>
 #include <vector>
 
@@ -33,7 +37,7 @@ public:
     Settlement(BrokerId self, std::size_t sessions_per_turn)
         : self_(self), sessions_per_turn_(sessions_per_turn) {}
 
-    /// A peer's log says that it is home to this client.
+    /// A peer's log says that it is home to this client, or what has changed there.
     void on_peer_session(const Effects& effects, const LogId& peer, const broker::ClientId& client);
     /// This broker is home to the client: the other home sees it no sooner than the own log says
     /// so.
@@ -41,9 +45,11 @@ public:
     /// Looks for all clients that are homed here and at another member; in pieces.
     void compare(const broker::BrokerCore& broker, const View& view);
     void compare_some(const PeerLogs& logs);
+    /// An address is silent no more: its sessions are settled before anything is said there.
+    void look_again() { next_look_ = Instant::min(); }
     /// There is more to look at.
     [[nodiscard]] bool is_half_done() const {
-        return !to_compare_.empty() || looked_at_.has_value();
+        return !to_compare_.empty() || looked_at_.has_value() || !news_.empty();
     }
 
     /// Gives way, or says how the own copy is, from time to time; in pieces.
@@ -56,6 +62,7 @@ public:
 private:
     using Conflict = std::pair<broker::ClientId, LogId>;
 
+    void heed(Conflict conflict);
     /// When the own copy was last heard, as the own log says; false when the conflict is over.
     bool settle(Effects& effects, const Conflict& conflict, broker::HybridTime& told,
                 const PeerLogs& logs, const Membership& membership, const HandBack& moving,
@@ -68,6 +75,7 @@ private:
     std::vector<broker::ClientId> to_compare_;
     std::vector<LogId> compared_with_;
     std::map<Conflict, broker::HybridTime> conflicts_;
+    std::set<Conflict> news_;            // looked at in the next turn, as many as that allows
     std::optional<Conflict> looked_at_;  // the next ones are looked at in the next turn
     Instant next_look_ = Instant::min();
 };

@@ -121,6 +121,25 @@ TEST_F(RoamingTest, P2_ItsHomeIsAskedAgain) {
     EXPECT_EQ(asked_after(1ms), 1U);
 }
 
+// It may hear us, though we do not hear it, and gives the session away before we take our copy.
+TEST_F(RoamingTest, I7_AHomeThatCannotAnswerIsAskedAsWell) {
+    membership.on_beacon(now, Beacon{.log = peer, .tick = 1});
+    ASSERT_FALSE(membership.is_alive(peer));
+    view.members = {std::min(self, peer), std::max(self, peer)};
+    PeerLog& home = logs.try_emplace(peer, peer, 100).first->second;
+    home.offer(1, {broker::SessionPut{robot}});
+    home.apply();
+    const auto asked_after = [this](Duration time) {
+        EXPECT_TRUE(is_waited_for_after(time));
+        return take_sent<SessionRequest>().size();
+    };
+    EXPECT_EQ(asked_after(1ms), 1U);
+    EXPECT_EQ(asked_after(patience / 2 - 1ms), 0U);
+    EXPECT_EQ(asked_after(1ms), 1U);
+    EXPECT_FALSE(is_waited_for_after(2 * patience - patience / 2)) << "no longer than who is lost";
+    EXPECT_NE(broker.header("robot"), nullptr);
+}
+
 // Its last word to us comes a moment after the new home has asked for its session.
 TEST(RoamingAway, P2_IsNoStrangerToTheHomeThatJustLetItGo) {
     Cluster cluster;
