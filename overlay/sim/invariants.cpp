@@ -207,17 +207,63 @@ void Invariants::named_first(const Sight& broker) {
 }
 
 /// I7: of two brokers in one view no more than one may speak to a client.
+///
+/// Two sides of a cut both serve a client (availability comes first), and when they meet neither
+/// knows of the other one's copy before it has read the other one's log. What a member says comes
+/// within a detection time, or it is not heard any more: so long after they met both may speak.
+/// Two members of whom one does not hear the other, in a view that a third one holds together, may
+/// as well: who does not hear learns nothing, as no third one passes logs on. But whoever has read
+/// of a copy that outranks its own gives way at once; where more are settled than fit a turn, at
+/// the next look at all of them.
 void Invariants::one_shard(std::span<const Sight> brokers, const Sight& broker) {
-    if (is_broken(Invariant::one_shard) || !broker.is_speaking) return;
+    note_higher_copies(broker);
     for (const Sight& other : brokers) {
-        if (other.log == broker.log || !other.is_speaking) continue;
+        if (other.log == broker.log) continue;
+        const bool have_met_long_ago = have_met(broker, other);
+        if (!broker.is_speaking || !other.is_speaking) continue;
         if (other.view.number != broker.view.number) continue;
         for (const std::string& client : broker.speaks_to) {
             if (std::ranges::count(other.speaks_to, client) == 0) continue;
+            if (!have_met_long_ago && !must_give_way(broker, {client, other.log}) &&
+                !must_give_way(other, {client, broker.log})) {
+                continue;
+            }
             report(Invariant::one_shard,
                    client + " is spoken to by " + broker.name + " and by " + other.name);
         }
     }
+}
+
+/// A detection time ago or longer: each is in the other's view, and hears it, since then.
+bool Invariants::have_met(const Sight& one, const Sight& other) {
+    const std::pair<broker::LogId, broker::LogId> both = std::minmax(one.log, other.log);
+    if (!one.view.contains(other.log) || std::ranges::count(one.hears, other.log) == 0 ||
+        !other.view.contains(one.log) || std::ranges::count(other.hears, one.log) == 0) {
+        met_.erase(both);
+        return false;
+    }
+    const Instant since = met_.try_emplace(both, now_).first->second;
+    return now_ >= since + std::max(one.times.detection, other.times.detection);
+}
+
+void Invariants::note_higher_copies(const Sight& broker) {
+    auto& known = higher_[broker.log];
+    std::erase_if(known, [&](const auto& entry) {
+        return !broker.is_speaking || std::ranges::count(broker.higher, entry.first) == 0;
+    });
+    if (!broker.is_speaking) return;
+    for (const HigherCopy& copy : broker.higher) {
+        const auto is_it = [&](const auto& entry) { return entry.first == copy; };
+        if (std::ranges::none_of(known, is_it)) known.emplace_back(copy, now_);
+    }
+}
+
+bool Invariants::must_give_way(const Sight& broker, const HigherCopy& to) const {
+    const auto known = higher_.find(broker.log);
+    return known != higher_.end() && std::ranges::any_of(known->second, [&](const auto& entry) {
+               return entry.first == to &&
+                      now_ > entry.second + broker.times.conflicts_looked_at_every();
+           });
 }
 
 /// I7: a broker has one copy of a session, its own or one on its way to another home.

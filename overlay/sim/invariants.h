@@ -69,6 +69,9 @@ private:
     void as_at_the_seal(std::span<const Sight> brokers, const Sight& broker);
     void named_first(const Sight& broker);
     void one_shard(std::span<const Sight> brokers, const Sight& broker);
+    [[nodiscard]] bool have_met(const Sight& one, const Sight& other);
+    void note_higher_copies(const Sight& broker);
+    [[nodiscard]] bool must_give_way(const Sight& broker, const HigherCopy& to) const;
     void one_copy(const Sight& broker);
     void bounded(std::span<const Sight> brokers, const Sight& broker);
 
@@ -95,6 +98,9 @@ private:
     std::map<std::pair<broker::BrokerId, broker::LogId>, broker::Seq> held_;  // most, ever
     std::map<broker::LogId, Numbers> numbers_;
     std::map<std::pair<cluster::ViewNumber, Endpoint>, broker::LogId> owners_;
+    std::map<std::pair<broker::LogId, broker::LogId>, Instant> met_;
+    /// Since when each broker knows of those copies, and goes on speaking.
+    std::map<broker::LogId, std::vector<std::pair<HigherCopy, Instant>>> higher_;
     std::map<std::pair<broker::LogId, Endpoint>, broker::LogId>
         seals_;  // by whom, of what: for whom
 };

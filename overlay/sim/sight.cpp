@@ -55,6 +55,24 @@ void look_at_copies(const cluster::ClusterCore& cluster, Sight& sight) {
     sight.copies = std::move(copies);
 }
 
+void look_at_members(const cluster::ClusterCore& cluster, const broker::BrokerCore& broker,
+                     Sight& sight) {
+    sight.hears.clear();
+    sight.higher.clear();
+    for (const broker::LogId& member : cluster.view().members) {
+        if (member == sight.log || !cluster.membership().is_heard(member)) continue;
+        sight.hears.push_back(member);
+        const auto log = cluster.peer_logs().find(member);
+        if (log == cluster.peer_logs().end()) continue;
+        if (log->second.is_frozen() || log->second.is_foreign()) continue;
+        for (const std::string& client : sight.speaks_to) {
+            const broker::SessionHeader* theirs = log->second.mirror().header(client);
+            if (theirs == nullptr || !broker::outranks(*theirs, *broker.header(client))) continue;
+            sight.higher.push_back({client, member});
+        }
+    }
+}
+
 void look_at_moves(const cluster::ClusterCore& cluster, const broker::BrokerCore& broker,
                    Sight& sight) {
     sight.leaving.clear();
@@ -87,6 +105,7 @@ void look_at(const ClusterBroker& broker, Instant now, const std::vector<std::st
     sight.log = member.log();
     sight.view = cluster.view();
     sight.promised = cluster.promised();
+    sight.times = cluster.times();
     sight.shown = cluster.watermark().safe();
     sight.holders =
         std::min<std::size_t>(broker.options().cluster.acks, cluster.live_peers().size());
@@ -102,6 +121,7 @@ void look_at(const ClusterBroker& broker, Instant now, const std::vector<std::st
             sight.speaks_to.push_back(client);
         }
     }
+    look_at_members(cluster, member.broker(), sight);
     look_at_seals(cluster.own_log().history(), sight);
     look_at_copies(cluster, sight);
     look_at_moves(cluster, member.broker(), sight);

@@ -11,6 +11,7 @@
 #include "broker/core/log_position.h"
 #include "broker/core/session_image.h"
 #include "overlay/cluster/messages.h"
+#include "overlay/cluster/times.h"
 #include "romano/base/endpoint.h"
 #include "romano/base/time.h"
 
@@ -38,6 +39,14 @@ struct Reference {
     bool is_held = false;  // the message: applied in its own log, or no copy of a session lacks it
 };
 
+/// Of a client's session, as the log of that member says, another copy that outranks the own one.
+struct HigherCopy {
+    std::string client{};
+    broker::LogId at{};
+
+    friend bool operator==(const HigherCopy&, const HigherCopy&) = default;
+};
+
 /// A session between two homes, as its former home or a mirror of that one's log has it.
 struct SessionBetween {
     broker::LogPosition moved{};  // by this event
@@ -50,13 +59,16 @@ struct Sight {
     broker::LogId log{};
     cluster::View view{};
     cluster::ViewNumber promised{};
-    broker::Seq shown = 0;       // of its own log, to clients
-    std::size_t holders = 0;     // peers that must hold what it shows
-    std::size_t own_events = 0;  // that it keeps
+    cluster::Times times{};
+    std::vector<broker::LogId> hears{};  // members, though they may not hear it
+    broker::Seq shown = 0;               // of its own log, to clients
+    std::size_t holders = 0;             // peers that must hold what it shows
+    std::size_t own_events = 0;          // that it keeps
     broker::Seq own_last = 0;
     std::vector<broker::Sealed> sealed{};  // in its log, in this step
     std::vector<Endpoint> speaks_from{};
     std::vector<std::string> speaks_to{};    // clients
+    std::vector<HigherCopy> higher{};        // of these, at members that it hears
     std::vector<LogCopy> copies{};           // sorted
     std::vector<Reference> references{};     // of this step
     std::vector<SessionBetween> leaving{};   // its own

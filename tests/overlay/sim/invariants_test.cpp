@@ -26,6 +26,10 @@ protected:
         for (std::size_t i = 0; i < brokers.size(); ++i) {
             brokers[i].name = "b" + std::to_string(i);
             brokers[i].log = log(i);
+            brokers[i].times = {.beacon_every = beacon, .detection = detection};
+            for (const std::size_t other : {0U, 1U, 2U}) {
+                if (other != i) brokers[i].hears.push_back(log(other));
+            }
         }
     }
 
@@ -37,7 +41,7 @@ protected:
         return made;
     }
     std::vector<Invariant> after_step_of(std::size_t broker) {
-        return invariants.judge(Instant{1s}, brokers, broker);
+        return invariants.judge(now, brokers, broker);
     }
     /// b2 is dead, and the view of the others says that its log ended there.
     void end_log_of_b2(broker::Seq end) {
@@ -48,6 +52,10 @@ protected:
         brokers[2].is_speaking = false;
     }
 
+    static constexpr Duration beacon = 10ms;
+    static constexpr Duration detection = 50ms;
+
+    Instant now{1s};
     const Endpoint address = World::service_address(0);
     std::vector<Sight> brokers{3};
     Invariants invariants{100};
@@ -214,13 +222,49 @@ TEST_F(InvariantsTest, WhatIsNamedComesFirstIsForMembersAsNoOtherAcknowledgement
     EXPECT_THAT(after_step_of(0), IsEmpty());
 }
 
-TEST_F(InvariantsTest, OneShardBreaksWhenTwoOfOneViewSpeakToOneClient) {
+TEST_F(InvariantsTest, OneShardBreaksWhenTwoThatMetLongAgoSpeakToOneClient) {
     brokers[0].speaks_to = {"robot"};
     brokers[1].speaks_to = {"robot"};
     brokers[1].view = view(2, {1, 2});
     EXPECT_THAT(after_step_of(0), IsEmpty()) << "two views";
     brokers[1].view = brokers[0].view;
+    EXPECT_THAT(after_step_of(0), IsEmpty()) << "two sides that have just met";
+    now += detection - 1ms;
+    EXPECT_THAT(after_step_of(0), IsEmpty());
+    brokers[0].hears.clear();
+    EXPECT_THAT(after_step_of(0), IsEmpty()) << "and part again";
+    brokers[0].hears = {log(1)};
+    EXPECT_THAT(after_step_of(0), IsEmpty());
+    now += detection;
     EXPECT_THAT(after_step_of(0), ElementsAre(Invariant::one_shard));
+}
+
+TEST_F(InvariantsTest, OneShardBreaksWhenTwoThatMetLongAgoBeginToSpeakToOneClient) {
+    EXPECT_THAT(after_step_of(0), IsEmpty());
+    now += detection;
+    brokers[0].speaks_to = {"robot"};
+    EXPECT_THAT(after_step_of(0), IsEmpty());
+    brokers[1].speaks_to = {"robot"};
+    EXPECT_THAT(after_step_of(1), ElementsAre(Invariant::one_shard));
+}
+
+TEST_F(InvariantsTest, OneShardBreaksWhenAHomeThatIsNotHeardKnowsOfAHigherCopyAndStays) {
+    brokers[0].speaks_to = {"robot"};
+    brokers[1].speaks_to = {"robot"};
+    brokers[1].hears.clear();
+    now += 10 * detection;
+    EXPECT_THAT(after_step_of(0), IsEmpty());
+    now += 10 * detection;
+    EXPECT_THAT(after_step_of(1), IsEmpty()) << "it hears nobody, and cannot know";
+    brokers[0].higher = {{"robot", log(1)}};
+    EXPECT_THAT(after_step_of(0), IsEmpty());
+    now += beacon + 1ms;
+    brokers[0].higher.clear();
+    EXPECT_THAT(after_step_of(0), IsEmpty()) << "its client spoke to it";
+    brokers[0].higher = {{"robot", log(1)}};
+    EXPECT_THAT(after_step_of(0), IsEmpty());
+    now += beacon + 1ms;
+    EXPECT_THAT(after_step_of(1), ElementsAre(Invariant::one_shard));
 }
 
 TEST_F(InvariantsTest, OneCopyBreaksWhenASessionIsHereAndLeavesAsWell) {
