@@ -24,7 +24,7 @@ Robot* RandomLives::some_robot(IsFit&& is_fit) {
     std::vector<Robot*> fit;
     for (std::size_t i = 0; i < world_.robot_count(); ++i) {
         Robot& robot = world_.robot(i);
-        if (robot.is_on() && robot.is_connected() && is_fit(robot)) fit.push_back(&robot);
+        if (robot.is_connected() && is_fit(robot)) fit.push_back(&robot);
     }
     if (fit.empty()) return nullptr;
     return fit[random_.below(static_cast<std::uint32_t>(fit.size()))];

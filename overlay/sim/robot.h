@@ -85,10 +85,11 @@ public:
     [[nodiscard]] const RobotOptions& options() const { return options_; }
     [[nodiscard]] const std::string& name() const { return options_.name; }
     [[nodiscard]] bool is_on() const { return on_; }
-    [[nodiscard]] bool is_connected() const { return client_.is_connected(); }
+    /// As it believes; one that is switched off believes nothing.
+    [[nodiscard]] bool is_connected() const { return on_ && client_.is_connected(); }
     [[nodiscard]] bool is_sleeping() const;
     /// Connected, subscribed to everything, and nothing waits for the broker.
-    [[nodiscard]] bool is_idle() const { return client_.is_connected() && client_.is_idle(); }
+    [[nodiscard]] bool is_idle() const { return is_connected() && client_.is_idle(); }
     /// CONNECTs asked for by the application; one, when it never noticed anything.
     [[nodiscard]] std::uint32_t connects() const { return connects_; }
     [[nodiscard]] std::uint32_t published() const { return last_number_; }

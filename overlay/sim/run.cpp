@@ -229,10 +229,10 @@ private:
             result_.violations.push_back({Promise::one_leader, *reason + ", still, " + when});
         }
         for (std::size_t i = 0; i < world_.robot_count(); ++i) {
-            if (world_.robot(i).is_idle()) continue;
+            const Robot& robot = world_.robot(i);
+            if (!robot.is_on() || robot.is_idle()) continue;
             result_.violations.push_back(
-                {Promise::liveness,
-                 world_.robot(i).name() + " still waits for its broker " + when});
+                {Promise::liveness, robot.name() + " still waits for its broker " + when});
         }
     }
 

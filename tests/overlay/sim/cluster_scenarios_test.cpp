@@ -320,6 +320,20 @@ TEST_F(ClusterScenario, WillOfASilentClientIsPublishedOnceThoughItsHomeDied) {
     expect_all_promises_kept();
 }
 
+// Its clean session is lost, and forgotten ten minutes later (seeds 5557 to 19420 as shipped).
+TEST(ClusterScenarios, P4_NobodyNeedsToBeHomeToARobotThatWasSwitchedOff) {
+    ClusterWorldOptions options;
+    options.brokers = 1;
+    Scenario one(options);
+    Robot& dies = one.add("mortal", 0, "", "pose");
+    one.begin();
+    EXPECT_TRUE(one.world.home_of("mortal"));
+    dies.switch_off();
+    one.world.run_for(12min);
+    EXPECT_FALSE(one.world.home_of("mortal"));
+    one.expect_all_promises_kept();
+}
+
 TEST_F(ClusterScenario, NoWillIsPublishedBecauseAHomeDied) {
     RobotOptions mortal;
     mortal.name = "mortal";

@@ -44,6 +44,7 @@ std::vector<OnceBad> once_bad() {
         {"Relapse3",
          {.faults = {Fault::relapse}},
          {261, 9978575, 9978847, 9979376, 9990563, 9992292, 9992392}},
+        {"AsShipped", {.as_shipped = true}, {5557, 6289, 8801, 9568, 10773, 15911, 17151, 19420}},
     };
 }
 
