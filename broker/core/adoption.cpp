@@ -112,6 +112,7 @@ void Adoption::restore(Session& session, SessionImage& image, Turn& turn) {
     header.provisional = image.header.provisional;
     header.last_heard = image.header.last_heard;
     header.departed = image.header.departed;
+    header.last_published = image.header.last_published;
 
     session.will = std::move(image.will);
     session.subscriptions = std::move(image.subscriptions);

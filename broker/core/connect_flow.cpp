@@ -187,7 +187,10 @@ void ConnectFlow::accept(const Origin& origin, const Prompt& prompt, WillAnswer 
     session->probe_at = never;
     session->exchange = {};
     session->pauses.clear();
-    if (prompt.clean) lifecycle_.wipe(*session);
+    if (prompt.clean) {
+        lifecycle_.wipe(*session);
+        header.last_published = header.last_heard;  // what it had begun has ended
+    }
     // Only a stranger's kept session may be with a home that is out of sight.
     if (prompt.clean || !is_new) {
         header.epoch = std::max(header.epoch + 1, header.last_heard.value);

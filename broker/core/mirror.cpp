@@ -112,8 +112,9 @@ void Mirror::on(const Published& event) {
     if (!event.publisher.empty()) {
         if (SessionImage* image = find(event.publisher)) {
             image->unreleased.push_back(event.msg_id);
-            HybridTime& heard = image->header.last_heard;
-            heard = std::max(heard, event.message->published_at);
+            SessionHeader& header = image->header;
+            header.last_published = event.message->published_at;
+            header.last_heard = std::max(header.last_heard, header.last_published);
         }
     }
     if (!event.will_of.empty()) {

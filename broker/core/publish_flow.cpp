@@ -156,6 +156,7 @@ void PublishFlow::observe(const Session& session, const Publication& publication
 /// first to go when there are too many.
 void PublishFlow::remember_unreleased(Session& session, MsgId msg_id, Turn& turn) {
     session.unreleased.push_back(msg_id);
+    session.header.last_published = session.header.last_heard;
     if (session.unreleased.size() <= tables_.limits().unreleased_per_session) return;
     const MsgId abandoned = session.unreleased.front();
     tables_.log.append(turn.out, [&] {
@@ -165,6 +166,7 @@ void PublishFlow::remember_unreleased(Session& session, MsgId msg_id, Turn& turn
 }
 
 void PublishFlow::on_pubrel(Session& session, const mqttsn::Pubrel& message, Turn& turn) {
+    session.header.last_published = session.header.last_heard;
     const auto found = std::ranges::find(session.unreleased, message.msg_id);
     if (found != session.unreleased.end()) {
         session.unreleased.erase(found);

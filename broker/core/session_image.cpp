@@ -21,6 +21,7 @@ bool same_state(const SessionImage& a, const SessionImage& b) {
     SessionHeader header = a.header;
     header.last_heard = b.header.last_heard;
     header.departed = b.header.departed;
+    header.last_published = b.header.last_published;
     return header == b.header && a.will == b.will && a.subscriptions == b.subscriptions &&
            a.topics == b.topics && std::ranges::equal(a.deliveries, b.deliveries, same_delivery) &&
            a.unreleased == b.unreleased && a.worked_through == b.worked_through;

@@ -84,6 +84,9 @@ struct SessionHeader {
     bool provisional = false;  // adopted, and the client was not heard at this home yet
     HybridTime last_heard;     // a mirror's is as of the last event, not of the last datagram
     HybridTime departed;       // when it became disconnected or lost; 0: it is connected
+    /// When its last PUBLISH or PUBREL of QoS 2 was heard: of two copies the one where that is
+    /// later knows what it publishes. A mirror's is as of the last PUBLISH.
+    HybridTime last_published;
     friend bool operator==(const SessionHeader&, const SessionHeader&) = default;
 };
 
@@ -116,8 +119,8 @@ struct SessionImage {
 /// How far the home had worked through that log.
 [[nodiscard]] Seq worked_through(const SessionImage& image, const LogId& log);
 
-/// True when both describe the same session in the same state, apart from when it was heard last
-/// and departed, and the last msg id; messages are compared by their positions.
+/// True when both describe the same session in the same state, apart from when it was heard and
+/// published last and departed, and the last msg id; messages are compared by their positions.
 [[nodiscard]] bool same_state(const SessionImage& a, const SessionImage& b);
 
 /// Which of two copies of one session counts when brokers meet: the higher epoch, then one whose

@@ -12,8 +12,7 @@ using mqttsn::Qos;
 namespace {
 
 /// Two homes had the session, and the client was heard last by the one that gives way: what it was
-/// told there, of topic ids and subscriptions, stays true, and what it has begun to publish there
-/// is published. False when that is nothing new.
+/// told there, of topic ids and subscriptions, stays true. False when that is nothing new.
 bool learn(SessionImage& image, const SessionImage& told) {
     bool is_new = false;
     for (const TopicBinding& binding : told.topics) {
@@ -39,6 +38,15 @@ bool learn(SessionImage& image, const SessionImage& told) {
         }
         is_new = true;
     }
+    return is_new;
+}
+
+/// What the client began to publish last at the home that gives way is published, though the other
+/// one may have heard it later: it answered what that one sent. False when that is nothing new.
+bool learn_published(SessionImage& image, const SessionImage& told) {
+    if (told.header.last_published <= image.header.last_published) return false;
+    image.header.last_published = told.header.last_published;
+    bool is_new = false;
     for (const mqttsn::MsgId id : told.unreleased) {
         if (std::ranges::count(image.unreleased, id) > 0) continue;
         image.unreleased.push_back(id);
@@ -132,7 +140,8 @@ Settled settle(SessionImage own, SessionImage comes, std::vector<MessagePtr>& mi
     const bool resumes = resume_exchanges(stays, missed, other);
     settled.unfinished = left_open(other, stays);
     if (settled.unfinished == mqttsn::no_msg_id) settled.unfinished = left_open(before, stays);
-    const bool learns = other.header.last_heard > stays.header.last_heard && learn(stays, other);
+    const bool is_told = other.header.last_heard > stays.header.last_heard && learn(stays, other);
+    const bool learns = learn_published(stays, other) || is_told;
     // A mirror's copy that comes may have been heard since.
     const bool is_lost = !settled.comes && is_lost_elsewhere(stays.header, other.header);
     if (is_lost) {

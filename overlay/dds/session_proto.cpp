@@ -42,6 +42,7 @@ void to_proto(const broker::SessionHeader& in, SessionHeader& out) {
     out.set_provisional(in.provisional);
     out.set_last_heard(in.last_heard.value);
     out.set_departed(in.departed.value);
+    out.set_last_published(in.last_published.value);
 }
 
 std::optional<broker::SessionHeader> from_proto(const SessionHeader& in) {
@@ -61,7 +62,8 @@ std::optional<broker::SessionHeader> from_proto(const SessionHeader& in) {
                                  .epoch = in.epoch(),
                                  .provisional = in.provisional(),
                                  .last_heard = {in.last_heard()},
-                                 .departed = {in.departed()}};
+                                 .departed = {in.departed()},
+                                 .last_published = {in.last_published()}};
 }
 
 void to_proto(const broker::Will& in, Will& out) {

@@ -138,12 +138,13 @@ TEST_F(TwoCopies, WhatTellsNothingNewLeavesTheOwnCopyAsItIs) {
 TEST_F(TwoCopies, P3_WhatTheClientPublishedLastAtTheOtherHomeIsPublished) {
     winner.unreleased = {mqttsn::MsgId{1}, mqttsn::MsgId{2}};
     other.unreleased = {mqttsn::MsgId{2}, mqttsn::MsgId{3}};
-    other.header.last_heard = HybridTime{2};
-    winner.header.last_heard = HybridTime{1};
+    other.header.last_published = HybridTime{2};
+    winner.header.last_published = HybridTime{1};
+    winner.header.last_heard = HybridTime{3};  // it answered what was sent to it
     EXPECT_THAT(settle(winner, other, missed).image.unreleased,
                 ElementsAre(mqttsn::MsgId{1}, mqttsn::MsgId{2}, mqttsn::MsgId{3}));
     // Of an older copy the client may have released it since, and use the id anew.
-    other.header.last_heard = HybridTime{};
+    other.header.last_published = HybridTime{};
     EXPECT_THAT(settle(winner, other, missed).image.unreleased,
                 ElementsAre(mqttsn::MsgId{1}, mqttsn::MsgId{2}));
 }

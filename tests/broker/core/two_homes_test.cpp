@@ -92,7 +92,8 @@ TEST_F(TwoHomes, TheCopyThatTheClientConnectedToOutranksOneThatHeardItLater) {
     EXPECT_TRUE(outranks(connected, late));
 }
 
-// Of two copies the later heard one knows what the client has begun (simulator, seed 1403805).
+// Of two copies the one to which it published later knows what it has begun (simulator, seed
+// 1403805).
 TEST_F(TwoHomes, AMirrorKnowsThatAPublisherWasHeard) {
     publisher.connects();
     const auto topic = publisher.registers("cmd");
@@ -105,6 +106,98 @@ TEST_F(TwoHomes, AMirrorKnowsThatAPublisherWasHeard) {
     EXPECT_EQ(image.header.last_heard, home.core.header("publisher")->last_heard)
         << "of no later word than its home: by their ranks two homes would both give way";
     EXPECT_THAT(image.unreleased, testing::ElementsAre(MsgId{9}));
+    EXPECT_EQ(image.header.last_published, image.header.last_heard);
+}
+
+/// A client that publishes under one id has two homes: the first one, which stays, and its heir.
+class TwoHomesOfAPublisher : public AdoptingBrokers {
+protected:
+    TwoHomesOfAPublisher() {
+        publisher.connects();
+        topic = publisher.registers("cmd");
+    }
+    void begins(std::string_view data, bool again = false) {
+        publisher.says(Publish{again, Qos::exactly_once, false, mqttsn::TopicIdType::normal, topic,
+                               MsgId{9}, as_octets(data)});
+        publisher.hears<Pubrec>();
+    }
+    void ends() {
+        publisher.says(Pubrel{MsgId{9}});
+        publisher.hears<Pubcomp>();
+    }
+    void is_heard_at(ScriptedBroker& at) {
+        at.waits(1s);
+        publisher.moves_to(at);
+        publisher.says(Pingreq{});
+        publisher.hears<Pingresp>();
+    }
+    void goes_on_at_its_heir(SessionImage image) {
+        heir.waits(1s);
+        ASSERT_TRUE(heir.core.adopt(heir.now, std::move(image), {}, heir.actions));
+        heir.drain();
+        is_heard_at(heir);
+    }
+    /// As SessionMoved says: from the mirror, with the header that its home has.
+    void comes_back() {
+        SessionImage image = image_of(heir, publisher.id);
+        image.header = *heir.core.header(publisher.id);
+        ASSERT_TRUE(home.core.adopt(home.now, std::move(image), {}, home.actions));
+        home.drain();
+        publisher.moves_to(home);
+    }
+    [[nodiscard]] std::ptrdiff_t published_at_home() const {
+        return std::ranges::count_if(home.log, [](const LogEvent& event) {
+            return std::holds_alternative<Published>(event);
+        });
+    }
+
+    TopicId topic{};
+};
+
+// Its home stood still, and heard the PUBLISH before it heard that it had been replaced (simulator,
+// seeds 6120 and 12079 as shipped).
+TEST_F(TwoHomesOfAPublisher, P3_WhatItBeganAtTheOneIsKnownThoughItWasHeardLaterAtTheOther) {
+    SessionImage former = image_of(home, publisher.id);
+    begins("go");
+    goes_on_at_its_heir(std::move(former));
+    comes_back();
+    begins("go", true);
+    EXPECT_EQ(published_at_home(), 1);
+}
+
+// By a word that came late.
+TEST_F(TwoHomesOfAPublisher, P2_WhatItEndedAtTheOneIsOverThoughItWasHeardLaterAtTheOther) {
+    begins("go");
+    goes_on_at_its_heir(image_of(home, publisher.id));
+    ends();
+    home.waits(2s);
+    is_heard_at(home);
+    comes_back();
+    begins("stop");
+    EXPECT_EQ(published_at_home(), 2);
+}
+
+TEST_F(TwoHomesOfAPublisher, P2_WhatItBeganAtTheOneAndEndedAtTheOtherIsOver) {
+    SessionImage former = image_of(home, publisher.id);
+    begins("go");
+    goes_on_at_its_heir(std::move(former));
+    ends();
+    const HybridTime ended = heir.core.header(publisher.id)->last_published;
+    comes_back();
+    EXPECT_EQ(home.core.header(publisher.id)->last_published, ended);
+    begins("stop");
+    EXPECT_EQ(published_at_home(), 2);
+}
+
+TEST_F(TwoHomesOfAPublisher, P2_WhatItBeganAtTheOneIsOverWhenItConnectsAnewAtTheOther) {
+    SessionImage former = image_of(home, publisher.id);
+    begins("go");
+    goes_on_at_its_heir(std::move(former));
+    publisher.connects();
+    topic = publisher.registers("cmd");
+    comes_back();
+    begins("stop");
+    EXPECT_EQ(published_at_home(), 2);
 }
 
 /// A kept session in two halves: the robot's home is out of sight, and its next broker, to whom it

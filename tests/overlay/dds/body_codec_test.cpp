@@ -25,7 +25,7 @@ std::optional<cluster::ClusterMessage> decode(proto::ClusterMessage message) {
 // and then here.
 static_assert(field_count<Endpoint>() == 5);
 static_assert(field_count<broker::Message>() == 7);
-static_assert(field_count<broker::SessionHeader>() == 11);
+static_assert(field_count<broker::SessionHeader>() == 12);
 static_assert(field_count<broker::Will>() == 4);
 static_assert(field_count<broker::Subscription>() == 4);
 static_assert(field_count<broker::TopicBinding>() == 3);

@@ -99,6 +99,7 @@ broker::SessionHeader header(Random& r) {
             wide(r),
             flag(r),
             {wide(r)},
+            {wide(r)},
             {wide(r)}};
 }
 
