@@ -59,6 +59,7 @@ TEST(Watermark, APeerThatLetOurLogGoDoesNotHoldIt) {
     Watermark watermark = after_acks(1);
     EXPECT_EQ(watermark.advance(7, peers, 1), 7U);
     for (const auto& peer : peers) watermark.on_beacon(peer, 0);
+    for (const auto& peer : peers) EXPECT_EQ(watermark.held_by(peer), 0U);
     EXPECT_EQ(watermark.advance(10, peers, 1), 7U);
     watermark.on_beacon(peers[0], 9);
     EXPECT_EQ(watermark.advance(10, peers, 1), 9U);
