@@ -85,14 +85,16 @@ TEST_F(TakeOverTest, I1_WhereAMemberAnswersAlreadyNobodyElseTakesTheAddress) {
 
 // Of that one the own log would say that it is gone.
 TEST_F(TakeOverTest, I7_WhatTheDeadHadIsJoinedWithTheOwnSessionAndNotPassedOn) {
-    view.members.push_back(other);
-    Beacon server{.log = other, .tick = 1, .hears = {self.broker}};
-    server.serving = {theirs};
-    (void)membership.on_beacon(now, server);
     auto session = std::get<broker::SessionPut>(test::session("robot", test::address(1)));
     session.image.header.epoch = 5;
     (void)broker.adopt(now, session.image, {}, clients);
+    view.members.push_back(other);
+    Beacon server{.log = other, .tick = 1, .hears = {self.broker}};
+    server.serving = {theirs};
+    server.applied = {{self, broker.last_seq()}};
+    (void)membership.on_beacon(now, server);
     EXPECT_EQ(inherit(), 1U);
+    EXPECT_TRUE(peers.at(dead).sessions_left(theirs, 1).empty()) << "it was looked at";
     EXPECT_EQ(broker.header("robot")->epoch, 5U);
     EXPECT_TRUE(departures.all().empty());
 }
