@@ -214,6 +214,17 @@ std::vector<ClientId> BrokerCore::client_ids() const {
     return all;
 }
 
+std::optional<std::uint32_t> BrokerCore::visit_client_ids(
+    std::uint32_t from, std::size_t most, const std::function<void(const ClientId&)>& look) const {
+    const SessionTable& sessions = state_->tables.sessions;
+    const std::size_t end = std::min(sessions.numbers(), from + most);
+    for (; from < end; ++from) {
+        const Session* session = sessions.at(from);
+        if (session != nullptr) look(session->header.client_id);
+    }
+    return from < sessions.numbers() ? std::optional{from} : std::nullopt;
+}
+
 std::vector<SessionImage> BrokerCore::images() const {
     std::vector<SessionImage> all;
     for (const Session* session : state_->tables.sessions.by_client_id()) {

@@ -124,6 +124,11 @@ public:
     [[nodiscard]] std::vector<SessionImage> images() const;  // by client id
     /// The same order in every replay.
     [[nodiscard]] std::vector<ClientId> client_ids() const;
+    /// Calls `look` for those of `most` session numbers, from that one on, and returns the next
+    /// number; none when it was the last.
+    [[nodiscard]] std::optional<std::uint32_t> visit_client_ids(
+        std::uint32_t from, std::size_t most,
+        const std::function<void(const ClientId&)>& look) const;
     [[nodiscard]] std::vector<ClientId> client_ids_via(const Endpoint& via) const;
     [[nodiscard]] bool is_home_of_any_via(const Endpoint& via) const;
 

@@ -374,8 +374,8 @@ void ClusterCore::on_view(Effects& effects, const ViewAnnouncement& announcement
     take_over_.on_view(effects.now, announcement);
     fetching_.on_view(announcement);
     acknowledge_what_waited(effects);
-    settlement_.compare(effects.broker, view());
-    settlement_.compare_some(logs_);  // before anything is said in this view
+    settlement_.compare(view());
+    settlement_.compare_some(effects.broker, logs_);  // before anything is said in this view
 }
 
 /// Nobody goes on for those whom only brokers with other predefined topics survive. Told once, and

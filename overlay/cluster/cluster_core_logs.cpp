@@ -98,7 +98,7 @@ void ClusterCore::on(Effects& effects, BrokerId from, const SnapshotPart& part) 
     if (!is_first) peer_sessions_.reset(id, log.mirror());
     publish_order_.on_snapshot_end(effects, *as_of);
     arrivals_.on_snapshot(effects, log);
-    settlement_.compare(effects.broker, view());
+    settlement_.compare(view());
     acknowledgements_.forget(id);
     log.mirror().visit([&](const broker::SessionImage& image) {
         mark_taken(image.header.client_id);
@@ -122,7 +122,7 @@ void ClusterCore::take_last_publishes(Effects& effects, const SnapshotPart& part
 void ClusterCore::catch_up(Effects& effects) {
     publish_order_.allow(options_.events_per_turn);
     take_over_.on_turn();
-    settlement_.compare_some(logs_);
+    settlement_.compare_some(effects.broker, logs_);
     arrivals_.on_turn();
     say_again(effects);
     for (const LogId& id : std::exchange(behind_, {})) {

@@ -1,8 +1,5 @@
 #include "overlay/cluster/ownership/settlement.h"
 
-#include <algorithm>
-#include <span>
-
 namespace romano::cluster {
 
 void Settlement::on_peer_session(const Effects& effects, const LogId& peer,
@@ -22,22 +19,27 @@ void Settlement::on_own_session(const broker::ClientId& client, const PeerLogs& 
     }
 }
 
-void Settlement::compare(const broker::BrokerCore& broker, const View& view) {
-    to_compare_ = broker.client_ids();
+void Settlement::compare(const View& view) {
+    next_compared_ = 0;
     compared_with_ = view.members;
 }
 
-void Settlement::compare_some(const PeerLogs& logs) {
-    const std::size_t count = std::min(to_compare_.size(), compared_per_turn);
-    const auto piece = std::span{to_compare_}.last(count);
+/// A session that is begun meanwhile is looked at as it comes, whatever its number.
+void Settlement::compare_some(const broker::BrokerCore& broker, const PeerLogs& logs) {
+    if (!next_compared_) return;
+    std::vector<const PeerLog*> others;
     for (const LogId& member : compared_with_) {
         const auto log = logs.find(member);
-        if (log == logs.end()) continue;
-        for (const broker::ClientId& client : piece) {
-            if (log->second.mirror().contains(client)) heed({client, member});
-        }
+        if (log != logs.end()) others.push_back(&log->second);
     }
-    to_compare_.resize(to_compare_.size() - count);
+    next_compared_ = broker.visit_client_ids(*next_compared_, compared_per_turn,
+                                             [&](const broker::ClientId& client) {
+                                                 for (const PeerLog* other : others) {
+                                                     const broker::Mirror& theirs = other->mirror();
+                                                     if (theirs.contains(client))
+                                                         heed({client, theirs.log()});
+                                                 }
+                                             });
 }
 
 void Settlement::carry_on(Effects& effects, const PeerLogs& logs, const Membership& membership,

@@ -18,6 +18,7 @@
 // written of the higher one lies above it.
 #pragma once
 
+#include <cstdint>
 #include <map>
 #include <optional>
 #include <set>
@@ -43,13 +44,13 @@ public:
     /// so.
     void on_own_session(const broker::ClientId& client, const PeerLogs& logs);
     /// Looks for all clients that are homed here and at another member; in pieces.
-    void compare(const broker::BrokerCore& broker, const View& view);
-    void compare_some(const PeerLogs& logs);
+    void compare(const View& view);
+    void compare_some(const broker::BrokerCore& broker, const PeerLogs& logs);
     /// An address is silent no more: its sessions are settled before anything is said there.
     void look_again() { next_look_ = Instant::min(); }
     /// There is more to look at.
     [[nodiscard]] bool is_half_done() const {
-        return !to_compare_.empty() || looked_at_.has_value() || !news_.empty();
+        return next_compared_.has_value() || looked_at_.has_value() || !news_.empty();
     }
 
     /// Gives way, or says how the own copy is, from time to time; in pieces.
@@ -72,7 +73,7 @@ private:
 
     BrokerId self_;
     std::size_t sessions_per_turn_;
-    std::vector<broker::ClientId> to_compare_;
+    std::optional<std::uint32_t> next_compared_;  // a session's number; none when all are
     std::vector<LogId> compared_with_;
     std::map<Conflict, broker::HybridTime> conflicts_;
     std::set<Conflict> news_;            // looked at in the next turn, as many as that allows

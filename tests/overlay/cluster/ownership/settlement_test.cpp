@@ -254,6 +254,29 @@ TEST(Settlement, I7_TheLowerCopyGivesWayInTheTurnThatReadsOfTheHigherOne) {
     EXPECT_TRUE(homes.one.has_given_way());
 }
 
+// Nobody said so of these as they came: the brokers were parted.
+TEST(Settlement, I8_AfterAViewAllClientsAreComparedInPieces) {
+    TwoHomes homes;
+    Home& home = homes.one;
+    constexpr std::size_t last = Settlement::compared_per_turn;
+    for (std::size_t number = 0; number <= last; ++number) {
+        (void)home.broker.adopt(homes.now, image(number, home.via), {}, home.clients);
+    }
+    for (const std::size_t number : {std::size_t{0}, last}) {
+        broker::SessionPut theirs{image(number, homes.two.via)};
+        theirs.image.header.epoch = 9;
+        home.other.offer(home.other.applied() + 1, {broker::LogEvent{theirs}});
+        home.other.apply();
+    }
+    home.settlement.compare(View{.members = {self, peer}});
+    for (const std::size_t moved : {1U, 2U}) {
+        home.settlement.compare_some(home.broker, home.logs);
+        homes.look();
+        EXPECT_EQ(home.departures.all().size(), moved);
+        EXPECT_EQ(home.settlement.is_half_done(), moved == 1U);
+    }
+}
+
 // Its image there is of no use here, and the other way round.
 TEST(Settlement, OfCopiesWithOtherTopicIdsTheOneHeardLastStays) {
     TwoHomes homes;
