@@ -5,6 +5,7 @@
 // delivery names its message by position, and resolve() fills it in when the message is known.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <functional>
 #include <optional>
@@ -69,6 +70,12 @@ public:
     template <typename Look>
     void visit(Look&& look) const {
         for (const auto& [client_id, image] : sessions_) look(image);
+    }
+    /// The same, until `look` returns false.
+    template <typename Look>
+    void visit_while(Look&& look) const {
+        (void)std::all_of(sessions_.begin(), sessions_.end(),
+                          [&look](const auto& entry) { return look(entry.second); });
     }
 
 private:

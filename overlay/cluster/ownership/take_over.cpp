@@ -86,8 +86,8 @@ void TakeOver::carry_on(Effects& effects, const Logs& logs, const Membership& me
             return may_go_on && adopt_some(effects, pending, log->second, logs, departures);
         }
         // It was done already, and the leader had not heard of it.
-        const bool is_nothing_left = are_known && log->second.count_left(address) == 0;
-        if (is_nothing_left && addresses.is_claimed(address)) return true;
+        const bool may_be_done = are_known && addresses.is_claimed(address);
+        if (may_be_done && log->second.count_left(address) == 0) return true;
         if (is_still_serving(pending.assignment, membership)) return false;
         if (log->second.is_foreign()) return true;  // its leader is of a version that knows no such
         if (log->second.is_outdated() && !holds_all(logs, membership, view)) return false;

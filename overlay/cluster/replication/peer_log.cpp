@@ -216,12 +216,15 @@ void PeerLog::thaw() {
 template <typename Look>
 void PeerLog::visit_left(Look&& look) const {
     if (!frozen_) return;
-    mirror_.visit([&](const broker::SessionImage& image) {
-        if (taken_.empty() || !taken_.contains(image.header.client_id)) look(image);
+    bool goes_on = true;
+    mirror_.visit_while([&](const broker::SessionImage& image) {
+        const bool is_left = taken_.empty() || !taken_.contains(image.header.client_id);
+        if (is_left) goes_on = look(image);
+        return goes_on;
     });
-    for (const auto& client : called_back_) {
-        const auto session = moved_.find(client);
-        if (session != moved_.end()) look(session->second.image);
+    for (auto at = called_back_.begin(); goes_on && at != called_back_.end(); ++at) {
+        const auto session = moved_.find(*at);
+        if (session != moved_.end()) goes_on = look(session->second.image);
     }
 }
 
@@ -229,9 +232,8 @@ std::vector<broker::SessionImage> PeerLog::sessions_left(const Endpoint& address
                                                          std::size_t most) const {
     std::vector<broker::ClientId> clients;
     visit_left([&](const broker::SessionImage& image) {
-        if (clients.size() < most && image.header.via == address) {
-            clients.push_back(image.header.client_id);
-        }
+        if (image.header.via == address) clients.push_back(image.header.client_id);
+        return clients.size() < most;
     });
     std::vector<broker::SessionImage> images;
     images.reserve(clients.size());
@@ -246,6 +248,7 @@ std::size_t PeerLog::count_left(const Endpoint& address) const {
     std::size_t count = 0;
     visit_left([&](const broker::SessionImage& image) {
         if (image.header.via == address) ++count;
+        return true;
     });
     return count;
 }
@@ -259,6 +262,7 @@ std::vector<Endpoint> PeerLog::addresses_left(const View& view) const {
     visit_left([&](const broker::SessionImage& image) {
         if (last == nullptr || *last != image.header.via) addresses.insert(image.header.via);
         last = &image.header.via;
+        return true;
     });
     return {addresses.begin(), addresses.end()};
 }

@@ -154,6 +154,7 @@ public:
 private:
     void follow_in_tail(const LogEvent& event);
     void follow_moves(const LogEvent& event);
+    /// Until `look` returns false.
     template <typename Look>
     void visit_left(Look&& look) const;
 
