@@ -44,63 +44,76 @@ void Settlement::compare_some(const broker::BrokerCore& broker, const PeerLogs& 
 
 void Settlement::carry_on(Effects& effects, const PeerLogs& logs, const Membership& membership,
                           const HandBack& moving, Departures& departures) {
+    std::size_t allowed = sessions_per_turn_;
     const auto is_over = [&](const auto& conflict) {
-        return !settle(effects, conflict->first, conflict->second, logs, membership, moving,
-                       departures);
+        const Outcome outcome = settle(effects, conflict->first, conflict->second, logs, membership,
+                                       moving, departures);
+        if (outcome == Outcome::gives_way) --allowed;
+        return outcome != Outcome::lasts;
     };
-    std::size_t looked = news_.size();
     for (const Conflict& news : std::exchange(news_, {})) {
         const auto conflict = conflicts_.find(news);
         if (conflict != conflicts_.end() && is_over(conflict)) conflicts_.erase(conflict);
     }
-    if (looked == sessions_per_turn_) return;
+    if (allowed == 0) return;
     auto at = conflicts_.begin();
-    if (looked_at_) {
-        at = conflicts_.upper_bound(*looked_at_);
+    if (goes_on_at_) {
+        at = conflicts_.lower_bound(*goes_on_at_);
     } else if (effects.now < next_look_) {
         return;
     } else {
         next_look_ = effects.now + effects.times.conflicts_looked_at_every();
     }
-    looked_at_.reset();
-    while (at != conflicts_.end()) {
+    goes_on_at_.reset();
+    for (std::size_t looked = 0; at != conflicts_.end(); ++looked) {
+        if (allowed == 0 || looked == compared_per_turn) {
+            goes_on_at_ = at->first;
+            return;
+        }
         const auto conflict = at++;
-        if (++looked == sessions_per_turn_ && at != conflicts_.end()) looked_at_ = conflict->first;
         if (is_over(conflict)) conflicts_.erase(conflict);
-        if (looked_at_) return;
     }
 }
 
-bool Settlement::settle(Effects& effects, const Conflict& conflict, broker::HybridTime& told,
-                        const PeerLogs& logs, const Membership& membership, const HandBack& moving,
-                        Departures& departures) const {
+Settlement::Outcome Settlement::settle(Effects& effects, const Conflict& conflict,
+                                       broker::HybridTime& told, const PeerLogs& logs,
+                                       const Membership& membership, const HandBack& moving,
+                                       Departures& departures) const {
     const auto& [client, home] = conflict;
     const auto log = logs.find(home);
-    if (log == logs.end() || log->second.is_frozen()) return false;
+    if (log == logs.end() || log->second.is_frozen()) return Outcome::is_over;
     const broker::SessionHeader* own = effects.broker.header(client);
+    if (own == nullptr) return Outcome::is_over;
     const broker::SessionHeader* theirs = log->second.mirror().header(client);
-    if (own == nullptr || theirs == nullptr) return false;
+    LogId stays_at = home;
+    if (theirs == nullptr) {
+        const auto moved = log->second.moved().find(client);
+        if (moved == log->second.moved().end() || moved->second.to.broker == self_) {
+            return Outcome::is_over;
+        }
+        theirs = &moved->second.image.header;
+        stays_at = moved->second.to;
+    }
     // An earlier life of its broker adopts nothing. Who does not hear us reads later what we wrote.
-    if (moving.is_silent(own->via) || !membership.is_heard(home)) return true;
-    if (gives_way(*own, log->second, *theirs)) {
-        departures.move(effects, client, home, 0, logs);
-        return false;
+    if (moving.is_silent(own->via) || !membership.is_heard(stays_at)) return Outcome::lasts;
+    if (gives_way(*own, log->second, *theirs, stays_at.broker)) {
+        departures.move(effects, client, stays_at, 0, logs);
+        return Outcome::gives_way;
     }
     if (own->last_heard != told) {
         told = own->last_heard;
         effects.broker.append_header(client, effects.clients);
     }
-    return true;
+    return Outcome::lasts;
 }
 
 /// Where topic ids mean something else, neither copy goes on from the other; the one stays to which
 /// the client spoke last.
 bool Settlement::gives_way(const broker::SessionHeader& own, const PeerLog& other,
-                           const broker::SessionHeader& theirs) const {
+                           const broker::SessionHeader& theirs, BrokerId home) const {
     const auto precedes = [&other](const auto& a, const auto& b) {
         return other.is_foreign() ? a.last_heard > b.last_heard : broker::outranks(a, b);
     };
-    const BrokerId home = other.mirror().log().broker;
     return precedes(theirs, own) || (!precedes(own, theirs) && home > self_);
 }
 

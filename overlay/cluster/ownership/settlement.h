@@ -6,7 +6,8 @@
 // client was last heard only as of the last event, so a home that stays writes that into its log.
 //
 // I7, at once: the lower copy's home gives way in the turn in which it reads of the higher one,
-// whether or not that one's home hears it. All conflicts are looked at again from time to time.
+// whether or not that one's home hears it. A copy on its way to a third home counts as that one's.
+// All conflicts are looked at again from time to time.
 //
 // I7, never both: the rank of a copy does not fall, and a mirror shows one that the copy had. Had
 // each home given way, then each copy would have ended below a rank that the other one had before.
@@ -50,7 +51,7 @@ public:
     void look_again() { next_look_ = Instant::min(); }
     /// There is more to look at.
     [[nodiscard]] bool is_half_done() const {
-        return next_compared_.has_value() || looked_at_.has_value() || !news_.empty();
+        return next_compared_.has_value() || goes_on_at_.has_value() || !news_.empty();
     }
 
     /// Gives way, or says how the own copy is, from time to time; in pieces.
@@ -64,20 +65,21 @@ private:
     using Conflict = std::pair<broker::ClientId, LogId>;
 
     void heed(Conflict conflict);
-    /// When the own copy was last heard, as the own log says; false when the conflict is over.
-    bool settle(Effects& effects, const Conflict& conflict, broker::HybridTime& told,
-                const PeerLogs& logs, const Membership& membership, const HandBack& moving,
-                Departures& departures) const;
+    enum class Outcome : std::uint8_t { lasts, gives_way, is_over };
+    /// `told`: when the own copy was last heard, as the own log says.
+    Outcome settle(Effects& effects, const Conflict& conflict, broker::HybridTime& told,
+                   const PeerLogs& logs, const Membership& membership, const HandBack& moving,
+                   Departures& departures) const;
     [[nodiscard]] bool gives_way(const broker::SessionHeader& own, const PeerLog& other,
-                                 const broker::SessionHeader& theirs) const;
+                                 const broker::SessionHeader& theirs, BrokerId home) const;
 
     BrokerId self_;
     std::size_t sessions_per_turn_;
     std::optional<std::uint32_t> next_compared_;  // a session's number; none when all are
     std::vector<LogId> compared_with_;
     std::map<Conflict, broker::HybridTime> conflicts_;
-    std::set<Conflict> news_;            // looked at in the next turn, as many as that allows
-    std::optional<Conflict> looked_at_;  // the next ones are looked at in the next turn
+    std::set<Conflict> news_;             // looked at in the next turn, as many as that allows
+    std::optional<Conflict> goes_on_at_;  // in the next turn
     Instant next_look_ = Instant::min();
 };
 

@@ -318,6 +318,33 @@ TEST(Settlement, I7_AHomeThatDoesNotHearUsIsGivenWayToAsWell) {
     EXPECT_TRUE(homes.one.has_given_way());
 }
 
+// Its log says so before the third one's does.
+TEST(Settlement, I7_ACopyOnItsWayToAThirdHomeIsGivenWayToThere) {
+    TwoHomes homes(1, 2);
+    const LogId third = test::log_of("third");
+    (void)homes.one.membership.on_beacon(homes.now, Beacon{.log = third, .tick = 1});
+    Effects acting = homes.effects(homes.two);
+    homes.two.departures.move(acting, client(0), third, 1, homes.two.logs);
+    homes.read_all();
+    homes.look(homes.one);
+    ASSERT_TRUE(homes.one.has_given_way());
+    EXPECT_EQ(homes.one.departures.all().at(client(0)).session.to, third);
+}
+
+// Those that stay take no part of what a turn may give away.
+TEST(Settlement, I7_WhoStaysDelaysNobodyWhoGivesWay) {
+    TwoHomes homes;
+    for (std::size_t number = 0; number < 2 * per_turn; ++number) {
+        homes.adopt(homes.one, number, 2);
+        homes.adopt(homes.two, number, 1);
+    }
+    homes.adopt(homes.one, 2 * per_turn, 1);
+    homes.adopt(homes.two, 2 * per_turn, 2);
+    homes.read_all();
+    homes.look(homes.one);
+    EXPECT_TRUE(homes.one.has_given_way());
+}
+
 // As the cluster core has it: by a message, and not by a tick.
 TEST(SettlementOfOneTurn, I7_ACopyWhoseRankHasRisenIsGivenWayToAtOnce) {
     Cluster cluster;
