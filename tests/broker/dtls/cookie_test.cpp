@@ -41,7 +41,8 @@ Path path() {
 }
 
 TEST(ADtlsCookie, StandsBehindTheSessionOfAClientHello) {
-    const auto hello = read(hello_with({7, 8, 9}));
+    const Octets datagram = hello_with({7, 8, 9});  // into which the cookie is a view
+    const auto hello = read(datagram);
     ASSERT_TRUE(hello);
     EXPECT_EQ(hello->random[0], 1);
     EXPECT_EQ(hello->random[31], 32);
