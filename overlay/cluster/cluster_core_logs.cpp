@@ -44,9 +44,8 @@ void ClusterCore::on(Effects& effects, BrokerId from, const LogBatch& batch) {
     // Only of peers whose beacons are known: anything else is of an earlier life.
     const auto log = logs_.find(batch.log);
     if (log == logs_.end() || (log->second.is_frozen() && from == batch.log.broker)) return;
-    const Seq before = log->second.received();
     log->second.offer(batch.first_seq, batch.events);
-    fetching_.on_events(effects, from, *log, before);
+    fetching_.on_events(effects, from, *log, batch.events.size());
     apply(effects, batch.log, log->second, 2 * batch.events.size(), answer_to(batch));
 }
 

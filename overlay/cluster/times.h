@@ -23,8 +23,11 @@ struct Times {
 
     // --- logs
     /// A gap may close by itself: what is late comes within two beacons. Who is asked answers at
-    /// once; then the next one is asked.
-    [[nodiscard]] Duration fetched_again_after() const { return 2 * beacon_every; }
+    /// once; then the next one is asked. On a network that is full each answer makes it worse, so
+    /// the more often it was asked for, the longer it is waited for.
+    [[nodiscard]] Duration fetched_again_after(int times_asked) const {
+        return std::min(2 * beacon_every * std::max(times_asked, 1), detection);
+    }
     [[nodiscard]] Duration tail_waited_for() const { return 4 * detection; }
     [[nodiscard]] Duration message_waited_for() const { return 4 * detection; }
     [[nodiscard]] Duration cursors_told_every() const { return 5 * beacon_every; }

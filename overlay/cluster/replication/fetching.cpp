@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <set>
 
+#include "overlay/cluster/replication/own_log.h"
+
 namespace romano::cluster {
 
 void Fetching::on_view(const ViewAnnouncement& announcement) {
@@ -81,12 +83,13 @@ void Fetching::ask(Effects& effects, const LogPosition& after, Instant missing_s
     if (after.seq == 0) missing_since = Instant::min();
     Wait& wait = waits_.try_emplace(after.log, Wait{missing_since, after.seq, {}}).first->second;
     if (wait.after != after.seq) wait = {effects.now, after.seq, wait.asked};  // it comes
-    if (effects.now < wait.since + effects.times.fetched_again_after()) return;
+    if (effects.now < wait.since + effects.times.fetched_again_after(wait.times_asked)) return;
     send(effects, wait, after, holder);
 }
 
 void Fetching::send(Effects& effects, Wait& wait, const LogPosition& after, BrokerId holder) {
-    wait = {effects.now, after.seq, holder};
+    const int times_asked = wait.after == after.seq ? wait.times_asked + 1 : 1;
+    wait = {effects.now, after.seq, holder, times_asked};
     if (const auto removed = removed_.find(after.log); removed != removed_.end()) {
         removed->second.next_part = 0;
     }
@@ -94,11 +97,13 @@ void Fetching::send(Effects& effects, Wait& wait, const LogPosition& after, Brok
 }
 
 void Fetching::on_events(Effects& effects, BrokerId from, const PeerLogs::value_type& log,
-                         Seq before) {
+                         std::size_t events) {
     const auto wait = waits_.find(log.first);
+    if (wait == waits_.end() || wait->second.asked != from || events < events_per_batch) return;
     const Seq received = log.second.received();
-    if (wait == waits_.end() || wait->second.asked != from || received == before) return;
-    if (lacks(log)) send(effects, wait->second, {log.first, received}, from);
+    if (received > wait->second.after && lacks(log)) {
+        send(effects, wait->second, {log.first, received}, from);
+    }
 }
 
 void Fetching::ask_for_messages(Effects& effects, const PeerLogs::value_type& log,

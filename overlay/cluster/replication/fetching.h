@@ -34,8 +34,11 @@ public:
     using Inherits = std::function<bool(const LogId&)>;
     void carry_on(Effects& effects, const PeerLogs& logs, const Membership& membership,
                   const View& view, const Inherits& inherits);
-    /// That peer sent events of the log, which was here up to `before`.
-    void on_events(Effects& effects, BrokerId from, const PeerLogs::value_type& log, Seq before);
+    /// That peer sent so many events of the log. Of a full batch there may be more, and the next is
+    /// asked for; with fewer it has sent all that it had, and newer ones are on their way. On a
+    /// slow network each of these would otherwise be asked for, and all that follows be sent again.
+    void on_events(Effects& effects, BrokerId from, const PeerLogs::value_type& log,
+                   std::size_t events);
     /// The next part of a snapshot of a living peer's log is here.
     void on_part(Instant now, const LogId& log) { waits_[log].since = now; }
     /// Of a removed one's. False when it was not asked for, or does not follow what came.
@@ -48,6 +51,7 @@ private:
         Instant since = Instant::min();
         Seq after = 0;     // is here
         BrokerId asked{};  // and has not sent all; 0: nobody
+        int times_asked = 0;
     };
     struct Removed {
         Seq end = 0;

@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 
+#include "overlay/cluster/replication/own_log.h"
 #include "tests/overlay/cluster/two_brokers.h"
 
 namespace romano::cluster::fetching_test {
@@ -38,10 +39,9 @@ struct FetchingTest : testing::Test, Owner {
         std::vector<LogEventPtr> events;
         for (Seq seq = first; seq < first + count; ++seq)
             events.push_back(test::published(id, seq));
-        const Seq before = log.received();
         log.offer(first, events);
         Effects acting = effects();
-        fetching.on_events(acting, from, *logs.find(id), before);
+        fetching.on_events(acting, from, *logs.find(id), count);
         while (log.has_next()) log.apply();
     }
     void remove(Seq end) {
@@ -94,17 +94,44 @@ TEST_F(FetchingTest, ALogOfWhichNothingIsHereIsAskedForAtOnce) {
     EXPECT_THAT(asked(), ElementsAre(Asks(peer, LogPosition{peer, 0})));
 }
 
-TEST_F(FetchingTest, EachPieceAsksForTheNext) {
+TEST_F(FetchingTest, EachFullBatchAsksForTheNext) {
+    take(peer, 1, 1, peer.broker);
+    log_of(peer).heard_end(2 * events_per_batch, {});
+    (void)asked();
+    ASSERT_EQ(asked_after(20ms).size(), 1U);
+    peers.clear();
+    take(peer, 2, events_per_batch, peer.broker);
+    EXPECT_THAT(peers, ElementsAre(Asks(peer, LogPosition{peer, events_per_batch + 1})));
+    peers.clear();
+    take(peer, events_per_batch + 2, events_per_batch - 1, peer.broker);
+    EXPECT_THAT(peers, IsEmpty());
+}
+
+// A slow network would be full of the same events: each answer is all that the peer has.
+TEST_F(FetchingTest, WhatComesInOrderIsNotAskedForOnceMore) {
     take(peer, 1, 1, peer.broker);
     log_of(peer).heard_end(10, {});
     (void)asked();
     ASSERT_EQ(asked_after(20ms).size(), 1U);
     peers.clear();
     take(peer, 2, 4, peer.broker);
-    EXPECT_THAT(peers, ElementsAre(Asks(peer, LogPosition{peer, 5})));
-    peers.clear();
-    take(peer, 6, 5, peer.broker);
     EXPECT_THAT(peers, IsEmpty());
+    EXPECT_THAT(asked_after(10ms), IsEmpty());
+    EXPECT_THAT(asked_after(20ms), ElementsAre(Asks(peer, LogPosition{peer, 5}))) << "no more came";
+}
+
+TEST_F(FetchingTest, TheOftenerItWasAskedForTheLongerItIsWaitedFor) {
+    take(peer, 1, 1, peer.broker);
+    log_of(peer).heard_end(2, {});
+    (void)asked();
+    for (const Duration waited : {20ms, 20ms, 40ms, 60ms, 80ms, 100ms, 100ms}) {
+        for (Duration time = 10ms; time < waited; time += 10ms) {
+            EXPECT_THAT(asked_after(10ms), IsEmpty());
+            says(peer, {});
+        }
+        EXPECT_THAT(asked_after(10ms), ElementsAre(Asks(peer, LogPosition{peer, 1})));
+        for (const LogId& member : {peer, b1, b2}) says(member, {});
+    }
 }
 
 TEST_F(FetchingTest, WhileASnapshotComesItIsNotAskedForAgain) {
@@ -165,7 +192,7 @@ TEST_F(FetchingTest, WhenNothingComesTheNextHolderIsAsked) {
     remove(9);
     const auto first = asked();
     const auto second = asked_after(20ms);
-    const auto third = asked_after(20ms);
+    const auto third = asked_after(40ms);
     ASSERT_EQ(first.size() + second.size() + third.size(), 3U);
     EXPECT_NE(first[0].to, second[0].to);
     EXPECT_EQ(first[0].to, third[0].to);
