@@ -27,17 +27,19 @@ std::size_t RadioBackbone::number_of(sim::Node broker) const {
 }
 
 void RadioBackbone::send(sim::Node from, std::optional<sim::Node> to, std::size_t octets,
-                         Arrived arrived) {
+                         Arrived arrived, Left left) {
     const std::size_t radio = number_of(from);
     auto& queue = queues_[radio];
     const std::size_t pieces = std::max<std::size_t>(1, (octets + piece_octets - 1) / piece_octets);
     // A long one alone may be longer than the queue.
     if (!queue.empty() && queue.size() + pieces > queue_most_) {
         ++lost_;
+        events_.after(Duration{0}, std::move(left));
         return;
     }
     const bool was_idle = queue.empty();
-    const auto message = std::make_shared<Message>(Message{pieces, std::move(arrived), {}});
+    const auto message =
+        std::make_shared<Message>(Message{pieces, pieces, std::move(arrived), std::move(left), {}});
     const auto receiver = to ? std::optional{number_of(*to)} : std::nullopt;
     for (std::size_t i = 0; i < pieces; ++i) {
         queue.push_back({receiver, std::min(octets - i * piece_octets, piece_octets), message});
@@ -53,7 +55,9 @@ void RadioBackbone::transmit_next(std::size_t radio) {
 }
 
 void RadioBackbone::on_ready(std::size_t radio) {
+    const auto message = std::move(queues_[radio].front().message);
     queues_[radio].pop_front();
+    if (--message->waiting == 0) events_.after(Duration{0}, std::move(message->left));
     transmit_next(radio);
 }
 

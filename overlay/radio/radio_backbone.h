@@ -36,8 +36,8 @@ public:
     RadioBackbone(sim::EventQueue& events, const RadioModel& model,
                   std::vector<BackboneRadio> radios, std::size_t queue, Transmit transmit);
 
-    void send(sim::Node from, std::optional<sim::Node> to, std::size_t octets,
-              Arrived arrived) override;
+    void send(sim::Node from, std::optional<sim::Node> to, std::size_t octets, Arrived arrived,
+              Left left) override;
     [[nodiscard]] bool reaches(sim::Node from, sim::Node to) const override;
 
     void on_ready(std::size_t radio);
@@ -51,7 +51,9 @@ public:
 private:
     struct Message {
         std::size_t pieces;
+        std::size_t waiting;  // pieces that have not left
         Arrived arrived;
+        Left left;
         std::map<std::size_t, std::size_t> pieces_at;  // by radio: how many have come
     };
     struct Piece {

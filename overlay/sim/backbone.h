@@ -21,11 +21,14 @@ class Backbone {
 public:
     /// The datagram has come to that node.
     using Arrived = std::function<void(Node at)>;
+    /// It has left the sender, or found no room there.
+    using Left = std::function<void()>;
 
     virtual ~Backbone() = default;
 
     /// To one node, or to all that hear it. It comes later, or is lost.
-    virtual void send(Node from, std::optional<Node> to, std::size_t octets, Arrived arrived) = 0;
+    virtual void send(Node from, std::optional<Node> to, std::size_t octets, Arrived arrived,
+                      Left left) = 0;
     /// Brokers that are too far from each other never find each other.
     [[nodiscard]] virtual bool reaches(Node from, Node to) const = 0;
 };

@@ -165,15 +165,21 @@ void BrokerNetwork::send_reliable(const SharedWay& way, Stream& stream, const Sh
 void BrokerNetwork::send_on_backbone(const SharedPeer& from, const overlay::Outgoing& outgoing,
                                      const Shared& sample) {
     std::optional<Node> to;
+    std::vector<SharedWay> reliable;
     for (const SharedWay& way : ways_of(from, outgoing.to)) {
         if (outgoing.to) to = way->to->node;
         Stream* stream = way->stream(sample->delivery);
         if (stream == nullptr) continue;
         stream->pending.push_back({never, never, sample});
-        repeat_later(way, sample, options_.repeat_after);
+        reliable.push_back(way);
     }
     if (outgoing.to && !to) return;
-    backbone_->send(from->node, to, sample->octets + rtps_data_octets, arrival_of(from, sample));
+    backbone_->send(from->node, to, sample->octets + rtps_data_octets, arrival_of(from, sample),
+                    [this, reliable = std::move(reliable), sample] {
+                        for (const SharedWay& way : reliable) {
+                            repeat_later(way, sample, options_.repeat_after);
+                        }
+                    });
 }
 
 Backbone::Arrived BrokerNetwork::arrival_of(const SharedPeer& from, const Shared& sample) {
@@ -189,7 +195,8 @@ void BrokerNetwork::on_backbone_arrival(const SharedPeer& from, Node at, const S
             if (pending.sample.get() != &sample) continue;
             pending.due = pending.on_wire = std::min(pending.due, events_.now());
         }
-        backbone_->send(at, from->node, rtps_acknack_octets, [](Node) {});
+        backbone_->send(
+            at, from->node, rtps_acknack_octets, [](Node) {}, [] {});
         return pump(*way, *stream);
     }
 }
@@ -201,11 +208,13 @@ void BrokerNetwork::repeat_later(const SharedWay& way, const Shared& sample, Dur
         const auto& pending = way->stream(sample->delivery)->pending;
         const auto found = std::ranges::find(pending, sample, &Pending::sample);
         if (found == pending.end() || found->due != never) return;
-        if (found == pending.begin() && !is_held_up(*way)) {
-            backbone_->send(way->from->node, way->to->node, sample->octets + rtps_data_octets,
-                            arrival_of(way->from, sample));
+        if (found != pending.begin() || is_held_up(*way)) {
+            return repeat_later(way, sample, options_.repeat_after);
         }
-        repeat_later(way, sample, std::min(2 * after, slowest_repeat * options_.repeat_after));
+        const Duration next = std::min(2 * after, slowest_repeat * options_.repeat_after);
+        backbone_->send(way->from->node, way->to->node, sample->octets + rtps_data_octets,
+                        arrival_of(way->from, sample),
+                        [this, way, sample, next] { repeat_later(way, sample, next); });
     });
 }
 

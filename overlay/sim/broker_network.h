@@ -8,7 +8,8 @@
 // more and what the stream held is gone.
 //
 // A backbone may carry the datagrams instead of links with a delay and a loss: then a message to
-// all is sent once, and a reliable one again to each reader that has not got it, the oldest first.
+// all is sent once, and a reliable one again to each reader that has not got it, the oldest first,
+// some time after the former copy has left the sender.
 // An answer of each reader takes its share of the channel; whether it comes does not matter here.
 //
 // Links (overlay/link): a process that dies is lost to its matched peers a moment later, unless the

@@ -138,5 +138,65 @@ TEST_F(BrokerNetworkTest, AStoppedProcessGetsItsReliableMessagesLater) {
     EXPECT_EQ(b.log, Seqs{1});
 }
 
+// --- a backbone
+
+/// Keeps what it is given.
+class Slow : public Backbone {
+public:
+    void send(Node, std::optional<Node>, std::size_t, Arrived arrived, Left left) override {
+        waiting.push_back({std::move(arrived), std::move(left)});
+    }
+    [[nodiscard]] bool reaches(Node, Node) const override { return true; }
+
+    struct Datagram {
+        Arrived arrived;
+        Left left;
+    };
+    std::vector<Datagram> waiting;
+};
+
+class OnABackbone : public BrokerNetworkTest {
+protected:
+    OnABackbone() {
+        network.set_backbone(&backbone);
+        start(a, 1);
+        start(b, 2);
+        events.run_for(200ms);  // matched
+    }
+    Slow backbone;
+};
+
+// Else a sender whose queue is full would fill it with copies of what waits there.
+TEST_F(OnABackbone, AMessageIsRepeatedSomeTimeAfterItsLastCopyHasLeft) {
+    log(1);
+    events.run_for(10s);
+    EXPECT_EQ(backbone.waiting.size(), 1U);
+    backbone.waiting[0].left();
+    events.run_for(19ms);
+    EXPECT_EQ(backbone.waiting.size(), 1U);
+    events.run_for(2ms);
+    ASSERT_EQ(backbone.waiting.size(), 2U);
+    events.run_for(10s);
+    EXPECT_EQ(backbone.waiting.size(), 2U);
+    backbone.waiting[1].left();
+    events.run_for(41ms);
+    EXPECT_EQ(backbone.waiting.size(), 3U);
+}
+
+// However long the one before it was on its way.
+TEST_F(OnABackbone, TheNextLostMessageIsRepeatedAsSoonAsTheOneBeforeItHasCome) {
+    log(1);
+    log(2);
+    for (const auto& datagram : std::vector{backbone.waiting}) datagram.left();
+    events.run_for(10s);  // only the oldest is sent again
+    ASSERT_EQ(backbone.waiting.size(), 3U);
+    backbone.waiting[2].arrived(Node{2});
+    ASSERT_EQ(b.log, Seqs{1});
+    events.run_for(21ms);
+    ASSERT_EQ(backbone.waiting.size(), 5U);  // behind the answer to the first one
+    backbone.waiting[4].arrived(Node{2});
+    EXPECT_EQ(b.log, (Seqs{1, 2}));
+}
+
 }  // namespace
 }  // namespace romano::sim::broker_network_test
