@@ -172,7 +172,9 @@ void CellBrokers::end_usage(std::size_t number) {
     if (std::exchange(broker.is_measured, true)) return;  // struck down before
     broker.usage = world_.usage_of(number);
     broker.usage_time = world_.now() - broker.usage_from;
-    broker.octets = broker.octets_sent() - broker.octets_before;
+    const std::uint64_t sent = broker.octets_sent();
+    // A broker that began anew counts from zero, and one that nobody hears of has sent nothing.
+    broker.octets = sent < broker.octets_before ? sent : sent - broker.octets_before;
 }
 
 }  // namespace romano::experiments
