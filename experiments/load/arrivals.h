@@ -11,7 +11,7 @@ class Arrivals {
 public:
     /// `receivers`: the most subscribers that a stream has.
     Arrivals(std::uint32_t streams, std::uint32_t receivers)
-        : receivers_(receivers), of_pair_(std::size_t{streams} * receivers) {}
+        : receivers_(receivers), of_pair_(std::size_t{streams} * receivers), having_(streams) {}
 
     /// False for a copy.
     bool note(std::uint32_t stream, std::uint32_t receiver, std::uint32_t sequence) {
@@ -25,12 +25,19 @@ public:
         }
         pair.bits[word] |= bit;
         ++delivered_;
+        if (receivers_ > 1) count(having_[stream], sequence);
         if (sequence < pair.next) {
             ++out_of_order_;
         } else {
             pair.next = sequence + 1;
         }
         return true;
+    }
+
+    /// How many subscribers have that message, of which one has come just now.
+    [[nodiscard]] std::uint32_t receivers_having(std::uint32_t stream,
+                                                 std::uint32_t sequence) const {
+        return receivers_ > 1 ? having_[stream][sequence] : 1;
     }
 
     [[nodiscard]] std::uint64_t delivered() const { return delivered_; }
@@ -44,8 +51,14 @@ private:
         std::vector<std::uint64_t> bits;
     };
 
+    static void count(std::vector<std::uint32_t>& having, std::uint32_t sequence) {
+        if (sequence >= having.size()) having.resize(sequence + sequence / 2 + 1);
+        ++having[sequence];
+    }
+
     std::uint32_t receivers_;
     std::vector<Pair> of_pair_;
+    std::vector<std::vector<std::uint32_t>> having_;  // by stream and sequence
     std::uint64_t delivered_ = 0;
     std::uint64_t duplicates_ = 0;
     std::uint64_t out_of_order_ = 0;

@@ -29,9 +29,10 @@ std::string latency_line(const char* what, const LatencyHistogram& latency) {
 }
 
 nlohmann::ordered_json latency_json(const LatencyHistogram& latency) {
-    return {{"samples", latency.count()},       {"p50_us", us(latency.at(0.5))},
-            {"p90_us", us(latency.at(0.9))},    {"p99_us", us(latency.at(0.99))},
-            {"p999_us", us(latency.at(0.999))}, {"max_us", us(latency.max())}};
+    return {{"samples", latency.count()},     {"mean_us", us(latency.mean())},
+            {"p50_us", us(latency.at(0.5))},  {"p90_us", us(latency.at(0.9))},
+            {"p99_us", us(latency.at(0.99))}, {"p999_us", us(latency.at(0.999))},
+            {"max_us", us(latency.max())}};
 }
 
 }  // namespace
@@ -50,6 +51,9 @@ std::string text_of(const LoadPlan& plan, const LoadFigures& figures) {
         line("%-16s %.0f messages/s published, %.0f deliveries/s (%.1f s measured)\n", "throughput",
              figures.published_per_s(), figures.delivered_per_s(), figures.measured_s);
     if (figures.latency.count() > 0) text += latency_line("latency", figures.latency);
+    if (plan.receivers_of(0) > 1 && figures.last_subscriber.count() > 0) {
+        text += latency_line("last subscriber", figures.last_subscriber);
+    }
     if (figures.acknowledgement.count() > 0) {
         text += latency_line("acknowledgement", figures.acknowledgement);
     }
@@ -106,6 +110,7 @@ std::string json_of(const LoadPlan& plan, const LoadFigures& figures) {
         {"published_messages_per_s", figures.published_per_s()},
         {"delivered_messages_per_s", figures.delivered_per_s()},
         {"latency", latency_json(figures.latency)},
+        {"last_subscriber", latency_json(figures.last_subscriber)},
         {"acknowledgement", latency_json(figures.acknowledgement)},
         {"published_messages", figures.all_published},
         {"expected_deliveries", figures.expected},

@@ -17,6 +17,7 @@ struct LoadFigures {
     std::uint64_t delivered = 0;       // first copies that came then
     double generator_cpu_percent = 0;  // of one core
     LatencyHistogram latency;          // from when the message was due to its arrival
+    LatencyHistogram last_subscriber;  // one a message: until all of its subscribers have it
     LatencyHistogram acknowledgement;  // QoS 1 and 2: to PUBACK or PUBCOMP
     Duration worst_lag{};              // how late the generator itself was, by its schedule
 

@@ -246,6 +246,9 @@ void LoadRun::on_message(Instant now, Number client, Bytes payload, bool again) 
     if (!arrivals_.note(stream, subscriber / plan_.topics, stamp->sequence)) return;
     if (measuring_ && stamp->sent_at >= measured_from_) {
         figures_.latency.add(now - stamp->sent_at);
+        if (arrivals_.receivers_having(stream, stamp->sequence) == plan_.receivers_of(topic)) {
+            figures_.last_subscriber.add(now - stamp->sent_at);
+        }
     }
     const std::uint32_t slot = read_slot(payload);
     if (slot < slots_.size() && slots_[slot].stream == stream &&

@@ -18,11 +18,17 @@ public:
         const auto ns = latency.count() > 0 ? static_cast<std::uint64_t>(latency.count()) : 0;
         ++buckets_[bucket_of(ns)];
         ++count_;
+        sum_ns_ += static_cast<double>(ns);
         if (latency > max_) max_ = latency;
     }
 
     [[nodiscard]] std::uint64_t count() const { return count_; }
     [[nodiscard]] Duration max() const { return max_; }
+    /// Of the samples themselves, not of their buckets; 0 without samples.
+    [[nodiscard]] Duration mean() const {
+        if (count_ == 0) return {};
+        return Duration{static_cast<Duration::rep>(sum_ns_ / static_cast<double>(count_))};
+    }
 
     /// The latency that `share` (0 to 1) of all samples do not exceed; 0 without samples.
     [[nodiscard]] Duration at(double share) const {
@@ -55,6 +61,7 @@ private:
 
     std::array<std::uint64_t, fine * 59> buckets_{};
     std::uint64_t count_ = 0;
+    double sum_ns_ = 0;
     Duration max_{};
 };
 

@@ -30,5 +30,13 @@ TEST(Arrivals, StreamsAndReceiversAreApart) {
     EXPECT_EQ(arrivals.delivered(), 3U);
 }
 
+TEST(Arrivals, AMessageIsWithThoseToWhomItCame) {
+    Arrivals arrivals{1, 3};
+    for (const std::uint32_t receiver : {0U, 2U, 2U, 1U}) arrivals.note(0, receiver, 0);
+    arrivals.note(0, 0, 70);
+    EXPECT_EQ(arrivals.receivers_having(0, 0), 3U);
+    EXPECT_EQ(arrivals.receivers_having(0, 70), 1U);
+}
+
 }  // namespace
 }  // namespace romano::experiments::arrivals_test

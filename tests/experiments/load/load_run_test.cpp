@@ -129,6 +129,20 @@ TEST(LoadRun, WhatIsLostDoubledOrStrayIsCounted) {
     EXPECT_EQ(figures.strays, 1U);
 }
 
+TEST(LoadRun, AMessageHasItsLastSubscriberWhenAllHaveIt) {
+    LoadPlan plan = brief({.subscribers = 3});
+    plan.rate_per_s = 1000;
+    ScriptedClients clients{plan};
+    clients.spoil = [](std::uint64_t number, std::deque<ScriptedClients::Arrival>& arrivals) {
+        if (number == 3) arrivals.pop_back();
+        if (number == 5) arrivals.push_back(arrivals.front());
+    };
+    const LoadFigures figures = run(plan, clients);
+    ASSERT_GT(figures.last_subscriber.count(), 3U);
+    EXPECT_EQ(figures.latency.count(), 3 * figures.last_subscriber.count() + 2);
+    EXPECT_GE(figures.last_subscriber.mean(), figures.latency.mean());
+}
+
 TEST(LoadRun, AtARatePublishesAsManyAsWereDue) {
     LoadPlan plan = brief({});
     plan.rate_per_s = 5000;

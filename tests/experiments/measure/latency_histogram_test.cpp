@@ -19,6 +19,12 @@ TEST(LatencyHistogram, PercentilesAreNeverTooGoodAndAtMostASixtyFourthTooBad) {
     EXPECT_EQ(histogram.max(), 10ms);
 }
 
+TEST(LatencyHistogram, TheMeanIsThatOfTheSamples) {
+    LatencyHistogram histogram;
+    for (const Duration latency : {1'001ns, 1'002ns, 1'000'000ns}) histogram.add(latency);
+    EXPECT_EQ(histogram.mean(), 334'001ns);
+}
+
 TEST(LatencyHistogram, SmallAndHugeLatenciesHaveAPlace) {
     LatencyHistogram histogram;
     histogram.add(0ns);
@@ -32,6 +38,7 @@ TEST(LatencyHistogram, SmallAndHugeLatenciesHaveAPlace) {
 
 TEST(LatencyHistogram, WithoutSamplesEverythingIsZero) {
     EXPECT_EQ(LatencyHistogram{}.at(0.99), 0ns);
+    EXPECT_EQ(LatencyHistogram{}.mean(), 0ns);
 }
 
 }  // namespace
