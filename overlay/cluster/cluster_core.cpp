@@ -176,7 +176,9 @@ void ClusterCore::after_input(Effects& effects) {
     }
     heed_standstill(effects.now);
     take_view(effects);
-    acquaintance_.carry_on(effects.now, logs_);
+    acquaintance_.carry_on(effects.now, logs_, [this](const LogId& member) {
+        return membership_.is_heard(member) && peers_beacons_.is_complete(member.broker);
+    });
     membership_.send_ballots(effects.peers);
     take_over_.carry_on(effects, logs(), membership_, view(), addresses_, departures_);
     fetching_.carry_on(effects, logs_, membership_, view(),
@@ -353,7 +355,8 @@ void ClusterCore::on_view(Effects& effects, const ViewAnnouncement& announcement
     smaller_side_.on_view(effects.now, view(), [this](const LogId& member) {
         return member.broker == own_.id().broker || membership_.has_ended(member);
     });
-    acquaintance_.on_view(effects.now, effects.times, own_.id(), view(), logs_);
+    acquaintance_.on_view(effects.now, effects.times, own_.id(), view(), lease_.was_held_before(),
+                          logs_);
     // Other members hand us what our earlier lives left at our address, if it has not been done
     // yet.
     std::map<Endpoint, std::set<BrokerId>> givers;
@@ -406,7 +409,7 @@ bool ClusterCore::leaves_out(const Beacon& beacon) const {
 }
 
 void ClusterCore::heed_standstill(Instant now) {
-    if (!is_back() || !may_speak(now)) return;
+    if (!is_back() || !lease_.is_held(now)) return;
     // Whoever moves sessions takes them back after ten detection times; then they live on there.
     if (stood_still_for_ > times().waiting_handover_outlives()) arrivals_.forget_waiting(logs_);
     stood_still_for_ = {};
@@ -415,7 +418,7 @@ void ClusterCore::heed_standstill(Instant now) {
 /// After a standstill: once somebody was heard since, and everybody who was has said who is in its
 /// view and which logs have ended; or had the time for it.
 bool ClusterCore::knows_its_place(Instant now) const {
-    if (!is_back() || may_speak(now)) return true;
+    if (!is_back() || lease_.is_held(now)) return true;
     if (was_replaced(now)) return false;
     if (lease_.has_waited(now)) return true;
     bool has_heard = false;
@@ -428,7 +431,7 @@ bool ClusterCore::knows_its_place(Instant now) const {
 }
 
 bool ClusterCore::was_replaced(Instant now) const {
-    if (!is_back() || may_speak(now)) return false;
+    if (!is_back() || lease_.is_held(now)) return false;
     return std::ranges::any_of(membership_.peers(), [this](const auto& entry) {
         const Beacon& beacon = entry.second.beacon;
         if (const auto end = beacon.end_of(own_.id())) return *end >= watermark_.safe();

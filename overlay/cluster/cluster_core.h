@@ -104,8 +104,10 @@ public:
     // --- what the owner must know
     [[nodiscard]] bool is_in_view() const { return view_change_.has_view(); }
     /// Clients may be spoken to: the members of the view vouch for it that this broker is in its
-    /// place there.
-    [[nodiscard]] bool may_speak(Instant now) const { return lease_.is_held(now); }
+    /// place there, and nobody speaks there in its place any more.
+    [[nodiscard]] bool may_speak(Instant now) const {
+        return lease_.is_held(now) && !acquaintance_.is_returning(now);
+    }
     /// Others may have gone on for it.
     [[nodiscard]] bool has_lost_lease(Instant now) const { return is_in_view() && !may_speak(now); }
     /// Who has no session here may be a robot that roams: its home's log is not read yet.

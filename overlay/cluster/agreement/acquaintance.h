@@ -2,11 +2,17 @@
 // yet: one of them may be home to the robots at its address. And one that comes into a view that
 // others had without it may bring what was published while they were parted.
 //
+// Who had no lease may have been replaced meanwhile, and be taken in again by a leader that it
+// hears while it does not hear who speaks in its place. That one speaks on until the view comes
+// there, or its lease in the former one is over. So it says nothing before it knows what each
+// member says now, or a detection time has passed (I1).
+//
 // Whose robots are whose, a newcomer knows when it has read what the members had written by then:
 // until that a stranger may be a robot that roams.
 #pragma once
 
 #include <algorithm>
+#include <functional>
 #include <map>
 #include <optional>
 #include <vector>
@@ -19,9 +25,10 @@ namespace romano::cluster {
 
 class Acquaintance {
 public:
-    /// Whose logs are held is met. Marks those of members from whom we were parted.
+    /// Whose logs are held is met. Marks those of members from whom we were parted. `had_lease`:
+    /// until now.
     void on_view(Instant now, const Times& times, const LogId& self, const View& view,
-                 PeerLogs& logs) {
+                 bool had_lease, PeerLogs& logs) {
         const bool is_new_here = members_.empty();
         if (is_new_here) {
             unmet_ = view.members;
@@ -30,6 +37,12 @@ public:
                 if (member != self) unread_.emplace(member, std::nullopt);
             }
         }
+        if (!is_new_here && !had_lease) {
+            unheard_ = view.members;
+            std::erase(unheard_, self);
+            returns_until_ = now + times.detection;
+        }
+        std::erase_if(unheard_, [&](const LogId& member) { return !view.contains(member); });
         std::erase_if(unread_, [&](const auto& entry) { return !view.contains(entry.first); });
         std::erase_if(unmet_, [&](const LogId& member) {
             return member == self || logs.contains(member) || !view.contains(member);
@@ -47,7 +60,10 @@ public:
         const auto unread = unread_.find(log);
         if (unread != unread_.end() && !unread->second) unread->second = end;
     }
-    void carry_on(Instant now, const PeerLogs& logs) {
+    /// All that this member says now is known.
+    using IsKnown = std::function<bool(const LogId&)>;
+    void carry_on(Instant now, const PeerLogs& logs, const IsKnown& is_known) {
+        std::erase_if(unheard_, is_known);
         if (now >= reads_until_) unread_.clear();
         std::erase_if(unread_, [&](const auto& entry) {
             const auto log = logs.find(entry.first);
@@ -56,12 +72,18 @@ public:
     }
     /// All who took us into our first view are met, or were removed.
     [[nodiscard]] bool has_met_all() const { return unmet_.empty(); }
+    /// Others may still speak in our place.
+    [[nodiscard]] bool is_returning(Instant now) const {
+        return !unheard_.empty() && now < returns_until_;
+    }
     /// It may be home at a member whose log is not read yet: whoever has no session here.
     [[nodiscard]] bool may_roam() const { return !unread_.empty(); }
 
 private:
     std::vector<LogId> members_;  // of the last view
     std::vector<LogId> unmet_;
+    std::vector<LogId> unheard_;
+    Instant returns_until_ = never;
     std::map<LogId, std::optional<Seq>> unread_;  // up to there, once its writer said where
     Instant reads_until_ = never;
 };

@@ -219,6 +219,7 @@ void Lease::on_promise(const View& promised) {
 }
 
 void Lease::on_view(Instant now, const View& installed) {
+    was_held_before_ = is_held(now);
     view_ = installed;
     erase_if(members_since_, [this](const auto& entry) { return !view_.contains(entry.first); });
     for (const LogId& member : view_.members) members_since_.try_emplace(member, now);

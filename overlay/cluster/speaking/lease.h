@@ -47,6 +47,8 @@ public:
     void on_echo(const LogId& by, std::uint64_t tick, const ViewNumber& installed,
                  const std::vector<BrokerId>& vouched);
     [[nodiscard]] bool is_held(Instant now) const;
+    /// Until the view was installed.
+    [[nodiscard]] bool was_held_before() const { return was_held_before_; }
 
     // --- the leases of others
     void on_heard(Instant now, const LogId& peer, std::uint64_t tick);
@@ -104,6 +106,7 @@ private:
     Duration term_;
     Duration margin_;  // by which the holder's term is shorter
     View view_;
+    bool was_held_before_ = false;
     FlatMap<LogId, Instant> members_since_;
     std::vector<View> promised_;  // since the view was installed
     struct Beat {

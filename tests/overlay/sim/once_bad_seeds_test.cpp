@@ -62,6 +62,15 @@ TEST_P(OnceBadSeeds, KeepEveryPromiseNow) {
     }
 }
 
+// In them a broker spoke in its place beside whoever had gone on for it.
+TEST(OnceBrokenSeeds, HaveOneSpeakerNow) {
+    for (const std::uint64_t seed : {3109, 4537}) {
+        const RunResult run = run_seed(seed, {.as_shipped = true});
+        const auto of = static_cast<std::size_t>(Invariant::one_speaker);
+        EXPECT_EQ(run.breaches[of], "") << "seed " << seed << " (" << run.setting << ")";
+    }
+}
+
 INSTANTIATE_TEST_SUITE_P(Sweep, OnceBadSeeds, testing::ValuesIn(once_bad()),
                          [](const auto& group) { return group.param.name; });
 

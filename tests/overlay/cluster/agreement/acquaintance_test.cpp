@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <set>
 #include <utility>
 #include <vector>
 
@@ -21,10 +22,14 @@ struct AcquaintanceTest : testing::Test {
     AcquaintanceTest() {
         for (const LogId& log : {one, other}) logs.try_emplace(log, log, 100);
     }
-    void see(std::vector<LogId> members) {
+    void see(std::vector<LogId> members, bool had_lease = true) {
         std::ranges::sort(members);
         acquaintance.on_view(now, test::times, self,
-                             View{.number = {}, .members = std::move(members)}, logs);
+                             View{.number = {}, .members = std::move(members)}, had_lease, logs);
+    }
+    void carry_on() {
+        acquaintance.carry_on(now, logs,
+                              [this](const LogId& member) { return known.contains(member); });
     }
 
     /// Its writer says how far it has written; then so much of it is read.
@@ -35,11 +40,12 @@ struct AcquaintanceTest : testing::Test {
             held.offer(seq, {test::session("robot")});
             held.apply();
         }
-        acquaintance.carry_on(now, logs);
+        carry_on();
     }
 
     Instant now{1s};
     PeerLogs logs;
+    std::set<LogId> known;
     Acquaintance acquaintance;
 };
 
@@ -108,11 +114,51 @@ TEST_F(AcquaintanceTest, StrangersAreAnsweredAfterTwoSecondsAtLast) {
     see({self, one});
     hear(one, 7);
     now += 1999ms;
-    acquaintance.carry_on(now, logs);
+    carry_on();
     EXPECT_TRUE(acquaintance.may_roam());
     now += 1ms;
-    acquaintance.carry_on(now, logs);
+    carry_on();
     EXPECT_FALSE(acquaintance.may_roam());
+}
+
+// Seeds 3109 and 4537, as shipped: a broker without a majority was taken in again before it had
+// heard who served its address meanwhile.
+TEST_F(AcquaintanceTest, I1_WhoHadNoLeaseIsReturningUntilItKnowsWhatAllMembersSay) {
+    see({self, one, other});
+    EXPECT_FALSE(acquaintance.is_returning(now)) << "a newcomer is nowhere at home";
+    see({self, one, other}, false);
+    known = {one};
+    carry_on();
+    EXPECT_TRUE(acquaintance.is_returning(now));
+    known = {one, other};
+    carry_on();
+    EXPECT_FALSE(acquaintance.is_returning(now));
+}
+
+TEST_F(AcquaintanceTest, WhoHadItsLeaseAllTheTimeWasNotReplaced) {
+    see({self, one, other});
+    see({self, one});
+    EXPECT_FALSE(acquaintance.is_returning(now));
+}
+
+// The lease of whoever spoke in its place is over by then.
+TEST_F(AcquaintanceTest, WhoHearsAMemberNeverReturnsAfterADetectionTime) {
+    see({self, one, other});
+    see({self, one, other}, false);
+    now += test::times.detection - 1ms;
+    carry_on();
+    EXPECT_TRUE(acquaintance.is_returning(now));
+    now += 1ms;
+    EXPECT_FALSE(acquaintance.is_returning(now));
+}
+
+TEST_F(AcquaintanceTest, WhoeverIsRemovedMeanwhileSpeaksInNobodysPlace) {
+    see({self, one, other});
+    see({self, one, other}, false);
+    known = {one};
+    carry_on();
+    see({self, one});
+    EXPECT_FALSE(acquaintance.is_returning(now));
 }
 
 }  // namespace

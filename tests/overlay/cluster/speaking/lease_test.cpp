@@ -64,6 +64,17 @@ TEST_F(LeaseTest, NobodyHoldsOneInNoView) {
     EXPECT_FALSE(is_held_after(0ms));
 }
 
+TEST_F(LeaseTest, AViewTellsWhetherThereWasOneUntilThen) {
+    lease.on_view(now, view(1, {self, a, b}));
+    EXPECT_FALSE(lease.was_held_before());
+    beat({a, b});
+    lease.on_view(now, view(2, {self, a, b}));
+    EXPECT_TRUE(lease.was_held_before());
+    now += 1s;
+    lease.on_view(now, view(3, {self, a, b}));
+    EXPECT_FALSE(lease.was_held_before());
+}
+
 TEST_F(LeaseTest, WhoIsAloneInItsViewHoldsOne) {
     lease.on_view(now, view(1, {self}));
     EXPECT_TRUE(is_held_after(1h));
