@@ -1,5 +1,6 @@
 // What has arrived of each stream at each of its subscribers: one bit a message, so that loss,
-// copies and order are exact however late something comes.
+// copies and order are exact however late something comes. Where a stream has several subscribers,
+// also how many of them have each message.
 #pragma once
 
 #include <cstdint>
