@@ -1,14 +1,11 @@
 #include "experiments/process/broker_process.h"
 
+#include <sched.h>
 #include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <boost/process/args.hpp>
-#include <boost/process/child.hpp>
-#include <boost/process/exe.hpp>
-#include <boost/process/extend.hpp>
-#include <boost/process/io.hpp>
+#include <array>
 #include <cerrno>
 #include <csignal>
 #include <cstdio>
@@ -23,8 +20,6 @@
 namespace romano::experiments {
 namespace {
 
-namespace process = boost::process;
-
 std::string last_line_of(const std::filesystem::path& file) {
     std::ifstream stream(file);
     std::string line;
@@ -35,6 +30,40 @@ std::string last_line_of(const std::filesystem::path& file) {
     return last;
 }
 
+/// What a child must know to become the program.
+struct Start {
+    const char* program;
+    std::vector<char*> arguments;
+    int output;
+    pid_t parent = ::getpid();
+    sigset_t no_signals{};
+    int error = 0;
+};
+
+/// In the child, in our memory: only calls that are safe there.
+int become(void* given) {
+    Start& start = *static_cast<Start*>(given);
+    ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+    if (::getppid() != start.parent) return 127;  // the parent died before prctl took hold
+    // Ctrl-C at the terminal goes to the sweep alone, which stops its brokers itself.
+    ::setpgid(0, 0);
+    ::sigprocmask(SIG_SETMASK, &start.no_signals, nullptr);
+    ::dup2(start.output, STDOUT_FILENO);
+    ::dup2(start.output, STDERR_FILENO);
+    // A broker with thousands of robots' sockets has none left below FD_SETSIZE for DDS.
+    (void)::close_range(STDERR_FILENO + 1, ~0U, CLOSE_RANGE_CLOEXEC);
+    ::execv(start.program, start.arguments.data());
+    start.error = errno;
+    return 127;
+}
+
+/// As vfork() does, with a stack of the child's own. fork() copies the tables of our pages, and a
+/// load generator has gigabytes: it would stand still for as long as what it measures.
+pid_t start_child(Start& start) {
+    alignas(16) std::array<std::byte, 65536> stack;
+    return ::clone(become, stack.data() + stack.size(), CLONE_VM | CLONE_VFORK | SIGCHLD, &start);
+}
+
 }  // namespace
 
 BrokerProcess::BrokerProcess(std::string name, const std::filesystem::path& program,
@@ -43,28 +72,19 @@ BrokerProcess::BrokerProcess(std::string name, const std::filesystem::path& prog
     const std::unique_ptr<std::FILE, int (*)(std::FILE*)> output(std::fopen(trace_.c_str(), "we"),
                                                                  std::fclose);
     if (!output) throw std::runtime_error("cannot write `" + trace_.string() + "`");
-    const pid_t parent = ::getpid();
-    // In the child, before exec: only calls that are safe there.
-    const auto prepare = [parent](auto&) {
-        ::prctl(PR_SET_PDEATHSIG, SIGKILL);
-        if (::getppid() != parent) ::_exit(127);  // the parent died before prctl took hold
-        // Ctrl-C at the terminal goes to the sweep alone, which stops its brokers itself.
-        ::setpgid(0, 0);
-        sigset_t none;
-        ::sigemptyset(&none);
-        ::sigprocmask(SIG_SETMASK, &none, nullptr);
-        // A broker with thousands of robots' sockets has none left below FD_SETSIZE for DDS.
-        (void)::close_range(STDERR_FILENO + 1, ~0U, CLOSE_RANGE_CLOEXEC);
-    };
-    std::error_code failed;
-    process::child child(process::exe = program.string(), process::args = arguments,
-                         (process::std_out & process::std_err) > output.get(),
-                         process::extend::on_exec_setup = prepare, failed);
-    if (failed) {
-        throw std::runtime_error("cannot start `" + program.string() + "`: " + failed.message());
+    Start start{.program = program.c_str(), .arguments = {}, .output = ::fileno(output.get())};
+    ::sigemptyset(&start.no_signals);
+    start.arguments.push_back(const_cast<char*>(start.program));
+    for (const std::string& argument : arguments) {
+        start.arguments.push_back(const_cast<char*>(argument.c_str()));
     }
-    pid_ = child.id();
-    child.detach();  // we wait for it ourselves: SIGSTOP and how it ended are beyond Boost.Process
+    start.arguments.push_back(nullptr);
+    pid_ = start_child(start);
+    const int error = pid_ < 0 ? errno : start.error;
+    if (error == 0) return;
+    if (pid_ > 0) reap(0);
+    throw std::runtime_error("cannot start `" + program.string() +
+                             "`: " + std::generic_category().message(error));
 }
 
 BrokerProcess::~BrokerProcess() {

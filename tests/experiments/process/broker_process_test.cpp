@@ -6,9 +6,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <signal.h>
+#include <sys/mman.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <cstring>
 #include <fstream>
 #include <thread>
 
@@ -96,6 +99,31 @@ TEST_F(BrokerProcesses, InheritNothingButTheirStreams) {
     await_end(*process);
     EXPECT_EQ(process->how_it_ended(), "exit code 0: 0 1 2 ");
     ::close(inheritable);
+}
+
+TEST_F(BrokerProcesses, AreStartedWithoutACopyOfTheirOwner) {
+    constexpr std::size_t pages = 4096;
+    const std::size_t octets = pages * static_cast<std::size_t>(::sysconf(_SC_PAGESIZE));
+    void* const memory =
+        ::mmap(nullptr, octets, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+    ASSERT_NE(memory, MAP_FAILED);
+    ::madvise(memory, octets, MADV_NOHUGEPAGE);
+    const auto faults_of_writing = [&] {
+        const auto faults = [] {
+            rusage usage{};
+            ::getrusage(RUSAGE_SELF, &usage);
+            return static_cast<std::size_t>(usage.ru_minflt);
+        };
+        const std::size_t before = faults();
+        std::memset(memory, 1, octets);
+        return faults() - before;
+    };
+    EXPECT_GE(faults_of_writing(), pages);
+    const auto process = shell("echo up; exec sleep 60");
+    await_trace();
+    EXPECT_LT(faults_of_writing(), pages / 2) << "its pages were shared with the child";
+    process->kill();
+    ::munmap(memory, octets);
 }
 
 TEST(ProcessUsages, AreReadFromTheKernelsText) {
