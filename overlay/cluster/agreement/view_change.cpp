@@ -450,7 +450,7 @@ void ViewChange::install(Instant now, ViewAnnouncement announcement, Surrounding
     appointed_.clear();
     for (const Assignment& assignment : announcement.assignments) {
         const auto heir = std::ranges::find(view_.members, assignment.heir, &LogId::broker);
-        if (heir != view_.members.end()) appointed_.insert_or_assign(assignment.address, *heir);
+        if (heir != view_.members.end()) appointed_.try_emplace(assignment.address, *heir);
     }
     // A view that nobody has looked at yet leaves its assignments to the next one.
     if (installed_) {

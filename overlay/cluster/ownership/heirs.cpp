@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <optional>
+#include <ranges>
 #include <set>
+#include <tuple>
 
 #include "overlay/cluster/replication/own_log.h"
 
@@ -73,8 +75,9 @@ public:
             if (is_known || is_succeeded(answers, ends, log)) known_.insert(log);
         }
     }
+    [[nodiscard]] bool know(const LogId& log) const { return known_.contains(log); }
     [[nodiscard]] bool include(const ViewHoldings& holdings, const LogId& log) const {
-        return !known_.contains(log) || !is_outdated(holdings, log);
+        return !know(log) || !is_outdated(holdings, log);
     }
 
 private:
@@ -172,18 +175,19 @@ std::map<LogId, Seq> agreed_ends(const Answers& answers) {
 std::vector<Assignment> assign(const Answers& answers, const std::map<LogId, Seq>& ends,
                                const Membership& membership) {
     const Witnesses witnesses(answers, ends);
-    std::set<std::pair<LogId, Endpoint>> left;
+    // What only those know who were replaced comes last: the others have what is newer.
+    std::set<std::tuple<bool, LogId, Endpoint>> left;
     for (const auto& [member, holdings] : answers.holdings) {
         for (const auto& [log, address] : holdings.addresses) {
-            if (witnesses.include(holdings, log)) left.emplace(log, address);
+            if (witnesses.include(holdings, log)) left.emplace(!witnesses.know(log), log, address);
         }
     }
     auto load = loads(answers, membership);
     std::map<Endpoint, BrokerId> chosen;  // one heir an address, however many logs named it
-    std::vector<Assignment> assignments;
+    std::multimap<std::ptrdiff_t, Assignment> assignments;  // who has the address comes first
     for (const auto& log_and_address : left) {
-        const LogId& log = log_and_address.first;
-        const Endpoint& address = log_and_address.second;
+        const LogId& log = std::get<LogId>(log_and_address);
+        const Endpoint& address = std::get<Endpoint>(log_and_address);
         const auto end = ends.find(log);
         if (end == ends.end()) continue;
         std::vector<BrokerId> wanted = present_servers(answers, membership, address);
@@ -192,7 +196,8 @@ std::vector<Assignment> assign(const Answers& answers, const std::map<LogId, Seq
         const auto able =
             able_to_serve(candidates(answers, witnesses, {log, end->second}), answers, address);
         if (able.empty()) continue;
-        // One that serves the address but does not hold the log gets the sessions from an heir.
+        // One that serves the address, or will, but does not hold the log gets the sessions from
+        // an heir.
         const auto best = std::ranges::find_first_of(wanted, able);
         const BrokerId heir =
             best != wanted.end()
@@ -201,9 +206,12 @@ std::vector<Assignment> assign(const Answers& answers, const std::map<LogId, Seq
         chosen.try_emplace(address, heir);
         const Peer* dead = membership.find(log.broker);
         load[heir] += 1 + (dead != nullptr ? dead->beacon.sessions : 0);
-        assignments.push_back({.end = {log, end->second}, .address = address, .heir = heir});
+        assignments.emplace(
+            best - wanted.begin(),
+            Assignment{.end = {log, end->second}, .address = address, .heir = heir});
     }
-    return assignments;
+    const auto sorted = assignments | std::views::values;
+    return {sorted.begin(), sorted.end()};
 }
 
 std::vector<std::pair<BrokerId, Fetch>> missing_tails(const Answers& answers,

@@ -61,9 +61,11 @@ void TakeOver::on_view(Instant now, const ViewAnnouncement& announcement) {
                });
     });
     others_.clear();
+    std::set<Endpoint> named{Endpoint{}};  // what was left at no address is each heir's
     for (const Assignment& assignment : announcement.assignments) {
+        const bool is_first = named.insert(assignment.address).second;
         if (assignment.heir != self_) {
-            others_.push_back(assignment.address);
+            if (is_first) others_.insert(assignment.address);
             continue;
         }
         const bool is_begun = std::ranges::any_of(pending_, [&](const Pending& pending) {
@@ -92,9 +94,13 @@ void TakeOver::carry_on(Effects& effects, const Logs& logs, const Membership& me
         if (log->second.is_foreign()) return true;  // its leader is of a version that knows no such
         if (log->second.is_outdated() && !holds_all(logs, membership, view)) return false;
         // What comes here is not passed on: it would be sealed, and then spoken from.
-        const auto owner = addresses.is_claimed(address)
-                               ? std::nullopt
-                               : present_server(address, self_, membership, view);
+        const bool is_ours = addresses.is_claimed(address);
+        const auto owner =
+            is_ours ? std::nullopt : present_server(address, self_, membership, view);
+        if (!is_ours && !owner && others_.contains(address) &&
+            effects.now <= pending.since + effects.times.giver_waited_for()) {
+            return false;
+        }
         if (owner) {
             const Peer& server = *membership.find(owner->broker);
             const LogPosition end{logs.own.id(), effects.broker.last_seq()};
@@ -130,9 +136,7 @@ bool TakeOver::holds_all(const Logs& logs, const Membership& membership, const V
         }
         served.insert(peer->beacon.serving.begin(), peer->beacon.serving.end());
     }
-    return std::ranges::all_of(others_, [&](const Endpoint& address) {
-        return address.family == Endpoint::Family::none || served.contains(address);
-    });
+    return std::ranges::includes(served, others_);
 }
 
 /// The dead broker's log is here. What another broker is to go on from must have all publishes of
@@ -163,7 +167,8 @@ void TakeOver::begin(Effects& effects, const Assignment& assignment, PeerLog& lo
     effects.local.push_back(Notice{"adopts " + std::to_string(log.count_left(assignment.address)) +
                                    " sessions of " +
                                    membership.name_of(assignment.end.log.broker)});
-    if (assignment.address.family == Endpoint::Family::none) return;
+    const bool is_anothers = others_.contains(assignment.address);
+    if (is_anothers || assignment.address.family == Endpoint::Family::none) return;
     addresses.inherit(effects, assignment.address);
     ++inherited_;
     log.mark_served(assignment.address);

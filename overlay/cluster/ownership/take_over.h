@@ -5,8 +5,11 @@
 // it goes on with what it has. When the address's own
 // broker is back and serving by then, the sessions are passed on to it instead (departures.h), as
 // soon as it hears us in its new life, and with all that they missed: a newcomer holds none of the
-// removed brokers' logs. What its home had moved to a member of the view is that one's. And while
-// the removed broker itself is heard to serve the address, it is left there.
+// removed brokers' logs. So they are to the first heir of an address that several inherit, each
+// from another log: the address is that one's. When it serves it for long not, they wait for
+// clients that find their new home by themselves. What its home had moved to a member of the view
+// is that one's. And while the removed broker itself is heard to serve the address, it is left
+// there.
 //
 // From an outdated log it takes what is nowhere else, and must hold all that the members say for
 // that.
@@ -75,7 +78,7 @@ private:
     std::size_t sessions_per_turn_;
     bool may_go_on_ = false;
     std::vector<Pending> pending_;
-    std::vector<Endpoint> others_;  // that the view gave to other heirs
+    std::set<Endpoint> others_;  // that the view gave to other heirs first
     std::uint64_t inherited_ = 0;
 };
 

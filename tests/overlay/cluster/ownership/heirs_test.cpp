@@ -224,6 +224,34 @@ TEST_F(Heirs, AnAddressThatAMemberServesStaysWithIt) {
     EXPECT_EQ(heir_of(address(9)), b2.broker);
 }
 
+// The others leave it to that one (take_over.h).
+TEST_F(Heirs, I1_OfSeveralHeirsOfAnAddressTheOneThatHasItIsNamedFirst) {
+    const LogId earlier = test::log_of("b9", 0);
+    holds(b2, 9, {address(9)});
+    holdings[b3].holds.push_back({earlier, 9});
+    holdings[b3].addresses.push_back({earlier, address(9)});
+    for (const LogId& has_it : {b2, b3}) {
+        appointed = {{address(9), has_it}};
+        EXPECT_EQ(assign(answers(), agreed_ends(answers()), membership).size(), 2U);
+        EXPECT_EQ(heir_of(address(9)), has_it.broker);
+    }
+}
+
+// It would not wait for the later copy that the other one passes on (simulator, faults `relapse`,
+// seed 709).
+TEST_F(Heirs, P3_WhoWasReplacedIsNotNamedFirst) {
+    const LogId also_dead = test::log_of("b8");
+    for (const auto& [known, outdated] : {std::pair{dead, also_dead}, std::pair{also_dead, dead}}) {
+        holdings.clear();
+        holdings[b2].holds = {{known, 9}};
+        holdings[b2].addresses = {{known, address(9)}};
+        holdings[b3].holds = {{outdated, 9}};
+        holdings[b3].addresses = {{outdated, address(9)}};
+        holdings[b3].outdated = {outdated};
+        EXPECT_EQ(heir_of(address(9)), b2.broker);
+    }
+}
+
 TEST_F(Heirs, AnAddressGoesToItsOwnBrokerWhenThatIsThere) {
     beacon(b2, {}, 50, {address(9)});
     for (const LogId& member : view.members) holds(member, 9, {address(9)});

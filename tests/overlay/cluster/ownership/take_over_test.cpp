@@ -83,6 +83,35 @@ TEST_F(TakeOverTest, I1_WhereAMemberAnswersAlreadyNobodyElseTakesTheAddress) {
     EXPECT_EQ(std::get<broker::Sealed>(*sealed.event).address, theirs);
 }
 
+// Two dead lives of one broker left it, and no member held both logs: each had an heir, and both
+// took the address (simulator, faults `relapse`, seed 366).
+TEST_F(TakeOverTest, I1_AnAddressThatSeveralInheritIsTheFirstHeirs) {
+    view.members.push_back(other);
+    const Assignment to_other{{test::log_of("third"), 1}, theirs, other.broker};
+    EXPECT_EQ(inherit({to_other}), 0U);
+    EXPECT_FALSE(addresses.is_taking(theirs));
+    EXPECT_TRUE(departures.all().empty()) << "it does not serve it yet";
+    Beacon server{.log = other, .tick = 1, .hears = {self.broker}};
+    server.serving = {theirs};
+    (void)membership.on_beacon(now, server);
+    EXPECT_EQ(inherit({to_other}), 0U);
+    EXPECT_FALSE(addresses.is_taking(theirs));
+    EXPECT_TRUE(departures.all().contains("robot")) << "it goes there";
+}
+
+// Its machine cannot.
+TEST_F(TakeOverTest, P2_WhatTheFirstHeirNeverServesIsAdoptedWithoutTheAddress) {
+    peers.at(dead).freeze();
+    TakeOver take_over{self.broker, 256};
+    const Assignment to_other{{test::log_of("third"), 1}, theirs, other.broker};
+    take_over.on_view(now, {.assignments = {to_other, {{dead, 1}, theirs, self.broker}}});
+    now += test::times.giver_waited_for() + 1ms;
+    Effects effects{now, broker, clients, outbox, local, test::times};
+    take_over.carry_on(effects, {peers, own}, membership, view, addresses, departures);
+    EXPECT_EQ(broker.session_count(), 1U);
+    EXPECT_FALSE(addresses.is_taking(theirs));
+}
+
 // Of that one the own log would say that it is gone.
 TEST_F(TakeOverTest, I7_WhatTheDeadHadIsJoinedWithTheOwnSessionAndNotPassedOn) {
     auto session = std::get<broker::SessionPut>(test::session("robot", test::address(1)));
@@ -213,6 +242,12 @@ TEST_F(TakeOverTest, P3_FromAnOutdatedLogItTakesNothingBeforeTheOtherHeirsServe)
     EXPECT_EQ(inherit({to_other}), 0U);
     (void)membership.on_beacon(now, {.log = other, .tick = 2, .view = view, .serving = {another}});
     EXPECT_EQ(inherit({to_other}), 1U);
+}
+
+TEST_F(TakeOverTest, ButOfItsOwnAddressTheFirstHeirDoesNotWaitForAnother) {
+    const Assignment also_other{{test::log_of("third"), 1}, theirs, other.broker};
+    peers.at(dead).become_outdated();
+    EXPECT_EQ(inherit({{{dead, 1}, theirs, self.broker}, also_other}), 1U);
 }
 
 // P3: its own broker is back, and would take the empty hand for all that there is.
