@@ -17,7 +17,10 @@ PeerLog::PeerLog(LogId id, std::size_t events_kept) : id_(id), mirror_(id), hist
 
 void PeerLog::offer(Seq first_seq, const std::vector<LogEventPtr>& events) {
     if (events.empty() || first_seq == 0) return;
-    known_end_ = std::max(known_end_, first_seq + events.size() - 1);
+    const Seq last = first_seq + events.size() - 1;
+    known_end_ = std::max(known_end_, last);
+    // Of a later view, whose announcement is on its way. It is fetched then.
+    if (const auto end = agreed_end(); end && last > end->seq) return;
     const Seq expected = received() + 1;
     if (first_seq > expected) {
         if (early_events_ + events.size() > early_events_most || early_.contains(first_seq)) return;

@@ -4,7 +4,8 @@
 // for anyway, so that overflow drops the newest). When a gap closes there may be much at once: what
 // can be applied waits, too, until its owner takes it. A frozen log takes nothing from its writer
 // any more: its broker is being removed, and the members must agree on its last event; only tails
-// that peers send continue it.
+// that peers send continue it, and no further than to that event. A later view may know of more,
+// and agree on a later one.
 #pragma once
 
 #include <algorithm>

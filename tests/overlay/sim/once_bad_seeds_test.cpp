@@ -86,6 +86,17 @@ TEST(OnceBrokenSeeds, HaveOneOwnerAViewNow) {
     }
 }
 
+// The tail of a later view came before its announcement.
+TEST(OnceBrokenSeeds, EndLogsAsAgreedNow) {
+    for (const std::uint64_t seed : {234, 237, 583, 652, 671, 680, 952}) {
+        keep(Invariant::agreed_end, seed, {.faults = {Fault::relapse}});
+    }
+    for (const std::uint64_t seed : {78, 113, 155, 228, 554, 907, 974}) {
+        keep(Invariant::agreed_end, seed, {.faults = {Fault::starve}});
+    }
+    keep(Invariant::agreed_end, 787, {.faults = {Fault::late}});
+}
+
 INSTANTIATE_TEST_SUITE_P(Sweep, OnceBadSeeds, testing::ValuesIn(once_bad()),
                          [](const auto& group) { return group.param.name; });
 

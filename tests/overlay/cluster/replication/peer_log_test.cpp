@@ -362,8 +362,8 @@ TEST(PeerLog, TheLastWordsOfADeadWriterLeaveNothingAgain) {
     held.log.mark_taken("a");
     held.log.mark_taken("b");
     held.log.heard_end(4, before);
-    held.take(3, {published(test::log_of("b1"), 3)});
     held.log.end_at(3, {.term = 3});
+    held.take(3, {published(test::log_of("b1"), 3)});
     EXPECT_THAT(held.clients_left(address(1)), IsEmpty());
 }
 
@@ -381,6 +381,23 @@ TEST(PeerLog, WhatStandsBeyondTheAgreedEndWasNotPublished) {
     EXPECT_EQ(held.log.end(), 2U);
     held.log.heard_end(4, {.term = 2});
     EXPECT_EQ(held.log.end(), 3U) << "its writer lived on";
+}
+
+// The tail of a later view came before its announcement: whoever went on from that in the former
+// one would not go on from what the others have (simulator, faults `starve`, seed 78).
+TEST(PeerLog, I2_NothingIsTakenBeyondTheAgreedEnd) {
+    Held held;
+    const LogId writer = test::log_of("b1");
+    held.take(1, {published(writer, 1)});
+    held.log.freeze();
+    held.log.end_at(2, {.term = 1});
+    held.log.offer(2, {published(writer, 2), published(writer, 3)});
+    EXPECT_FALSE(held.log.has_next());
+    held.take(2, {published(writer, 2)});
+    EXPECT_EQ(held.log.applied(), 2U);
+    held.log.end_at(3, {.term = 2});
+    held.take(3, {published(writer, 3)});
+    EXPECT_EQ(held.log.applied(), 3U) << "the later view raised it";
 }
 
 // One that outranked the heir's copy would stop it from going on with that (simulator, faults
