@@ -1,7 +1,5 @@
 #include "overlay/cluster/replication/peer_sessions.h"
 
-#include <utility>
-
 namespace romano::cluster {
 
 void PeerSessions::on_event(Instant now, const broker::Mirror& sessions,
@@ -29,7 +27,6 @@ void PeerSessions::on_first_snapshot(const SnapshotPart& part,
 
 void PeerSessions::reset(const LogId& log, const broker::Mirror& sessions) {
     interest_.reset(sessions);
-    ended_.erase(log.broker);
     homes_.reset(log.broker, sessions);
     slow_.forget(log.broker);
     followed_.insert_or_assign(log.broker, log);
@@ -42,12 +39,8 @@ bool PeerSessions::follow(const LogId& log) const {
 
 void PeerSessions::on_end(const LogId& log) {
     if (followed_.contains(log.broker) && !follow(log)) return;
+    interest_.forget(log.broker);
     followed_.erase(log.broker);
-    ended_.insert(log.broker);
-}
-
-void PeerSessions::on_turn() {
-    for (const BrokerId peer : std::exchange(ended_, {})) interest_.forget(peer);
 }
 
 void PeerSessions::forget(const LogId& log) {

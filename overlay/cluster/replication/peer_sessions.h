@@ -4,7 +4,6 @@
 #pragma once
 
 #include <map>
-#include <set>
 #include <string_view>
 #include <vector>
 
@@ -44,10 +43,8 @@ public:
     void reset(const LogId& log, const broker::Mirror& sessions);
     /// The tables have all sessions of that log.
     [[nodiscard]] bool follow(const LogId& log) const;
-    /// It has ended. What its sessions wanted is forgotten when the next turn begins: of many that
-    /// takes as long as all else that is done about a new view.
+    /// It has ended.
     void on_end(const LogId& log);
-    void on_turn();
     /// It is not held any more.
     void forget(const LogId& log);
     /// The client has a living home: what ended logs say of it is over.
@@ -60,7 +57,6 @@ private:
     Homes homes_;
     SlowReceivers slow_;
     std::map<BrokerId, LogId> followed_;
-    std::set<BrokerId> ended_;  // whose interest is not forgotten yet
 };
 
 }  // namespace romano::cluster

@@ -225,25 +225,6 @@ TEST(ManySessions, ThoseThatNobodyAnswersForComeBack) {
     EXPECT_EQ(holder.broker.session_count(), per_turn);
 }
 
-TEST(ManySessions, EachComesBackInItsOwnTime) {
-    Holder holder;
-    holder.logs.try_emplace(peer, peer, 100);
-    const auto is_here_after = [&](std::size_t number, Duration passes) {
-        holder.now += passes;
-        Effects acting = holder.effects();
-        holder.departures.carry_on(acting, {holder.logs, holder.own}, holder.view);
-        return holder.broker.header(client(number)) != nullptr;
-    };
-    for (const std::size_t number : {1, 0}) {
-        Effects acting = holder.effects();
-        holder.departures.move(acting, client(number), peer, 1, holder.logs);
-        EXPECT_FALSE(is_here_after(number, 500ms));
-    }
-    EXPECT_TRUE(is_here_after(1, 0ms));
-    EXPECT_FALSE(is_here_after(0, 499ms));
-    EXPECT_TRUE(is_here_after(0, 1ms));
-}
-
 TEST(ManySessions, OneWithOtherPredefinedTopicsGetsNone) {
     Holder holder;
     holder.logs.try_emplace(peer, peer, 100).first->second.set_foreign(true);

@@ -34,16 +34,7 @@ TEST_F(PeerSessionsTest, FollowALogUntilItEnds) {
     EXPECT_TRUE(sessions.follow(peer));
     sessions.on_end(peer);
     EXPECT_FALSE(sessions.follow(peer));
-    EXPECT_TRUE(sessions.interest().wants("pose")) << "there is enough to do in that turn";
-    sessions.on_turn();
     EXPECT_FALSE(sessions.interest().wants("pose"));
-}
-
-TEST_F(PeerSessionsTest, WhatIsWantedOfABrokerThatIsBackIsNotForgotten) {
-    sessions.on_end(peer);
-    sessions.reset(peer, mirror);
-    sessions.on_turn();
-    EXPECT_TRUE(sessions.interest().wants("pose"));
 }
 
 TEST_F(PeerSessionsTest, AHomeThatEndedStaysUntilALivingOneTakesItsPlace) {
@@ -75,7 +66,6 @@ TEST_F(PeerSessionsTest, NobodyWantsAnythingAtALogThatEndedWithLateEvents) {
     sessions.on_late_event(peer);
     EXPECT_TRUE(sessions.interest().wants("pose")) << "its broker may be a member yet";
     sessions.on_end(peer);
-    sessions.on_turn();
     EXPECT_FALSE(sessions.interest().wants("pose"));
 }
 
