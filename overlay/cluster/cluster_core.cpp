@@ -430,16 +430,12 @@ bool ClusterCore::knows_its_place(Instant now) const {
     return has_heard;
 }
 
-/// Those who stood still know by any word of it; others by that of a view which nobody is about to
-/// replace by one with them.
 bool ClusterCore::was_replaced(Instant now) const {
-    if (lease_.is_held(now)) return false;
+    if (!is_back() || lease_.is_held(now)) return false;
     return std::ranges::any_of(membership_.peers(), [this](const auto& entry) {
         const Beacon& beacon = entry.second.beacon;
-        const bool is_left_out = leaves_out(beacon);
-        if (!is_back() && !(is_left_out && beacon.view.number >= promised())) return false;
         if (const auto end = beacon.end_of(own_.id())) return *end >= watermark_.safe();
-        return is_back() && is_left_out && !watermark_.has_promised_alone();
+        return leaves_out(beacon) && !watermark_.has_promised_alone();
     });
 }
 

@@ -17,7 +17,7 @@ void add_cluster(metrics::Page& page, const overlay::MemberFacts& facts) {
                  "Failovers: service addresses of dead brokers that this one took over.",
                  facts.take_overs);
     page.counter("romano_cluster_replacements_total",
-                 "Times that this broker was replaced by others, and began anew.", facts.replacements);
+                 "Times that this broker was replaced while it stood still.", facts.replacements);
 
     gauge("romano_cluster_log_position", "End of the own log.", facts.log_last);
     gauge("romano_cluster_log_unacknowledged_events",

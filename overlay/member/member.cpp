@@ -178,7 +178,7 @@ bool Member::may_be_elsewhere(const broker::SessionHeader& client) const {
 
 /// Others have our sessions and addresses: begin anew, empty, under a new log, and get them back.
 void Member::restart(Instant now, MemberActions& out) {
-    out.local.push_back(Notice{"was replaced: joins again"});
+    out.local.push_back(Notice{"was replaced while it stood still: joins again"});
     held_.clear();
     waiting_.clear();  // of sessions that have lived on elsewhere since
     work_.clear();

@@ -125,7 +125,7 @@ public:
     /// An orderly stop: the last beacon; the peers take over at once. Nothing is done after it.
     void leave(Instant now, MemberActions& out);
 
-    /// The own log as it is now: a member that was replaced begins a new one.
+    /// The own log as it is now: a member that was replaced while it stood still begins a new one.
     [[nodiscard]] const broker::LogId& log() const { return log_; }
     [[nodiscard]] const broker::BrokerCore& broker() const { return broker_; }
     [[nodiscard]] const cluster::View& view() const { return cluster_.view(); }

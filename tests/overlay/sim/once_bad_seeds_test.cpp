@@ -47,7 +47,6 @@ std::vector<OnceBad> once_bad() {
         {"AsShipped",
          {.as_shipped = true},
          {5557, 6120, 6289, 8801, 9568, 10773, 12079, 15911, 17151, 19420}},
-        {"AsShippedRaft", {.elector = "raft", .as_shipped = true}, {2747}},
     };
 }
 
