@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <optional>
-#include <ranges>
 #include <set>
 #include <tuple>
+#include <utility>
 
 #include "overlay/cluster/replication/own_log.h"
 
@@ -210,8 +210,10 @@ std::vector<Assignment> assign(const Answers& answers, const std::map<LogId, Seq
             best - wanted.begin(),
             Assignment{.end = {log, end->second}, .address = address, .heir = heir});
     }
-    const auto sorted = assignments | std::views::values;
-    return {sorted.begin(), sorted.end()};
+    std::vector<Assignment> sorted;
+    sorted.reserve(assignments.size());
+    for (auto& assignment : assignments) sorted.push_back(std::move(assignment.second));
+    return sorted;
 }
 
 std::vector<std::pair<BrokerId, Fetch>> missing_tails(const Answers& answers,
