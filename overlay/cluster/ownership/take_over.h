@@ -2,14 +2,13 @@
 // and answer on these addresses (design section 3, "View change" and "Taking over the address").
 //
 // It waits until it holds the dead broker's log up to the agreed end (fetching.h); after some time
-// it goes on with what it has. When the address's own
-// broker is back and serving by then, the sessions are passed on to it instead (departures.h), as
-// soon as it hears us in its new life, and with all that they missed: a newcomer holds none of the
-// removed brokers' logs. So they are to the first heir of an address that several inherit, each
-// from another log: the address is that one's. When it serves it for long not, they wait for
-// clients that find their new home by themselves. What its home had moved to a member of the view
-// is that one's. And while the removed broker itself is heard to serve the address, it is left
-// there.
+// it goes on with what it has. When the address's own broker is back and serving by then, the
+// sessions are passed on to it instead (departures.h), as soon as it hears us in its new life, and
+// with all that they missed: a newcomer holds none of the removed brokers' logs. When several
+// inherit an address, each from another log, the address is the first heir's, and the others pass
+// their sessions on to it in the same way. When the first heir does not serve it in time, they
+// adopt the sessions without the address. What its home had moved to a member of the view is that
+// one's. And while the removed broker itself is heard to serve the address, it is left there.
 //
 // From an outdated log it takes what is nowhere else, and must hold all that the members say for
 // that.
