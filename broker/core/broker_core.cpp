@@ -107,6 +107,10 @@ void BrokerCore::set_audience(const Audience& peers) {
     state_->tables.peers = &peers;
 }
 
+void BrokerCore::set_silence(std::function<bool(const Endpoint& via)> is_silent) {
+    state_->tables.is_silent = std::move(is_silent);
+}
+
 void BrokerCore::set_permissions(const Permissions* permissions) {
     state_->tables.permissions = permissions;
     state_->tables.sessions.visit(

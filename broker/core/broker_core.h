@@ -88,6 +88,9 @@ public:
 
     /// Who is asked whether a peer wants a QoS 0 message; it must outlive this broker.
     void set_audience(const Audience& peers);
+    /// Whether nothing leaves from a service address for now. No exchange is begun there (P3:
+    /// another home may begin it under another msg id) until send_again() is called for it.
+    void set_silence(std::function<bool(const Endpoint& via)> is_silent);
 
     /// Stops being the home: appends SessionErased and forgets, publishing no will. Empty when
     /// unknown.
@@ -105,9 +108,9 @@ public:
     /// Appends that all sessions of the address have gone there.
     void seal(const Endpoint& address, const LogId& to, Actions& out);
 
-    /// What was sent from `via` lately reached nobody: what is in flight goes out once more. Looks
-    /// at `most` sessions, from that number on, and returns the next number; none when it was the
-    /// last.
+    /// What was sent from `via` lately reached nobody: what is in flight goes out once more, and
+    /// what waits is begun. Looks at `most` sessions, from that number on, and returns the next
+    /// number; none when it was the last.
     std::optional<std::uint32_t> send_again(Instant now, const Endpoint& via, std::uint32_t from,
                                             std::size_t most, Actions& out);
 

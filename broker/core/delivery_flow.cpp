@@ -95,7 +95,12 @@ DeliveryFlow::Readiness DeliveryFlow::prepare(Session& session, WireTopic& topic
     return entry.known || session.ignores_register ? Readiness::ready : Readiness::must_register;
 }
 
+bool DeliveryFlow::is_silent(const Session& session) const {
+    return tables_.is_silent && tables_.is_silent(session.header.via);
+}
+
 void DeliveryFlow::go_on(Session& session, Turn& turn) {
+    if (!session.queue.empty() && is_silent(session)) return schedule(tables_, session);
     while (session.is_listening() && !session.held && !session.read_by_owner &&
            !session.exchange.is_open() && choose(session, turn.now)) {
         if (open_front(session, turn)) break;
@@ -442,7 +447,8 @@ bool DeliveryFlow::repeat(Session& session, Turn& turn) {
 
 void DeliveryFlow::send_again(Session& session, Turn& turn) {
     const Exchange& exchange = session.exchange;
-    if (!exchange.is_open() || exchange.stalled || !session.is_listening()) return;
+    if (!exchange.is_open()) return go_on(session, turn);
+    if (exchange.stalled || !session.is_listening()) return;
     if (exchange.retry_at == turn.now + patience_with(session)) return;
     if (!send_open(session, true, turn)) go_on(session, turn);
 }

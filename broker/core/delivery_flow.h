@@ -86,7 +86,8 @@ public:
     /// Sends the open message again, because the client asks for it (G10). False: none is open.
     bool repeat(Session& session, Turn& turn);
 
-    /// Sends the open message again, unless it went out in this very turn.
+    /// Sends the open message again, unless it went out in this very turn; opens the next exchange
+    /// when none is open.
     void send_again(Session& session, Turn& turn);
 
 private:
@@ -100,6 +101,7 @@ private:
     bool choose(Session& session, Instant now);
     [[nodiscard]] bool is_paused(const Session& session, const Delivery& delivery, Instant now);
 
+    [[nodiscard]] bool is_silent(const Session& session) const;
     /// False when the current message was dropped or went out without an exchange.
     bool open_front(Session& session, Turn& turn);
     bool publish_front(Session& session, const WireTopic& topic, Turn& turn);

@@ -175,6 +175,7 @@ void ClusterCore::after_input(Effects& effects) {
         effects.local.push_back(Notice{"lost " + membership_.name_of(lost)});
     }
     heed_standstill(effects.now);
+    heed_silence();
     take_view(effects);
     acquaintance_.carry_on(effects.now, logs_, [this](const LogId& member) {
         return membership_.is_heard(member) && peers_beacons_.is_complete(member.broker);
@@ -187,7 +188,7 @@ void ClusterCore::after_input(Effects& effects) {
     heed_arrivals(effects);
     roaming_.carry_on(effects, logs(), peer_sessions_.homes(), arrivals_, departures_, membership_,
                       view());
-    break_silence();
+    heed_silence();
     if (knows_its_place(effects.now)) {
         settlement_.carry_on(effects, logs_, membership_, hand_back_, departures_);
     }
@@ -196,8 +197,7 @@ void ClusterCore::after_input(Effects& effects) {
     if (news) send_beacon(effects);
 }
 
-void ClusterCore::break_silence() {
-    std::erase_if(silent_, [this](const Endpoint& it) { return !addresses_.is_serving(it); });
+void ClusterCore::heed_silence() {
     for (const Endpoint& address : addresses_.serving()) {
         if (hand_back_.is_silent(address)) {
             silent_.insert(address);

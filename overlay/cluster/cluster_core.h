@@ -246,7 +246,7 @@ private:
     void on_view(Effects& effects, const ViewAnnouncement& announcement);
     void heed_standstill(Instant now);
     /// What was said from an address while it was silent went nowhere: says it again.
-    void break_silence();
+    void heed_silence();
     void say_again(Effects& effects);
     /// Tries again for addresses that should be served here and are served by nobody.
     void seek_addresses(Effects& effects);
@@ -290,7 +290,7 @@ private:
     LogSender log_sender_;
     mutable LivePeers live_peers_;
     bool has_frozen_logs_ = false;                  // as of the last tick
-    std::set<Endpoint> silent_;                     // of those that are served
+    std::set<Endpoint> silent_;                     // of those that are served, or were then
     std::map<Endpoint, std::uint32_t> said_again_;  // up to which session
     std::uint32_t predefined_;                      // digest
     SettingsComparison settings_;

@@ -26,7 +26,7 @@ Member::Member(const MemberOptions& options, std::uint64_t seed)
                 .link = {options.link, options.incarnation, options.link_secret},
                 .predefined = options.broker.predefined_topics},
                seed + 1) {
-    broker_.set_audience(cluster_.audience());
+    acquaint_broker();
     if (options.uplink) uplink_.emplace(*options.uplink, seed ^ options.incarnation);
 }
 
@@ -40,6 +40,11 @@ broker::BrokerOptions Member::broker_options() const {
     }
     if (options_.uplink) options.read_by_owner = options_.uplink->session;
     return options;
+}
+
+void Member::acquaint_broker() {
+    broker_.set_audience(cluster_.audience());
+    broker_.set_silence([this](const Endpoint& via) { return cluster_.is_silent(via); });
 }
 
 void Member::set_rights(const broker::Permissions* permissions, const std::string& digest) {
@@ -186,7 +191,7 @@ void Member::restart(Instant now, MemberActions& out) {
     ++replacements_;
     const auto retained = broker_.retained();
     broker_ = BrokerCore(broker_options(), seed_ + log_.incarnation);
-    broker_.set_audience(cluster_.audience());
+    acquaint_broker();
     broker_.set_permissions(permissions_);
     if (uplink_) uplink_->abandon(out.uplink);
     late_message_.reset();

@@ -156,6 +156,7 @@ public:
 
 private:
     [[nodiscard]] broker::BrokerOptions broker_options() const;
+    void acquaint_broker();
     [[nodiscard]] cluster::Effects effects(Instant now, MemberActions& out) {
         return {now, broker_, work_, out.peers, out.local, cluster_.times()};
     }

@@ -67,6 +67,20 @@ TEST_F(Delivering, MsgIdsGoFrom1To65535AndBeginAgain) {  // G23: never 0
     EXPECT_FALSE(used[0]);
 }
 
+// Its next home may begin it under another id (simulator, seed 2747 as shipped, raft).
+TEST_F(Delivering, P3_NothingIsBegunAtAnAddressThatIsSilent) {
+    robot.subscribes("a", Qos::exactly_once);
+    bool is_silent = true;
+    broker.core.set_silence([&](const Endpoint& via) { return is_silent && via == broker.via; });
+    publishes("a", "x", Qos::exactly_once);
+    robot.hears_nothing();
+    EXPECT_EQ(broker.core.image("robot")->deliveries.at(0).stage, DeliveryStage::queued);
+    is_silent = false;
+    broker.core.send_again(broker.now, broker.via, 0, 100, broker.actions);
+    broker.drain();
+    robot.hears_publish("x", Qos::exactly_once);
+}
+
 TEST_F(Delivering, UnansweredPublishIsSentAgainWithDup) {  // 6.13c, G5
     robot.subscribes("a");
     publishes("a", "x", Qos::at_least_once);
