@@ -146,9 +146,10 @@ std::optional<SessionImage> BrokerCore::move_away(std::string_view client_id, co
     return state_->adoption.move_away(client_id, to, epochs, out);
 }
 
-void BrokerCore::pass_on(const SessionImage& image, const LogId& to, Actions& out) {
+void BrokerCore::pass_on(const SessionImage& image, const LogId& to,
+                         const std::optional<LogPosition>& moved, Actions& out) {
     LogWriter& log = state_->tables.log;
-    log.append(out, [&] { return SessionPut{image}; });
+    log.append(out, [&] { return SessionPut{image, moved}; });
     log.append(out, [&] { return SessionMoved{image.header, to}; });
 }
 

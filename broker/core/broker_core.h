@@ -101,8 +101,10 @@ public:
     /// Empty when unknown.
     std::optional<SessionImage> move_away(std::string_view client_id, const LogId& to,
                                           std::uint64_t epochs, Actions& out);
-    /// Appends that this session, which was never here, goes to the broker with that log.
-    void pass_on(const SessionImage& image, const LogId& to, Actions& out);
+    /// Appends that this session, which was never here, goes to the broker with that log. `moved`:
+    /// the event by which it came.
+    void pass_on(const SessionImage& image, const LogId& to,
+                 const std::optional<LogPosition>& moved, Actions& out);
     /// Appends how the client's session is now: the log does not say else when it was last heard.
     void append_header(std::string_view client_id, Actions& out);
     /// Appends that all sessions of the address have gone there.

@@ -56,7 +56,8 @@ void Arrivals::heed(Instant now, const IsWorkedThrough& is_worked_through) {
     }
 }
 
-void Arrivals::carry_on(Effects& effects, const Logs& logs, Departures& departures) {
+void Arrivals::carry_on(Effects& effects, const Logs& logs, const HomeOfHigher& home_of_higher,
+                        Departures& departures) {
     is_half_done_ = false;
     std::set<LogId> unfinished;
     std::erase_if(arrivals_, [&](const Arrival& arrival) {
@@ -80,7 +81,13 @@ void Arrivals::carry_on(Effects& effects, const Logs& logs, Departures& departur
             return false;
         }
         --allowed_;
-        departures.adopt(effects, logs, session->image, arrival.moved);
+        const auto speaks = home_of_higher(session->image.header);
+        if (speaks && effects.broker.header(arrival.client) == nullptr) {
+            departures.pass_on(effects, caught_up(effects, logs, session->image), *speaks,
+                               logs.peers, arrival.moved);
+        } else {
+            departures.adopt(effects, logs, session->image, arrival.moved);
+        }
         log->second.on_arrived(arrival.client, at);
         return true;
     });

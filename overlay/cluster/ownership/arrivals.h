@@ -6,6 +6,7 @@
 
 #include <functional>
 #include <map>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -40,7 +41,10 @@ public:
     void heed(Instant now, const IsWorkedThrough& is_worked_through);
     /// A new turn: the next carry_on() may adopt many.
     void on_turn() { allowed_ = sessions_per_turn_; }
-    void carry_on(Effects& effects, const Logs& logs, Departures& departures);
+    /// `home_of_higher`: of a copy that outranks the one that comes (settlement.h).
+    using HomeOfHigher = std::function<std::optional<LogId>(const broker::SessionHeader&)>;
+    void carry_on(Effects& effects, const Logs& logs, const HomeOfHigher& home_of_higher,
+                  Departures& departures);
     /// Since the last call.
     [[nodiscard]] std::vector<Settled> take_settled() { return std::exchange(settled_, {}); }
     /// The client's session is here, and waits to be adopted.

@@ -49,13 +49,13 @@ void Departures::move(Effects& effects, const broker::ClientId& client, const Lo
 }
 
 void Departures::pass_on(Effects& effects, broker::SessionImage image, const LogId& to,
-                         const PeerLogs& logs) {
+                         const PeerLogs& logs, const std::optional<LogPosition>& moved) {
     if (is_foreign(to, logs)) return;
     if (auto before = call_off(image.header.client_id)) {
         std::vector<broker::MessagePtr> missed;  // both have all
         image = broker::settle(*std::move(before), std::move(image), missed).image;
     }
-    effects.broker.pass_on(image, to, effects.clients);
+    effects.broker.pass_on(image, to, moved, effects.clients);
     put(effects, std::move(image), to, 1);
 }
 

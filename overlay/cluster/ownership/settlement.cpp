@@ -84,20 +84,12 @@ Settlement::Outcome Settlement::settle(Effects& effects, const Conflict& conflic
     if (log == logs.end() || log->second.is_frozen()) return Outcome::is_over;
     const broker::SessionHeader* own = effects.broker.header(client);
     if (own == nullptr) return Outcome::is_over;
-    const broker::SessionHeader* theirs = log->second.mirror().header(client);
-    LogId stays_at = home;
-    if (theirs == nullptr) {
-        const auto moved = log->second.moved().find(client);
-        if (moved == log->second.moved().end() || moved->second.to.broker == self_) {
-            return Outcome::is_over;
-        }
-        theirs = &moved->second.image.header;
-        stays_at = moved->second.to;
-    }
+    const auto theirs = copy_in(log->second, client);
+    if (!theirs) return Outcome::is_over;
     // An earlier life of its broker adopts nothing. Who does not hear us reads later what we wrote.
-    if (moving.is_silent(own->via) || !membership.is_heard(stays_at)) return Outcome::lasts;
-    if (gives_way(*own, log->second, *theirs, stays_at.broker)) {
-        departures.move(effects, client, stays_at, 0, logs);
+    if (moving.is_silent(own->via) || !membership.is_heard(theirs->home)) return Outcome::lasts;
+    if (gives_way(*own, log->second, theirs->header, theirs->home.broker)) {
+        departures.move(effects, client, theirs->home, 0, logs);
         return Outcome::gives_way;
     }
     if (own->last_heard != told) {
@@ -105,6 +97,26 @@ Settlement::Outcome Settlement::settle(Effects& effects, const Conflict& conflic
         effects.broker.append_header(client, effects.clients);
     }
     return Outcome::lasts;
+}
+
+std::optional<LogId> Settlement::home_of_higher(broker::SessionHeader comes, const PeerLogs& logs,
+                                                const Membership& membership) const {
+    comes.provisional = true;  // as adopted
+    for (const auto& [id, log] : logs) {
+        if (log.is_frozen() || log.is_foreign()) continue;
+        const auto theirs = copy_in(log, comes.client_id);
+        if (!theirs || !membership.is_heard(theirs->home)) continue;
+        if (gives_way(comes, log, theirs->header, theirs->home.broker)) return theirs->home;
+    }
+    return std::nullopt;
+}
+
+std::optional<Settlement::Copy> Settlement::copy_in(const PeerLog& log,
+                                                    const broker::ClientId& client) const {
+    if (const auto* theirs = log.mirror().header(client)) return Copy{*theirs, log.mirror().log()};
+    const auto moved = log.moved().find(client);
+    if (moved == log.moved().end() || moved->second.to.broker == self_) return std::nullopt;
+    return Copy{moved->second.image.header, moved->second.to};
 }
 
 /// Where topic ids mean something else, neither copy goes on from the other; the one stays to which

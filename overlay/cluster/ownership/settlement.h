@@ -49,6 +49,10 @@ public:
     void compare_some(const broker::BrokerCore& broker, const PeerLogs& logs);
     /// An address is silent no more: its sessions are settled before anything is said there.
     void look_again() { next_look_ = Instant::min(); }
+    /// I7: where a session that comes here is spoken for already; this broker never speaks then.
+    [[nodiscard]] std::optional<LogId> home_of_higher(broker::SessionHeader comes,
+                                                      const PeerLogs& logs,
+                                                      const Membership& membership) const;
     /// There is more to look at.
     [[nodiscard]] bool is_half_done() const {
         return next_compared_.has_value() || goes_on_at_.has_value() || !news_.empty();
@@ -70,6 +74,13 @@ private:
     Outcome settle(Effects& effects, const Conflict& conflict, broker::HybridTime& told,
                    const PeerLogs& logs, const Membership& membership, const HandBack& moving,
                    Departures& departures) const;
+    struct Copy {
+        const broker::SessionHeader& header;
+        LogId home;  // or it is on its way there
+    };
+    /// None when it comes here.
+    [[nodiscard]] std::optional<Copy> copy_in(const PeerLog& log,
+                                              const broker::ClientId& client) const;
     [[nodiscard]] bool gives_way(const broker::SessionHeader& own, const PeerLog& other,
                                  const broker::SessionHeader& theirs, BrokerId home) const;
 

@@ -88,6 +88,13 @@ TEST(OnceBrokenSeeds, HaveOneOwnerAViewNow) {
     }
 }
 
+// An address came back with an older copy of a session than another home had.
+TEST(OnceBrokenSeeds, SpeakToAClientFromOneHomeNow) {
+    for (const std::uint64_t seed : {1827, 3784, 8486, 11223}) {
+        keep(Invariant::one_shard, seed, {.as_shipped = true});
+    }
+}
+
 // The tail of a later view came before its announcement.
 TEST(OnceBrokenSeeds, EndLogsAsAgreedNow) {
     for (const std::uint64_t seed : {234, 237, 583, 652, 671, 680, 952}) {

@@ -23,7 +23,8 @@ struct NewHome : Owner {
     Logs logs{others, own};
     Arrivals arrivals{self, per_turn};
     Departures departures{per_turn};
-    Seq cursor = 0;  // how far a third broker's log is worked through
+    Seq cursor = 0;                  // how far a third broker's log is worked through
+    std::optional<LogId> higher_at;  // another copy that outranks those that come
 
     void take(broker::LogEvent event) {
         former.offer(former.applied() + 1, {event});
@@ -48,7 +49,8 @@ struct NewHome : Owner {
     }
     void carry_on() {
         Effects acting = effects();
-        arrivals.carry_on(acting, logs, departures);
+        arrivals.carry_on(
+            acting, logs, [this](const auto&) { return higher_at; }, departures);
     }
 };
 
@@ -228,6 +230,37 @@ TEST(Arrivals, P2_WhatWasCalledOffAndIsNobodysIsAdopted) {
     EXPECT_EQ(home.broker.session_count(), 1U);
 }
 
+// Another home spoke to the client when its address came back with the lower copy: both did, until
+// that had been adopted and settled (simulator, as shipped, seed 1827).
+TEST(Arrivals, I7_WhereAnotherHomeHasAHigherCopyTheOneThatComesGoesOnThere) {
+    NewHome home;
+    home.higher_at = test::log_of("third");
+    home.take(image(0, ours));
+    home.go_on();
+    EXPECT_EQ(home.broker.session_count(), 0U);
+    ASSERT_TRUE(home.departures.all().contains(client(0)));
+    EXPECT_EQ(home.departures.all().at(client(0)).session.to, home.higher_at);
+    EXPECT_TRUE(home.former.moved().empty());
+    std::vector<broker::LogEvent> written;
+    for (const broker::Action& action : home.clients.list()) {
+        written.push_back(*std::get<broker::Append>(action).event);
+    }
+    ASSERT_EQ(written.size(), 2U) << "and nothing is said";
+    EXPECT_EQ(std::get<broker::SessionPut>(written.front()).adopted, (LogPosition{peer, 2}));
+    EXPECT_EQ(std::get<broker::SessionMoved>(written.back()).to, home.higher_at);
+}
+
+// Of that one the own log would say that it is gone.
+TEST(Arrivals, I7_WhatComesIsJoinedWithTheOwnSessionThoughAnotherHomeHasAHigherCopy) {
+    NewHome home;
+    (void)home.broker.adopt(home.now, image(0, ours), {}, home.clients);
+    home.higher_at = test::log_of("third");
+    home.take(image(0, ours));
+    home.go_on();
+    EXPECT_EQ(home.broker.session_count(), 1U);
+    EXPECT_TRUE(home.departures.all().empty());
+}
+
 /// "self" and "peer" are in a view, and "self" leads.
 struct InAView : Cluster {
     InAView() {
@@ -287,6 +320,24 @@ TEST(Arrivals, WhatCameInAStallIsAdoptedAfterIt) {
 TEST(Arrivals, P3_WhatCameInAStallIsNotAdoptedWhenItsHomeWentOn) {
     EXPECT_EQ(adopted_after_a_stall(100ms, true), 0U);
     EXPECT_EQ(adopted_after_a_stall(1s, false), 0U);
+}
+
+// As the cluster core has it: of two peers one is home to the client, and the other hands over what
+// it had of it.
+TEST(Arrivals, I7_ASessionThatASecondPeerHandsOverIsNotSpokenForBesideTheFirstOnes) {
+    InAView home;
+    broker::SessionImage copy = image(0, theirs);
+    copy.header.epoch = 2;
+    home.Cluster::take(LogBatch{.log = peer, .first_seq = 1, .events = {broker::SessionPut{copy}}});
+    const LogId second = test::log_of("second");
+    Effects acting = home.effects();
+    hear(home.core, acting, Beacon{.log = second, .tick = 1, .hears = {self.broker}});
+    const broker::SessionPut put{image(0, ours)};
+    home.core.on_message(
+        acting,
+        {second, LogBatch{.log = second, .first_seq = 1, .events = {put, test::moved(put, self)}}});
+    EXPECT_EQ(home.broker.session_count(), 0U);
+    EXPECT_TRUE(home.core.departures().all().contains(client(0)));
 }
 
 // They may have lived on elsewhere since; whoever asks asks again.

@@ -331,6 +331,36 @@ TEST(Settlement, I7_ACopyOnItsWayToAThirdHomeIsGivenWayToThere) {
     EXPECT_EQ(homes.one.departures.all().at(client(0)).session.to, third);
 }
 
+// What comes is not confirmed here, however it was at its former home.
+TEST(Settlement, I7_WhatComesGoesOnToAHigherCopyAndToNoLowerOne) {
+    TwoHomes homes(1, 2);
+    const auto goes_on_to = [&](std::uint64_t epoch, bool provisional) {
+        broker::SessionHeader comes = *homes.two.broker.header(client(0));
+        comes.epoch = epoch;
+        comes.provisional = provisional;
+        return homes.one.settlement.home_of_higher(comes, homes.one.logs, homes.one.membership);
+    };
+    EXPECT_EQ(goes_on_to(1, true), peer);
+    EXPECT_EQ(goes_on_to(3, true), std::nullopt);
+    EXPECT_EQ(goes_on_to(2, false), goes_on_to(2, true));
+    homes.one.other.set_foreign(true);
+    EXPECT_EQ(goes_on_to(1, true), std::nullopt) << "that one could not go on from it";
+    homes.one.other.set_foreign(false);
+    homes.one.other.freeze();
+    EXPECT_EQ(goes_on_to(1, true), std::nullopt) << "nobody speaks there";
+}
+
+// What comes here is the copy of which its log tells.
+TEST(Settlement, I7_WhatComesDoesNotGoBackToItsFormerHome) {
+    TwoHomes homes(1, 2);
+    const broker::SessionHeader comes = *homes.two.broker.header(client(0));
+    Effects acting = homes.effects(homes.two);
+    homes.two.departures.move(acting, client(0), self, 0, homes.two.logs);
+    homes.read_all();
+    EXPECT_EQ(homes.one.settlement.home_of_higher(comes, homes.one.logs, homes.one.membership),
+              std::nullopt);
+}
+
 // Those that stay take no part of what a turn may give away.
 TEST(Settlement, I7_WhoStaysDelaysNobodyWhoGivesWay) {
     TwoHomes homes;
