@@ -168,7 +168,9 @@ Acknowledgements::IsHeld ClusterCore::is_held() const {
         if (log == logs_.end()) return !logs_.at(by).mirror().is_unresolved(publish);
         // Of a removed log comes what the view agreed on, from the members that hold it.
         if (log->second.is_frozen()) return !fetching_.awaits(publish);
-        return log->second.holds(publish.seq) || !membership_.is_alive(id);
+        // I6: without a view, or back from a standstill, this broker does not know who is gone.
+        const bool knows_who_is_gone = is_in_view() && !is_back();
+        return log->second.holds(publish.seq) || (knows_who_is_gone && !membership_.is_alive(id));
     };
 }
 

@@ -88,6 +88,12 @@ TEST(OnceBrokenSeeds, HaveOneOwnerAViewNow) {
     }
 }
 
+// A broker took those for gone whom it had not met, or not heard because it stood still.
+TEST(OnceBrokenSeeds, HoldAMessageBeforeWhatIsSaidOfItNow) {
+    keep(Invariant::named_first, 10308, {.as_shipped = true});
+    keep(Invariant::named_first, 832, {.faults = {Fault::relapse}});
+}
+
 // An address came back with an older copy of a session than another home had.
 TEST(OnceBrokenSeeds, SpeakToAClientFromOneHomeNow) {
     for (const std::uint64_t seed : {1827, 3784, 8486, 11223}) {

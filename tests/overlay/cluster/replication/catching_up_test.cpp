@@ -238,6 +238,59 @@ TEST_F(CatchingUp, WhatNamesAMessageOfASilentBrokerWaitsForTheViewThatEndsItsLog
     EXPECT_EQ(acknowledged(), 2U);
 }
 
+/// The peer's log names a message of a broker that fell silent, and is in no view of ours.
+class MessageOfASilentStranger : public CatchingUp {
+protected:
+    const LogId stranger = test::log_of("stranger");
+
+    void meet_stranger() {
+        take(Beacon{.name = "stranger", .log = stranger, .tick = 1, .hears = {self.broker}});
+        ASSERT_TRUE(core.membership().is_alive(stranger));
+    }
+    [[nodiscard]] bool is_acknowledged() {
+        EXPECT_FALSE(core.membership().is_alive(stranger));
+        take(LogBatch{.log = peer,
+                      .first_seq = 1,
+                      .events = {broker::Routed{.message = {stranger, 1}, .routes = {}}}});
+        return core.beacon(broker).applied_through(peer) == 1U;
+    }
+    void come_into_a_view() {
+        while (!core.leadership().leader) hear_beacon(0);
+        ViewAnnouncement announcement{
+            .view = {.number = {100, self.broker, 1}, .members = {self, peer}}};
+        std::ranges::sort(announcement.view.members);
+        take(announcement);
+        hear_beacon(0);
+    }
+};
+
+// It is in the next view, perhaps (simulator, as shipped, seed 10308).
+TEST_F(MessageOfASilentStranger, I6_IsWaitedForInNoView) {
+    meet_stranger();
+    while (core.membership().is_alive(stranger)) hear_beacon(0);
+    EXPECT_FALSE(is_acknowledged());
+    come_into_a_view();
+    EXPECT_EQ(core.beacon(broker).applied_through(peer), 1U) << "it never was in one with us";
+}
+
+// Nobody brings it.
+TEST_F(MessageOfASilentStranger, I6_IsNotWaitedForInAView) {
+    come_into_a_view();
+    meet_stranger();
+    while (core.membership().is_alive(stranger)) hear_beacon(0);
+    EXPECT_TRUE(is_acknowledged());
+}
+
+// It was not silent: this broker stood still (simulator, faults `relapse`, seed 832).
+TEST_F(MessageOfASilentStranger, I6_IsWaitedForAfterAStandstill) {
+    come_into_a_view();
+    meet_stranger();
+    now += 1s;
+    ASSERT_TRUE(core.notice_standstill(now));
+    for (; core.membership().is_alive(stranger); now += 10ms) tick();
+    EXPECT_FALSE(is_acknowledged());
+}
+
 // I2: the leader asked how much is held here, and agrees on the end by the answer.
 TEST_F(CatchingUp, AFrozenLogTakesNothingMoreFromItsWriter) {
     const LogId publisher = test::log_of("publisher");
