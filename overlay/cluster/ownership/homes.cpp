@@ -23,6 +23,12 @@ void Homes::reset(BrokerId peer, const broker::Mirror& sessions) {
     sessions.visit([&](const broker::SessionImage& image) { put(peer, image.header); });
 }
 
+void Homes::on_end(BrokerId peer) {
+    for (auto& [client, claim] : by_client_) {
+        if (claim.broker == peer) claim.number = 0;
+    }
+}
+
 void Homes::forget(BrokerId peer) {
     for (auto at = by_client_.begin(); at != by_client_.end();) {
         at = at->second.broker == peer ? erase(at) : std::next(at);

@@ -1,7 +1,7 @@
 // Which peer is home to which client, by client id and by where the client was heard. Kept from the
 // events of their logs. While two peers say so, as after a heal, the one that said so last counts;
 // when that one takes it back, the other is left. What the dead said stays until an heir says that
-// it is home.
+// it is home, and counts only where nobody else says so.
 //
 // Of two clients that were heard at one client address and service address the later one is there
 // (broker/core/session_table.h has the same rule for the own clients).
@@ -29,6 +29,8 @@ public:
     void reset(BrokerId peer, const broker::Mirror& sessions);
     /// A session of the peer as it is now.
     void put(BrokerId peer, const broker::SessionHeader& header);
+    /// Its log has ended.
+    void on_end(BrokerId peer);
     void forget(BrokerId peer);
     void forget(BrokerId peer, const broker::ClientId& client);
 

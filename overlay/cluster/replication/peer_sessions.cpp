@@ -10,7 +10,12 @@ void PeerSessions::on_event(Instant now, const broker::Mirror& sessions,
 }
 
 void PeerSessions::on_late_event(const LogId& log) {
-    if (follow(log)) followed_.erase(log.broker);
+    if (follow(log)) unfollow(log);
+}
+
+/// I7: a client that roams is fetched from its home in the view, and not from one beyond it.
+void PeerSessions::unfollow(const LogId& log) {
+    if (followed_.erase(log.broker) != 0) homes_.on_end(log.broker);
 }
 
 void PeerSessions::on_first_snapshot(const SnapshotPart& part,
@@ -40,7 +45,7 @@ bool PeerSessions::follow(const LogId& log) const {
 void PeerSessions::on_end(const LogId& log) {
     if (followed_.contains(log.broker) && !follow(log)) return;
     interest_.forget(log.broker);
-    followed_.erase(log.broker);
+    unfollow(log);
 }
 
 void PeerSessions::forget(const LogId& log) {

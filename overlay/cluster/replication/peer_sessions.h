@@ -53,6 +53,8 @@ public:
     void on_own_session(const broker::ClientId& client, const PeerLogs& logs);
 
 private:
+    void unfollow(const LogId& log);
+
     Interest interest_;
     Homes homes_;
     SlowReceivers slow_;

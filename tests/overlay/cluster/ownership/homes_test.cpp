@@ -66,6 +66,20 @@ TEST(Homes, WhenTheLastOfTwoTakesItBackTheOtherIsHome) {
 }
 
 // A NAT that keeps source ports; or a client that was started again under another id.
+// The member that had the client all the time was not asked for it (simulator, as shipped, seed
+// 20945).
+TEST(Homes, I7_WhatAHomeSaidWhoseLogHasEndedCountsOnlyWhereNobodyElseSaysSo) {
+    Homes homes;
+    homes.on_event(b1, session_from("a", 1));
+    homes.on_event(b2, session_from("a", 1));
+    homes.on_event(b2, session_from("b", 2));
+    homes.on_end(b2);
+    EXPECT_EQ(home_of(homes, "a"), b1);
+    EXPECT_EQ(home_of(homes, "b"), b2);
+    homes.on_event(b2, session_from("a", 1));
+    EXPECT_EQ(home_of(homes, "a"), b2) << "it goes on";
+}
+
 TEST(Homes, OfTwoClientsAtOneAddressEachIsFoundByTheServiceAddressThatItTalksTo) {
     Homes homes;
     homes.on_event(b1, session_from("a", 1, 101));

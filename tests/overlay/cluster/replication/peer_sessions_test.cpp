@@ -47,6 +47,18 @@ TEST_F(PeerSessionsTest, AHomeThatEndedStaysUntilALivingOneTakesItsPlace) {
     EXPECT_FALSE(is_homed());
 }
 
+TEST_F(PeerSessionsTest, I7_AHomeWhoseLogHasEndedYieldsToALivingOne) {
+    const auto end = {&PeerSessions::on_end, &PeerSessions::on_late_event};
+    for (const auto on_end : end) {
+        sessions.reset(peer, broker::Mirror{peer});
+        sessions.on_event({}, broker::Mirror{heir}, test::session("robot"), 10);
+        sessions.on_event({}, mirror, test::session("robot"), 10);
+        EXPECT_EQ(sessions.homes().of("robot")->broker, peer.broker) << "it said so last";
+        (sessions.*on_end)(peer);
+        EXPECT_EQ(sessions.homes().of("robot")->broker, heir.broker);
+    }
+}
+
 TEST_F(PeerSessionsTest, ALogThatIsHeldNoMoreIsForgotten) {
     sessions.reset(heir, broker::Mirror{heir});
     sessions.forget(peer);
