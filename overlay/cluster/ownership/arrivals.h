@@ -1,7 +1,8 @@
 // Sessions that their former homes moved here (broker::SessionMoved, in the logs of those): adopted
 // from the mirrors of these logs, many in pieces. The SessionPut of the adoption names the event
-// that it answers. What their clients publish here comes after what their former home had worked
-// through: they wait for that, but for no longer than a snapshot takes to come.
+// that it answers. One of which another home has a higher copy goes on there (I7). What their
+// clients publish here comes after what their former home had worked through: they wait for that,
+// but for no longer than a snapshot takes to come.
 #pragma once
 
 #include <functional>
