@@ -71,12 +71,6 @@ public:
     void visit(Look&& look) const {
         for (const auto& [client_id, image] : sessions_) look(image);
     }
-    /// The same, until `look` returns false.
-    template <typename Look>
-    void visit_while(Look&& look) const {
-        (void)std::all_of(sessions_.begin(), sessions_.end(),
-                          [&look](const auto& entry) { return look(entry.second); });
-    }
 
 private:
     struct TextHash {

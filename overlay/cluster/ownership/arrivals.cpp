@@ -58,9 +58,8 @@ void Arrivals::heed(Instant now, const IsWorkedThrough& is_worked_through) {
 
 void Arrivals::carry_on(Effects& effects, const Logs& logs, const HomeOfHigher& home_of_higher,
                         Departures& departures) {
-    is_half_done_ = false;
     std::set<LogId> unfinished;
-    std::erase_if(arrivals_, [&](const Arrival& arrival) {
+    const auto is_over = [&](const Arrival& arrival) {
         const auto& [from, at] = arrival.moved;
         const auto log = logs.peers.find(from);
         if (log == logs.peers.end()) return true;
@@ -69,8 +68,7 @@ void Arrivals::carry_on(Effects& effects, const Logs& logs, const HomeOfHigher& 
             settled_.push_back({from.broker, arrival.address});
             return true;
         }
-        if (!arrival.after.empty() || allowed_ == 0) {
-            is_half_done_ |= arrival.after.empty();
+        if (!arrival.after.empty()) {
             unfinished.insert(from);
             return false;
         }
@@ -90,7 +88,18 @@ void Arrivals::carry_on(Effects& effects, const Logs& logs, const HomeOfHigher& 
         }
         log->second.on_arrived(arrival.client, at);
         return true;
-    });
+    };
+    // There are as many as a home has sessions, and each input comes here: nobody looks beyond
+    // those that this turn may adopt.
+    auto next = arrivals_.begin();
+    auto last_left = next;
+    for (; next != arrivals_.end() && (allowed_ > 0 || next->client.empty()); ++next) {
+        if (is_over(*next)) continue;
+        if (last_left != next) *last_left = std::move(*next);
+        ++last_left;
+    }
+    is_half_done_ = next != arrivals_.end();
+    arrivals_.erase(last_left, next);
 }
 
 bool Arrivals::holds(const broker::ClientId& client) const {

@@ -1,6 +1,7 @@
 #include "overlay/cluster/ownership/departures.h"
 
 #include <algorithm>
+#include <set>
 #include <utility>
 #include <vector>
 
@@ -9,7 +10,8 @@
 namespace romano::cluster {
 namespace {
 
-void count_out(std::map<Endpoint, std::size_t>& counts, const Endpoint& of) {
+template <typename Key>
+void count_out(std::map<Key, std::size_t>& counts, const Key& of) {
     const auto found = counts.find(of);
     if (found != counts.end() && --found->second == 0) counts.erase(found);
 }
@@ -65,6 +67,8 @@ void Departures::put(Effects& effects, broker::SessionImage image, const LogId& 
     if (before != leaving_.end()) (void)take(before);
     ++speaking_from_[image.header.address.endpoint];
     ++via_[image.header.via];
+    ++to_[to];
+    if (leaving_.empty()) oldest_ = effects.now;
     const broker::ClientId client = image.header.client_id;
     leaving_.emplace(
         client, Leaving{{std::move(image), to, effects.broker.last_seq()}, epochs, effects.now});
@@ -76,6 +80,7 @@ Departures::Leaving Departures::take(std::map<broker::ClientId, Leaving>::iterat
     const broker::SessionHeader& header = taken.session.image.header;
     count_out(speaking_from_, header.address.endpoint);
     count_out(via_, header.via);
+    count_out(to_, taken.session.to);
     return taken;
 }
 
@@ -107,18 +112,24 @@ bool Departures::crosses(const MovedSession& comes, const LogId& from) const {
 
 void Departures::carry_on(Effects& effects, const Logs& logs, const View& view) {
     is_half_done_ = false;
-    std::map<LogId, bool> gone;  // most go to one
+    std::set<LogId> gone;
+    for (const auto& [to, count] : to_) {
+        if (is_gone(to, logs.peers, view)) gone.insert(to);
+    }
+    const auto is_late = [&](Instant since) {
+        return effects.now >= since + effects.times.handover_acknowledged_within();
+    };
+    // They are as many as a home had sessions, and every turn comes here.
+    if (gone.empty() && !is_late(oldest_)) return;
+    Instant oldest = effects.now;
     std::size_t allowed = sessions_per_turn_;
     for (auto at = leaving_.begin(); at != leaving_.end();) {
         const auto leaving = at++;
-        const LogId& to = leaving->second.session.to;
-        const auto known = gone.find(to);
-        const bool is_to_gone = known != gone.end()
-                                    ? known->second
-                                    : gone.emplace(to, is_gone(to, logs.peers, view)).first->second;
-        const bool is_late =
-            effects.now >= leaving->second.since + effects.times.handover_acknowledged_within();
-        if (!is_to_gone && !is_late) continue;
+        const Instant since = leaving->second.since;
+        if (!gone.contains(leaving->second.session.to) && !is_late(since)) {
+            oldest = std::min(oldest, since);
+            continue;
+        }
         if (allowed-- == 0) {
             is_half_done_ = true;
             return;
@@ -130,6 +141,7 @@ void Departures::carry_on(Effects& effects, const Logs& logs, const View& view) 
         if (effects.broker.header(header.client_id) == nullptr) ++header.epoch;
         cluster::adopt(effects, logs, std::move(taken.session.image));
     }
+    oldest_ = oldest;
 }
 
 }  // namespace romano::cluster

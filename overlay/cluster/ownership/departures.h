@@ -63,6 +63,8 @@ private:
     std::map<broker::ClientId, Leaving> leaving_;
     std::map<Endpoint, std::size_t> speaking_from_;  // so many of them
     std::map<Endpoint, std::size_t> via_;
+    std::map<LogId, std::size_t> to_;
+    Instant oldest_{};  // none has left before
 };
 
 }  // namespace romano::cluster

@@ -89,7 +89,7 @@ void TakeOver::carry_on(Effects& effects, const Logs& logs, const Membership& me
         }
         // It was done already, and the leader had not heard of it.
         const bool may_be_done = are_known && addresses.is_claimed(address);
-        if (may_be_done && log->second.count_left(address) == 0) return true;
+        if (may_be_done && log->second.clients_left(address).empty()) return true;
         if (is_still_serving(pending.assignment, membership)) return false;
         if (log->second.is_foreign()) return true;  // its leader is of a version that knows no such
         if (log->second.is_outdated() && !holds_all(logs, membership, view)) return false;
@@ -112,12 +112,14 @@ void TakeOver::carry_on(Effects& effects, const Logs& logs, const Membership& me
         }
         pending.is_begun = true;
         pending.server = owner;
+        pending.clients = log->second.clients_left(address);
         if (owner) {
             log->second.mark_served(address);
         } else {
-            begin(effects, pending.assignment, log->second, membership, addresses);
+            begin(effects, pending, log->second, membership, addresses);
         }
-        return adopt_some(effects, pending, log->second, logs, departures);
+        const bool are_many = pending.clients.size() > sessions_per_turn_;  // to list was enough
+        return !are_many && adopt_some(effects, pending, log->second, logs, departures);
     });
 }
 
@@ -162,9 +164,10 @@ bool TakeOver::is_out_of_patience(Effects& effects, const Pending& pending) cons
     return true;
 }
 
-void TakeOver::begin(Effects& effects, const Assignment& assignment, PeerLog& log,
-                     const Membership& membership, ServiceAddresses& addresses) {
-    effects.local.push_back(Notice{"adopts " + std::to_string(log.count_left(assignment.address)) +
+void TakeOver::begin(Effects& effects, Pending& pending, PeerLog& log, const Membership& membership,
+                     ServiceAddresses& addresses) {
+    const Assignment& assignment = pending.assignment;
+    effects.local.push_back(Notice{"adopts " + std::to_string(pending.clients.size()) +
                                    " sessions of " +
                                    membership.name_of(assignment.end.log.broker)});
     const bool is_anothers = others_.contains(assignment.address);
@@ -174,28 +177,34 @@ void TakeOver::begin(Effects& effects, const Assignment& assignment, PeerLog& lo
     log.mark_served(assignment.address);
 }
 
-bool TakeOver::adopt_some(Effects& effects, const Pending& pending, PeerLog& log, const Logs& logs,
+bool TakeOver::adopt_some(Effects& effects, Pending& pending, PeerLog& log, const Logs& logs,
                           Departures& departures) const {
     const Endpoint& address = pending.assignment.address;
-    auto sessions = log.sessions_left(address, sessions_per_turn_);
-    const bool may_be_more = sessions.size() == sessions_per_turn_;
-    for (auto& image : sessions) {
-        const broker::ClientId client = image.header.client_id;
-        if (!is_elsewhere(image.header, log, effects, logs.peers)) {
+    const std::size_t end =
+        std::min(pending.looked_at + sessions_per_turn_, pending.clients.size());
+    for (; pending.looked_at < end; ++pending.looked_at) {
+        const broker::ClientId& client = pending.clients[pending.looked_at];
+        auto image = log.session_left(client);
+        if (!image || image->header.via != address) continue;
+        if (!is_elsewhere(image->header, log, effects, logs.peers)) {
             // One that is here already is joined with it, and goes from here.
             if (pending.server && effects.broker.header(client) == nullptr) {
-                auto whole = caught_up(effects, logs, std::move(image));
+                auto whole = caught_up(effects, logs, *std::move(image));
                 departures.pass_on(effects, std::move(whole), *pending.server, logs.peers);
             } else {
-                departures.adopt(effects, logs, std::move(image));
+                departures.adopt(effects, logs, *std::move(image));
             }
         }
         log.mark_taken(client);
     }
-    if (pending.server && !may_be_more) {
-        effects.broker.seal(address, *pending.server, effects.clients);
+    if (pending.looked_at < pending.clients.size()) return false;
+    if (pending.clients.size() > sessions_per_turn_) {  // a tail may have brought more meanwhile
+        pending.clients = log.clients_left(address);
+        pending.looked_at = 0;
+        if (!pending.clients.empty()) return false;
     }
-    return !may_be_more;
+    if (pending.server) effects.broker.seal(address, *pending.server, effects.clients);
+    return true;
 }
 
 bool TakeOver::is_half_adopted(const Endpoint& address) const {

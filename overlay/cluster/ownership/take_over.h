@@ -59,7 +59,9 @@ private:
         Assignment assignment;
         Instant since;
         bool is_begun = false;
-        std::optional<LogId> server = {};  // to whom they are passed on
+        std::optional<LogId> server = {};            // to whom they are passed on
+        std::vector<broker::ClientId> clients = {};  // to be looked at
+        std::size_t looked_at = 0;
     };
 
     [[nodiscard]] bool holds_all(const Logs& logs, const Membership& membership,
@@ -67,10 +69,10 @@ private:
     [[nodiscard]] static bool is_complete(const Effects& effects, const PeerLog& dead,
                                           const Logs& logs, bool for_another);
     [[nodiscard]] bool is_out_of_patience(Effects& effects, const Pending& pending) const;
-    void begin(Effects& effects, const Assignment& assignment, PeerLog& log,
-               const Membership& membership, ServiceAddresses& addresses);
+    void begin(Effects& effects, Pending& pending, PeerLog& log, const Membership& membership,
+               ServiceAddresses& addresses);
     /// True when none is left.
-    bool adopt_some(Effects& effects, const Pending& pending, PeerLog& log, const Logs& logs,
+    bool adopt_some(Effects& effects, Pending& pending, PeerLog& log, const Logs& logs,
                     Departures& departures) const;
 
     BrokerId self_;

@@ -219,41 +219,28 @@ void PeerLog::thaw() {
 template <typename Look>
 void PeerLog::visit_left(Look&& look) const {
     if (!frozen_) return;
-    bool goes_on = true;
-    mirror_.visit_while([&](const broker::SessionImage& image) {
-        const bool is_left = taken_.empty() || !taken_.contains(image.header.client_id);
-        if (is_left) goes_on = look(image);
-        return goes_on;
+    mirror_.visit([&](const broker::SessionImage& image) {
+        if (taken_.empty() || !taken_.contains(image.header.client_id)) look(image);
     });
-    for (auto at = called_back_.begin(); goes_on && at != called_back_.end(); ++at) {
-        const auto session = moved_.find(*at);
-        if (session != moved_.end()) goes_on = look(session->second.image);
+    for (const auto& client : called_back_) {
+        const auto session = moved_.find(client);
+        if (session != moved_.end()) look(session->second.image);
     }
 }
 
-std::vector<broker::SessionImage> PeerLog::sessions_left(const Endpoint& address,
-                                                         std::size_t most) const {
+std::vector<broker::ClientId> PeerLog::clients_left(const Endpoint& address) const {
     std::vector<broker::ClientId> clients;
     visit_left([&](const broker::SessionImage& image) {
         if (image.header.via == address) clients.push_back(image.header.client_id);
-        return clients.size() < most;
     });
-    std::vector<broker::SessionImage> images;
-    images.reserve(clients.size());
-    for (const auto& client : clients) {
-        const auto moved = moved_.find(client);
-        images.push_back(moved == moved_.end() ? *mirror_.image(client) : moved->second.image);
-    }
-    return images;
+    return clients;
 }
 
-std::size_t PeerLog::count_left(const Endpoint& address) const {
-    std::size_t count = 0;
-    visit_left([&](const broker::SessionImage& image) {
-        if (image.header.via == address) ++count;
-        return true;
-    });
-    return count;
+std::optional<broker::SessionImage> PeerLog::session_left(const broker::ClientId& client) const {
+    if (!frozen_) return std::nullopt;
+    const auto session = moved_.find(client);
+    if (session != moved_.end() && called_back_.contains(client)) return session->second.image;
+    return taken_.contains(client) ? std::nullopt : mirror_.image(client);
 }
 
 std::vector<Endpoint> PeerLog::addresses_left(const View& view) const {
@@ -265,7 +252,6 @@ std::vector<Endpoint> PeerLog::addresses_left(const View& view) const {
     visit_left([&](const broker::SessionImage& image) {
         if (last == nullptr || *last != image.header.via) addresses.insert(image.header.via);
         last = &image.header.via;
-        return true;
     });
     return {addresses.begin(), addresses.end()};
 }

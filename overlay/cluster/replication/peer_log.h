@@ -145,17 +145,17 @@ public:
         const bool is_taken = frozen_ && (outdated_ || taken_.contains(client));
         return is_taken ? nullptr : mirror_.header(client);
     }
-    /// Sessions of that address that have no new home yet: `most` of them.
-    [[nodiscard]] std::vector<broker::SessionImage> sessions_left(const Endpoint& address,
-                                                                  std::size_t most) const;
-    [[nodiscard]] std::size_t count_left(const Endpoint& address) const;
+    /// Whose sessions of that address have no new home yet.
+    [[nodiscard]] std::vector<broker::ClientId> clients_left(const Endpoint& address) const;
+    /// None when it has a new home by now.
+    [[nodiscard]] std::optional<broker::SessionImage> session_left(
+        const broker::ClientId& client) const;
     /// Addresses without a new broker or with sessions left, were that the view.
     [[nodiscard]] std::vector<Endpoint> addresses_left(const View& view) const;
 
 private:
     void follow_in_tail(const LogEvent& event);
     void follow_moves(const LogEvent& event);
-    /// Until `look` returns false.
     template <typename Look>
     void visit_left(Look&& look) const;
 

@@ -24,7 +24,12 @@ TEST(ManySessions, AnHeirAdoptsThemInPieces) {
         }
         heir.take(std::move(batch));
     }
-    for (int i = 0; i < 100 && heir.broker.session_count() == 0; ++i) heir.pass();
+    bool are_listed = false;
+    for (int i = 0; i < 100 && heir.broker.session_count() == 0; ++i) {
+        are_listed = heir.core.take_over().is_half_adopted(theirs);
+        heir.pass();
+    }
+    EXPECT_TRUE(are_listed) << "enough for the view's turn";
     ASSERT_EQ(heir.broker.session_count(), per_turn) << "the first ones when the peer is dead";
     heir.serve(theirs);
     while (heir.broker.session_count() < sessions) {
@@ -223,6 +228,25 @@ TEST(ManySessions, ThoseThatNobodyAnswersForComeBack) {
     acting.now += 1ms;
     holder.departures.carry_on(acting, {holder.logs, holder.own}, holder.view);
     EXPECT_EQ(holder.broker.session_count(), per_turn);
+}
+
+TEST(ManySessions, EachComesBackInItsOwnTime) {
+    Holder holder;
+    holder.logs.try_emplace(peer, peer, 100);
+    const auto is_here_after = [&](std::size_t number, Duration passes) {
+        holder.now += passes;
+        Effects acting = holder.effects();
+        holder.departures.carry_on(acting, {holder.logs, holder.own}, holder.view);
+        return holder.broker.header(client(number)) != nullptr;
+    };
+    for (const std::size_t number : {1, 0}) {
+        Effects acting = holder.effects();
+        holder.departures.move(acting, client(number), peer, 1, holder.logs);
+        EXPECT_FALSE(is_here_after(number, 500ms));
+    }
+    EXPECT_TRUE(is_here_after(1, 0ms));
+    EXPECT_FALSE(is_here_after(0, 499ms));
+    EXPECT_TRUE(is_here_after(0, 1ms));
 }
 
 TEST(ManySessions, OneWithOtherPredefinedTopicsGetsNone) {

@@ -123,7 +123,7 @@ TEST_F(TakeOverTest, I7_WhatTheDeadHadIsJoinedWithTheOwnSessionAndNotPassedOn) {
     server.applied = {{self, broker.last_seq()}};
     (void)membership.on_beacon(now, server);
     EXPECT_EQ(inherit(), 1U);
-    EXPECT_TRUE(peers.at(dead).sessions_left(theirs, 1).empty()) << "it was looked at";
+    EXPECT_TRUE(peers.at(dead).clients_left(theirs).empty()) << "it was looked at";
     EXPECT_EQ(broker.header("robot")->epoch, 5U);
     EXPECT_TRUE(departures.all().empty());
 }

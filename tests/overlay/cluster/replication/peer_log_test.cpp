@@ -30,10 +30,8 @@ struct Held {
         ASSERT_TRUE(log.restart());
     }
     [[nodiscard]] std::vector<std::string> clients_left(const Endpoint& at) const {
-        std::vector<std::string> clients;
-        for (const auto& image : log.sessions_left(at, 100)) {
-            clients.push_back(image.header.client_id);
-        }
+        auto clients = log.clients_left(at);
+        std::erase_if(clients, [this](const auto& client) { return !log.session_left(client); });
         return clients;
     }
 };
@@ -188,11 +186,12 @@ TEST(PeerLog, AFrozenLogKnowsWhatIsLeftToAdopt) {
     held.log.freeze();
     EXPECT_THAT(held.log.addresses_left({}),
                 UnorderedElementsAre(address(1), address(2), address(3)));
-    EXPECT_EQ(held.log.sessions_left(address(1), 100).size(), 2U);
+    EXPECT_EQ(held.clients_left(address(1)).size(), 2U);
     held.log.mark_taken("a");
     held.log.mark_taken("b");
     held.log.mark_served(address(1));
-    EXPECT_THAT(held.log.sessions_left(address(1), 100), IsEmpty());
+    EXPECT_THAT(held.clients_left(address(1)), IsEmpty());
+    EXPECT_FALSE(held.log.session_left("a"));
     EXPECT_THAT(held.log.addresses_left({}), ElementsAre(address(2), address(3)));
 }
 
@@ -365,7 +364,7 @@ TEST(PeerLog, TheLastWordsOfADeadWriterLeaveNothingAgain) {
     held.log.heard_end(4, before);
     held.log.end_at(3, {.term = 3});
     held.take(3, {published(test::log_of("b1"), 3)});
-    EXPECT_THAT(held.log.sessions_left(address(1), 100), IsEmpty());
+    EXPECT_THAT(held.log.clients_left(address(1)), IsEmpty());
 }
 
 // P3: only a member that was replaced holds more than was agreed on (heirs.h).
