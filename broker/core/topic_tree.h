@@ -52,11 +52,21 @@ public:
 
     /// The subscriber is nowhere any more. Looks at everybody's subscriptions.
     void remove_all(const Subscriber& subscriber) {
-        for (std::size_t place = plains_.size(); place-- > 0;) {
-            Plain& plain = *plains_[place];
+        (void)remove_some(subscriber, plains_.size(), plains_.size());
+    }
+
+    /// The same in pieces, for a subscriber who subscribes to nothing meanwhile: looks at the last
+    /// `most` filters without a wildcard of the first `left`, and returns how many of these are
+    /// left; with the last of them go those that have one.
+    std::size_t remove_some(const Subscriber& subscriber, std::size_t left, std::size_t most) {
+        left = std::min(left, plains_.size());
+        for (; most > 0 && left > 0; --most) {
+            Plain& plain = *plains_[--left];
+            // The last one takes its place, which was looked at, or is new.
             if (erase_from(plain.entries, subscriber) && plain.entries.empty()) forget(plain);
         }
-        remove_all_below(root_, subscriber);
+        if (left == 0) remove_all_below(root_, subscriber);
+        return left;
     }
 
     /// The grant of exactly this filter (compared as text), or null.

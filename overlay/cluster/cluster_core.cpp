@@ -59,6 +59,7 @@ void ClusterCore::on_message(Effects& effects, const Envelope& envelope) {
 void ClusterCore::on_tick(Effects& effects, const std::set<Endpoint>& pending_output) {
     // Before the broker writes more events.
     log_sender_.carry_on(effects, logs(), membership_, departures_);
+    peer_sessions_.on_turn();
     membership_.on_tick(effects.now);
     has_frozen_logs_ =
         std::ranges::any_of(logs_, [](const auto& log) { return log.second.is_frozen(); });

@@ -1,9 +1,12 @@
 #include "overlay/cluster/replication/interest.h"
 
 #include <algorithm>
+#include <limits>
 
 namespace romano::cluster {
 namespace {
+
+constexpr std::size_t filters_per_turn = 512;
 
 bool has(const broker::SessionImage& session, const std::string& filter) {
     return std::ranges::count(session.subscriptions, filter, &broker::Subscription::filter) > 0;
@@ -34,12 +37,26 @@ void Interest::on_event(const broker::Mirror& sessions, const broker::LogEvent& 
 
 void Interest::reset(const broker::Mirror& sessions) {
     const BrokerId peer = sessions.log().broker;
-    forget(peer);
+    forgotten_.erase(peer);
+    if (peers_.erase(peer) != 0) tree_.remove_all(peer);
     sessions.visit([&](const broker::SessionImage& session) { add(peer, session); });
 }
 
 void Interest::forget(BrokerId peer) {
-    if (peers_.erase(peer) != 0) tree_.remove_all(peer);
+    if (peers_.contains(peer)) {
+        forgotten_.try_emplace(peer, std::numeric_limits<std::size_t>::max());
+    }
+}
+
+void Interest::on_turn() {
+    for (auto at = forgotten_.begin(); at != forgotten_.end();) {
+        const auto forgotten = at++;
+        auto& [peer, left] = *forgotten;
+        left = tree_.remove_some(peer, left, filters_per_turn);
+        if (left > 0) continue;
+        peers_.erase(peer);
+        forgotten_.erase(forgotten);
+    }
 }
 
 void Interest::add(BrokerId peer, const broker::SessionImage& session) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <set>
 #include <string>
 #include <string_view>
@@ -20,7 +21,9 @@ public:
     void on_event(const broker::Mirror& sessions, const broker::LogEvent& event);
     /// Replaces all that is known of the mirror's broker.
     void reset(const broker::Mirror& sessions);
+    /// Forgets what its sessions want: of many, some in each turn.
     void forget(BrokerId peer);
+    void on_turn();
     /// What the session wants.
     void add(BrokerId peer, const broker::SessionImage& session);
     void remove(BrokerId peer, const broker::SessionImage& session);
@@ -35,6 +38,7 @@ private:
 
     broker::TopicTree<BrokerId, std::uint32_t> tree_;  // with the number of the peer's subscribers
     std::set<BrokerId> peers_;                         // that are in it, or were
+    std::map<BrokerId, std::size_t> forgotten_;        // of those: filters to be looked at
 };
 
 }  // namespace romano::cluster

@@ -43,8 +43,9 @@ public:
     void reset(const LogId& log, const broker::Mirror& sessions);
     /// The tables have all sessions of that log.
     [[nodiscard]] bool follow(const LogId& log) const;
-    /// It has ended.
+    /// It has ended. What its sessions wanted is forgotten in the next turns.
     void on_end(const LogId& log);
+    void on_turn() { interest_.on_turn(); }
     /// It is not held any more.
     void forget(const LogId& log);
     /// The client has a living home: what ended logs say of it is over.

@@ -111,6 +111,27 @@ TEST(TopicTree, RemoveAllLeavesTheOthers) {
     EXPECT_TRUE(tree.empty());
 }
 
+TEST(TopicTree, RemoveSomeGetsToAllThoughOthersComeAndGoMeanwhile) {
+    Tree tree;
+    const auto filter = [](int number) { return "robot/" + std::to_string(number); };
+    for (int number = 0; number < 100; ++number) {
+        tree.put(filter(number), 1, 'x');
+        if (number % 3 == 0) tree.put(filter(number), 2, 'x');
+    }
+    tree.put("robot/+", 1, 'x');
+    std::size_t left = 100;
+    for (int piece = 0; left > 0; ++piece) {
+        ASSERT_FALSE(matching(tree, "robot/x").empty()) << "it goes last";
+        left = tree.remove_some(1, left, 10);
+        tree.put(filter(100 + piece), 2, 'x');
+        (void)tree.remove(filter(3 * piece), 2);
+    }
+    for (int number = 0; number < 110; ++number) {
+        const bool is_others = number < 30 ? false : number >= 100 || number % 3 == 0;
+        EXPECT_EQ(matching(tree, filter(number)), std::vector<int>(is_others ? 1 : 0, 2)) << number;
+    }
+}
+
 TEST(TopicTree, VisitsSubscribersInOrderWhateverTheOrderOfSubscription) {
     Tree tree;
     for (const int subscriber : {3, 1, 2}) tree.put("a", subscriber, 'x');

@@ -2,8 +2,10 @@
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <initializer_list>
 #include <map>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -99,7 +101,45 @@ TEST(Interest, ASnapshotReplacesWhatWasKnown) {
     EXPECT_THAT(peers.interested_in("old/x"), IsEmpty());
     EXPECT_THAT(peers.interested_in("new/x"), ElementsAre(b1));
     peers.interest.forget(b1);
+    peers.interest.on_turn();
     EXPECT_THAT(peers.interested_in("new/x"), IsEmpty());
+}
+
+// I8: of 10,000 sessions that took three milliseconds.
+TEST(Interest, IsForgottenInPieces) {
+    constexpr int filters = 2'000;
+    Peers peers;
+    peers.sessions_at(b1, {"a"});
+    peers.sessions_at(b2, {"b"});
+    for (int i = 0; i < filters; ++i) peers.tell(b1, subscribed("a", std::to_string(i)));
+    peers.tell(b2, subscribed("b", "7"));
+    const auto count = [&peers] {
+        int known = 0;
+        for (int i = 0; i < filters; ++i) {
+            known +=
+                static_cast<int>(std::ranges::count(peers.interested_in(std::to_string(i)), b1));
+        }
+        return known;
+    };
+    peers.interest.forget(b1);
+    for (int known = filters; known > 0;) {
+        peers.interest.on_turn();
+        const int left = count();
+        ASSERT_LT(left, known);
+        ASSERT_GE(left, known - 512);
+        known = left;
+    }
+    EXPECT_THAT(peers.interested_in("7"), ElementsAre(b2));
+}
+
+TEST(Interest, OfABrokerThatIsBackIsNotForgotten) {
+    Peers peers;
+    peers.sessions_at(b1, {"a"});
+    peers.tell(b1, subscribed("a", "pose"));
+    peers.interest.forget(b1);
+    peers.interest.reset(peers.mirrors.at(b1));
+    peers.interest.on_turn();
+    EXPECT_THAT(peers.interested_in("pose"), ElementsAre(b1));
 }
 
 }  // namespace

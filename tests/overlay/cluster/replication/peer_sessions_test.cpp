@@ -34,6 +34,7 @@ TEST_F(PeerSessionsTest, FollowALogUntilItEnds) {
     EXPECT_TRUE(sessions.follow(peer));
     sessions.on_end(peer);
     EXPECT_FALSE(sessions.follow(peer));
+    sessions.on_turn();
     EXPECT_FALSE(sessions.interest().wants("pose"));
 }
 
@@ -78,6 +79,7 @@ TEST_F(PeerSessionsTest, NobodyWantsAnythingAtALogThatEndedWithLateEvents) {
     sessions.on_late_event(peer);
     EXPECT_TRUE(sessions.interest().wants("pose")) << "its broker may be a member yet";
     sessions.on_end(peer);
+    sessions.on_turn();
     EXPECT_FALSE(sessions.interest().wants("pose"));
 }
 
