@@ -7,7 +7,7 @@
 //
 // No input takes long, however much there is to catch up with: a broker that is busy for too long
 // is late for its peers, and taken for dead. What peers sent is applied twice as fast as it comes,
-// and some more at each tick; snapshots leave in pieces.
+// and some more at each tick; sessions come, and snapshots leave, in pieces.
 #pragma once
 
 #include <algorithm>
@@ -221,7 +221,8 @@ private:
         return at->second;
     }
     enum class Answer : std::uint8_t { at_once, with_the_beacon };
-    /// Up to `most` events that are here; the rest at the next ticks.
+    /// Up to `most` events that are here, and as many sessions as one turn may bring; the rest at
+    /// the next ticks.
     void apply(Effects& effects, const LogId& id, PeerLog& log, std::size_t most,
                Answer answer = Answer::at_once);
     [[nodiscard]] Answer answer_to(const LogBatch& batch) const;
@@ -312,7 +313,9 @@ private:
     Acquaintance acquaintance_;
     Namesake namesake_;
     Leaderless leaderless_;
-    std::set<LogId> behind_;   // logs with events that wait to be applied
+    /// Logs with events that wait to be applied: so many of them had to wait for sessions only.
+    std::map<LogId, std::size_t> behind_;
+    std::map<LogId, std::size_t> sessions_brought_;  // by their logs in this turn
     std::set<LogId> lacking_;  // logs with deliveries of messages that are not here
     Instant next_tick_ = Instant::min();
     Instant next_cursors_ = Instant::min();

@@ -110,6 +110,42 @@ TEST_F(CatchingUp, WhatComesMeanwhileIsWorkedThroughTwiceAsFast) {
     EXPECT_EQ(applied(), before + 100);
 }
 
+// I8: a turn of the daemon reads many messages, and then it ticks.
+TEST_F(CatchingUp, SessionsOfManyMessagesAreWorkedThroughInPieces) {
+    const Seq per_turn = options.sessions_per_turn;
+    for (Seq first = 1; first < 1'000; first += 100) {
+        LogBatch batch{.log = peer, .first_seq = first};
+        for (Seq seq = first; seq < first + 100; ++seq) {
+            batch.events.push_back(test::session("robot" + std::to_string(seq)));
+        }
+        take(std::move(batch));
+    }
+    EXPECT_EQ(applied(), per_turn);
+    while (applied() < 1'000) {
+        ASSERT_EQ(core.next_wakeup(), Instant::min()) << "there is more to do";
+        const Seq before = applied();
+        tick();
+        EXPECT_EQ(applied(), std::min<Seq>(before + per_turn, 1'000));
+        EXPECT_EQ(take_sent<LogAck>().back().through.seq, applied());
+    }
+}
+
+// A newcomer was behind for longer than sessions wait for it (simulator, seed 40584).
+TEST_F(CatchingUp, WhatStandsBehindManySessionsWaitsForNothingElse) {
+    LogBatch batch{.log = peer, .first_seq = 1};
+    for (Seq seq = 1; seq <= options.sessions_per_turn + 1; ++seq) {
+        batch.events.push_back(test::session("robot" + std::to_string(seq)));
+    }
+    for (Seq i = 0; i < 2 * options.events_per_turn; ++i) {
+        batch.events.push_back(test::published(peer, batch.events.size() + 1));
+    }
+    const Seq last = batch.events.size();
+    take(std::move(batch));
+    ASSERT_EQ(applied(), options.sessions_per_turn);
+    tick();
+    EXPECT_EQ(applied(), last);
+}
+
 TEST_F(CatchingUp, WhoIsCaughtUpWithAsksForNothing) {
     for (Seq first = 2; first < 1'000; first += 100) take_batch(first, 100);
     take_batch(1, 1);
