@@ -107,7 +107,7 @@ void BrokerCore::set_audience(const Audience& peers) {
     state_->tables.peers = &peers;
 }
 
-void BrokerCore::set_silence(std::function<bool(const Endpoint& via)> is_silent) {
+void BrokerCore::set_silence(std::function<bool(const Endpoint&, Instant)> is_silent) {
     state_->tables.is_silent = std::move(is_silent);
 }
 
@@ -172,6 +172,20 @@ std::optional<std::uint32_t> BrokerCore::send_again(Instant now, const Endpoint&
         Session* session = sessions.at(from);
         if (session == nullptr || session->header.via != via) continue;
         state_->deliveries.send_again(*session, turn);
+    }
+    return from < sessions.numbers() ? std::optional{from} : std::nullopt;
+}
+
+std::optional<std::uint32_t> BrokerCore::begin_waiting(Instant now, std::uint32_t from,
+                                                       std::size_t most, Actions& out) {
+    Turn turn{now, out};
+    const SessionTable& sessions = state_->tables.sessions;
+    const std::size_t end = std::min(sessions.numbers(), from + most);
+    for (; from < end; ++from) {
+        Session* session = sessions.at(from);
+        if (session != nullptr && !session->queue.empty()) {
+            state_->deliveries.go_on(*session, turn);
+        }
     }
     return from < sessions.numbers() ? std::optional{from} : std::nullopt;
 }

@@ -89,8 +89,8 @@ public:
     /// Who is asked whether a peer wants a QoS 0 message; it must outlive this broker.
     void set_audience(const Audience& peers);
     /// Whether nothing leaves from a service address for now. No exchange is begun there (P3:
-    /// another home may begin it under another msg id) until send_again() is called for it.
-    void set_silence(std::function<bool(const Endpoint& via)> is_silent);
+    /// another home may begin it under another msg id) before send_again() or begin_waiting().
+    void set_silence(std::function<bool(const Endpoint& via, Instant now)> is_silent);
 
     /// Stops being the home: appends SessionErased and forgets, publishing no will. Empty when
     /// unknown.
@@ -115,6 +115,9 @@ public:
     /// number; none when it was the last.
     std::optional<std::uint32_t> send_again(Instant now, const Endpoint& via, std::uint32_t from,
                                             std::size_t most, Actions& out);
+    /// Begins what waits as nothing left for a while, at all addresses; in the same pieces.
+    std::optional<std::uint32_t> begin_waiting(Instant now, std::uint32_t from, std::size_t most,
+                                               Actions& out);
 
     /// True when a datagram that came from there to `via` would reach a session that is homed here,
     /// or one that is being begun; or is known to reach none: it comes from where one was left

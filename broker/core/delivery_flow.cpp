@@ -95,12 +95,13 @@ DeliveryFlow::Readiness DeliveryFlow::prepare(Session& session, WireTopic& topic
     return entry.known || session.ignores_register ? Readiness::ready : Readiness::must_register;
 }
 
-bool DeliveryFlow::is_silent(const Session& session) const {
-    return tables_.is_silent && tables_.is_silent(session.header.via);
+bool DeliveryFlow::is_silent(const Session& session, Instant now) const {
+    return tables_.is_silent && tables_.is_silent(session.header.via, now);
 }
 
 void DeliveryFlow::go_on(Session& session, Turn& turn) {
-    if (!session.queue.empty() && is_silent(session)) return schedule(tables_, session);
+    const bool would_begin = !session.exchange.is_open() && !session.queue.empty();
+    if (would_begin && is_silent(session, turn.now)) return schedule(tables_, session);
     while (session.is_listening() && !session.held && !session.read_by_owner &&
            !session.exchange.is_open() && choose(session, turn.now)) {
         if (open_front(session, turn)) break;

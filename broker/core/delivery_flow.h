@@ -101,7 +101,7 @@ private:
     bool choose(Session& session, Instant now);
     [[nodiscard]] bool is_paused(const Session& session, const Delivery& delivery, Instant now);
 
-    [[nodiscard]] bool is_silent(const Session& session) const;
+    [[nodiscard]] bool is_silent(const Session& session, Instant now) const;
     /// False when the current message was dropped or went out without an exchange.
     bool open_front(Session& session, Turn& turn);
     bool publish_front(Session& session, const WireTopic& topic, Turn& turn);

@@ -57,11 +57,11 @@ struct Tables {
     Cursors cursors;
     Counters counters;
     Notes notes;
-    const Audience* peers = nullptr;                 // null: they may want everything
-    const Permissions* permissions = nullptr;        // null: everybody may do everything
-    std::function<bool(const Endpoint&)> is_silent;  // of service addresses; empty: none is
-    bool congested = false;                          // no new promises (BrokerCore::set_congested)
-    bool full = false;  // nothing more that stays (BrokerCore::set_full)
+    const Audience* peers = nullptr;                          // null: they may want everything
+    const Permissions* permissions = nullptr;                 // null: everybody may do everything
+    std::function<bool(const Endpoint&, Instant)> is_silent;  // a service address; empty: none is
+    bool congested = false;  // no new promises (BrokerCore::set_congested)
+    bool full = false;       // nothing more that stays (BrokerCore::set_full)
 
     void count(Drop reason) { ++counters.dropped[static_cast<std::size_t>(reason)]; }
     [[nodiscard]] const Limits& limits() const { return options.limits; }

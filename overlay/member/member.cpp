@@ -44,7 +44,11 @@ broker::BrokerOptions Member::broker_options() const {
 
 void Member::acquaint_broker() {
     broker_.set_audience(cluster_.audience());
-    broker_.set_silence([this](const Endpoint& via) { return cluster_.is_silent(via); });
+    broker_.set_silence([this](const Endpoint& via, Instant now) {
+        const bool waits = cluster_.has_lost_lease(now);
+        if (waits) begins_from_ = 0;
+        return waits || cluster_.is_silent(via);
+    });
 }
 
 void Member::set_rights(const broker::Permissions* permissions, const std::string& digest) {
@@ -135,7 +139,8 @@ Instant Member::next_wakeup() const {
     if (has_left_) return never;
     // The server's turns come with the beacons'. So does the moment in which a lost lease is back.
     const Instant cluster = cluster_.next_wakeup();
-    return broker_waits_ ? cluster : std::min(broker_.next_wakeup(), cluster);
+    if (broker_waits_) return cluster;
+    return begins_from_ ? Instant::min() : std::min(broker_.next_wakeup(), cluster);
 }
 
 void Member::leave(Instant now, MemberActions& out) {
@@ -208,6 +213,11 @@ void Member::carry_out(Instant now, MemberActions& out) {
     serve_waiting(now, out);
     if (cluster_.has_lost_lease(now)) return;
     broker_waits_ = false;
+    if (begins_from_) {
+        begins_from_ =
+            broker_.begin_waiting(now, *begins_from_, options_.cluster.sessions_per_turn, work_);
+        absorb(now, out);
+    }
     go_on_uplink(now, out);
     const auto fate_of = [this](const Endpoint& via) {
         if (cluster_.is_silent(via)) return HeldOutput::Fate::is_dropped;

@@ -202,8 +202,9 @@ private:
     bool has_left_ = false;
     std::uint64_t replacements_ = 0;
 
-    bool broker_waits_ = false;            // its timers, as of the last tick: the lease was lost
-    Instant fresh_from_ = Instant::min();  // what is read before came in a standstill
+    bool broker_waits_ = false;  // its timers, as of the last tick: the lease was lost
+    std::optional<std::uint32_t> begins_from_;  // the session from which on exchanges wait for it
+    Instant fresh_from_ = Instant::min();       // what is read before came in a standstill
 
     StatusTeller status_;
 };

@@ -71,7 +71,8 @@ TEST_F(Delivering, MsgIdsGoFrom1To65535AndBeginAgain) {  // G23: never 0
 TEST_F(Delivering, P3_NothingIsBegunAtAnAddressThatIsSilent) {
     robot.subscribes("a", Qos::exactly_once);
     bool is_silent = true;
-    broker.core.set_silence([&](const Endpoint& via) { return is_silent && via == broker.via; });
+    broker.core.set_silence(
+        [&](const Endpoint& via, Instant) { return is_silent && via == broker.via; });
     publishes("a", "x", Qos::exactly_once);
     robot.hears_nothing();
     EXPECT_EQ(broker.core.image("robot")->deliveries.at(0).stage, DeliveryStage::queued);

@@ -40,6 +40,26 @@ TEST(Member, AStalledBrokerThatWasReplacedDropsWhatItHadAndGetsItBack) {
     expect_unnoticed(robot);
 }
 
+// It may have been replaced: who goes on in its place begins the exchange under another id
+// (simulator, seed 42250 as shipped).
+TEST(Member, P3_WhoHasNoLeaseBeginsNoExchange) {
+    Brokers brokers;
+    start(brokers, {1, 2, 3});
+    Robot& robot = subscriber(brokers, "robot", 3, Qos::exactly_once);
+    Robot& other = publisher(brokers, "other", 1);
+    brokers.stall(3);
+    other.publish("pose", "1", Qos::exactly_once);
+    brokers.run_for(88ms);  // its lease is over, and it did not stand still for a term
+    brokers.wake(3);
+    brokers.run_for(1ms);
+    const auto waiting = brokers.member(3).broker().image("robot");
+    ASSERT_EQ(waiting->deliveries.size(), 1U);
+    EXPECT_EQ(waiting->deliveries[0].stage, broker::DeliveryStage::queued);
+    brokers.run_for(20ms);
+    EXPECT_THAT(robot.received(), ElementsAre("1"));
+    expect_unnoticed(robot);
+}
+
 // Those who made the view without it are gone; those who came later tell it (seeds 52 and 729).
 TEST(Member, P3_WhoWasAwayWhileAllOthersWereReplacedLearnsThatItWas) {
     Brokers brokers;
