@@ -19,6 +19,20 @@
 #include "romano/mqttsn/codec.h"
 
 namespace romano::broker {
+namespace {
+
+/// Looks at `most` numbers, from that one on, and returns the next one; none when it was the last.
+template <typename Look>
+std::optional<std::uint32_t> visit_some(const SessionTable& sessions, std::uint32_t from,
+                                        std::size_t most, Look&& look) {
+    const std::size_t end = std::min(sessions.numbers(), from + most);
+    for (; from < end; ++from) {
+        if (Session* session = sessions.at(from)) look(*session);
+    }
+    return from < sessions.numbers() ? std::optional{from} : std::nullopt;
+}
+
+}  // namespace
 
 /// The procedures, composed.
 class BrokerCore::State {
@@ -166,28 +180,17 @@ std::optional<std::uint32_t> BrokerCore::send_again(Instant now, const Endpoint&
                                                     std::uint32_t from, std::size_t most,
                                                     Actions& out) {
     Turn turn{now, out};
-    const SessionTable& sessions = state_->tables.sessions;
-    const std::size_t end = std::min(sessions.numbers(), from + most);
-    for (; from < end; ++from) {
-        Session* session = sessions.at(from);
-        if (session == nullptr || session->header.via != via) continue;
-        state_->deliveries.send_again(*session, turn);
-    }
-    return from < sessions.numbers() ? std::optional{from} : std::nullopt;
+    return visit_some(state_->tables.sessions, from, most, [&](Session& session) {
+        if (session.header.via == via) state_->deliveries.send_again(session, turn);
+    });
 }
 
 std::optional<std::uint32_t> BrokerCore::begin_waiting(Instant now, std::uint32_t from,
                                                        std::size_t most, Actions& out) {
     Turn turn{now, out};
-    const SessionTable& sessions = state_->tables.sessions;
-    const std::size_t end = std::min(sessions.numbers(), from + most);
-    for (; from < end; ++from) {
-        Session* session = sessions.at(from);
-        if (session != nullptr && !session->queue.empty()) {
-            state_->deliveries.go_on(*session, turn);
-        }
-    }
-    return from < sessions.numbers() ? std::optional{from} : std::nullopt;
+    return visit_some(state_->tables.sessions, from, most, [&](Session& session) {
+        if (!session.queue.empty()) state_->deliveries.go_on(session, turn);
+    });
 }
 
 bool BrokerCore::serves(const Endpoint& via, const Endpoint& from, Bytes datagram) const {
@@ -235,13 +238,8 @@ std::vector<ClientId> BrokerCore::client_ids() const {
 
 std::optional<std::uint32_t> BrokerCore::visit_client_ids(
     std::uint32_t from, std::size_t most, const std::function<void(const ClientId&)>& look) const {
-    const SessionTable& sessions = state_->tables.sessions;
-    const std::size_t end = std::min(sessions.numbers(), from + most);
-    for (; from < end; ++from) {
-        const Session* session = sessions.at(from);
-        if (session != nullptr) look(session->header.client_id);
-    }
-    return from < sessions.numbers() ? std::optional{from} : std::nullopt;
+    return visit_some(state_->tables.sessions, from, most,
+                      [&](const Session& session) { look(session.header.client_id); });
 }
 
 std::vector<SessionImage> BrokerCore::images() const {

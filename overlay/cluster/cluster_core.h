@@ -246,7 +246,9 @@ private:
     void take_view(Effects& effects);
     void on_view(Effects& effects, const ViewAnnouncement& announcement);
     void heed_standstill(Instant now);
-    /// What was said from an address while it was silent went nowhere: says it again.
+    /// What was said from an address while it was silent went nowhere, and nothing was begun there:
+    /// catches up with both when the silence is over. Before and after an input is worked through,
+    /// so that none is missed.
     void heed_silence();
     void say_again(Effects& effects);
     /// Tries again for addresses that should be served here and are served by nobody.

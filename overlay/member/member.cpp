@@ -45,6 +45,7 @@ broker::BrokerOptions Member::broker_options() const {
 void Member::acquaint_broker() {
     broker_.set_audience(cluster_.audience());
     broker_.set_silence([this](const Endpoint& via, Instant now) {
+        // Asked where an exchange would begin: as soon as the lease is back it shall.
         const bool waits = cluster_.has_lost_lease(now);
         if (waits) begins_from_ = 0;
         return waits || cluster_.is_silent(via);
