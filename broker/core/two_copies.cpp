@@ -41,6 +41,17 @@ bool learn(SessionImage& image, const SessionImage& told) {
     return is_new;
 }
 
+/// The client fell asleep at the home that stays, and connected at the other one since: who takes
+/// it for asleep sends it nothing. False when that is nothing new.
+bool learn_awoken(SessionHeader& stays, const SessionHeader& told) {
+    const bool sleeps = stays.state == SessionState::asleep || stays.state == SessionState::awake;
+    if (!sleeps || told.state != SessionState::active) return false;
+    stays.state = told.state;
+    stays.keep_alive_s = told.keep_alive_s;
+    stays.sleep_s = told.sleep_s;
+    return true;
+}
+
 /// What the client began to publish last at the home that gives way is published, though the other
 /// one may have heard it later: it answered what that one sent. False when that is nothing new.
 bool learn_published(SessionImage& image, const SessionImage& told) {
@@ -140,8 +151,11 @@ Settled settle(SessionImage own, SessionImage comes, std::vector<MessagePtr>& mi
     const bool resumes = resume_exchanges(stays, missed, other);
     settled.unfinished = left_open(other, stays);
     if (settled.unfinished == mqttsn::no_msg_id) settled.unfinished = left_open(before, stays);
-    const bool is_told = other.header.last_heard > stays.header.last_heard && learn(stays, other);
-    const bool learns = learn_published(stays, other) || is_told;
+    bool learns = learn_published(stays, other);
+    if (other.header.last_heard > stays.header.last_heard) {
+        learns |= learn(stays, other);
+        learns |= learn_awoken(stays.header, other.header);
+    }
     // A mirror's copy that comes may have been heard since.
     const bool is_lost = !settled.comes && is_lost_elsewhere(stays.header, other.header);
     if (is_lost) {

@@ -256,6 +256,24 @@ TEST_F(TwoHalves, WhatWasToldBeforeIsOver) {
     EXPECT_EQ(image_of(third, "robot").subscriptions, newer.subscriptions);
 }
 
+// The older half sleeps; whoever takes the client for asleep sends it nothing (simulator, seed
+// 14253 as shipped).
+TEST_F(TwoHalves, P2_TheHalfThatWinsKnowsThatTheClientIsConnected) {
+    older.header.state = SessionState::asleep;
+    older.header.sleep_s = 100;
+    EXPECT_TRUE(heir.core.adopt(heir.now, older, {}, heir.actions));
+    heir.drain();
+    hears_what_it_was_told_last(heir);
+}
+
+TEST_F(TwoHalves, TheHalfThatWinsLetsAClientSleepThatFellAsleepLater) {
+    older.header.state = SessionState::asleep;
+    older.header.sleep_s = 100;
+    older.header.last_heard = heir.core.header("robot")->last_heard;
+    EXPECT_TRUE(heir.core.adopt(heir.now, older, {}, heir.actions));
+    EXPECT_EQ(image_of(heir, "robot").header.state, SessionState::asleep);
+}
+
 // A QoS 2 receiver takes a message for the one that it has not released under the same msg id
 // (simulator, seed 145609).
 TEST_F(TwoHomes, MsgIdsGoOnFarFromWhereBothHomesWere) {

@@ -46,7 +46,7 @@ std::vector<OnceBad> once_bad() {
          {261, 709, 9978575, 9978847, 9979376, 9990563, 9992292, 9992392}},
         {"AsShipped",
          {.as_shipped = true},
-         {5557, 6120, 6289, 8801, 9568, 10773, 12079, 15911, 17151, 19420}},
+         {5557, 6120, 6289, 8801, 9568, 10773, 12079, 14253, 15911, 17151, 19420}},
         {"AsShippedRaft", {.as_shipped = true, .elector = "raft"}, {2747}},
         {"AsShippedOfOneWhoWasReplaced", {.as_shipped = true}, {3225, 3260, 3468, 4098, 42250}},
     };
