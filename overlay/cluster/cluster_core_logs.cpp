@@ -181,11 +181,11 @@ Acknowledgements::IsHeld ClusterCore::is_held() const {
         }
         // It ended before we came: the home that names it brings it (fetching.h).
         if (log == logs_.end()) return !logs_.at(by).mirror().is_unresolved(publish);
-        // Of a removed log comes what the view agreed on, from the members that hold it.
-        if (log->second.is_frozen()) return !fetching_.awaits(publish);
+        if (log->second.holds(publish.seq)) return true;
         // I6: without a view, or back from a standstill, this broker does not know who is gone.
-        const bool knows_who_is_gone = is_in_view() && !is_back();
-        return log->second.holds(publish.seq) || (knows_who_is_gone && !membership_.is_alive(id));
+        if (!is_in_view() || is_back()) return false;
+        // Of a removed log comes what the view agreed on, from the members that hold it.
+        return log->second.is_frozen() ? !fetching_.awaits(publish) : !membership_.is_alive(id);
     };
 }
 

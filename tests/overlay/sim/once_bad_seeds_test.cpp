@@ -92,6 +92,7 @@ TEST(OnceBrokenSeeds, HaveOneOwnerAViewNow) {
 TEST(OnceBrokenSeeds, HoldAMessageBeforeWhatIsSaidOfItNow) {
     keep(Invariant::named_first, 10308, {.as_shipped = true});
     keep(Invariant::named_first, 832, {.faults = {Fault::relapse}});
+    keep(Invariant::named_first, 194, {.faults = {Fault::starve}});
 }
 
 // An address came back with an older copy of a session than another home had; in the last one a
