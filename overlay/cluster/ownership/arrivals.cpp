@@ -81,8 +81,7 @@ void Arrivals::carry_on(Effects& effects, const Logs& logs, const HomeOfHigher& 
         --allowed_;
         const auto speaks = home_of_higher(session->image.header);
         if (speaks && effects.broker.header(arrival.client) == nullptr) {
-            departures.pass_on(effects, caught_up(effects, logs, session->image), *speaks,
-                               logs.peers, arrival.moved);
+            departures.pass_on(effects, logs, session->image, *speaks, arrival.moved);
         } else {
             departures.adopt(effects, logs, session->image, arrival.moved);
         }

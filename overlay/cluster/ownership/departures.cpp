@@ -50,11 +50,13 @@ void Departures::move(Effects& effects, const broker::ClientId& client, const Lo
     if (image) put(effects, *std::move(image), to, epochs);
 }
 
-void Departures::pass_on(Effects& effects, broker::SessionImage image, const LogId& to,
-                         const PeerLogs& logs, const std::optional<LogPosition>& moved) {
-    if (is_foreign(to, logs)) return;
+void Departures::pass_on(Effects& effects, const Logs& logs, broker::SessionImage image,
+                         const LogId& to, const std::optional<LogPosition>& moved) {
+    if (is_foreign(to, logs.peers)) return;
+    image = caught_up(effects, logs, std::move(image));
     if (auto before = call_off(image.header.client_id)) {
         std::vector<broker::MessagePtr> missed;  // both have all
+        before = caught_up(effects, logs, *std::move(before));
         image = broker::settle(*std::move(before), std::move(image), missed).image;
     }
     effects.broker.pass_on(image, to, moved, effects.clients);

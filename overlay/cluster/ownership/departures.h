@@ -25,9 +25,10 @@ public:
     void move(Effects& effects, const broker::ClientId& client, const LogId& to,
               std::uint64_t epochs, const PeerLogs& logs);
     /// A session that was never here goes on to another home: of a dead one to the one that serves
-    /// its address, of a living one (`moved`) to the one whose copy outranks it.
-    void pass_on(Effects& effects, broker::SessionImage image, const LogId& to,
-                 const PeerLogs& logs, const std::optional<LogPosition>& moved = std::nullopt);
+    /// its address, of a living one (`moved`) to the one whose copy outranks it. Readers of our log
+    /// take it for as far worked through as we are, and so it is.
+    void pass_on(Effects& effects, const Logs& logs, broker::SessionImage image, const LogId& to,
+                 const std::optional<LogPosition>& moved = std::nullopt);
     /// The new home says that it has what the event `at` of the own log moved there.
     void on_arrived(const broker::ClientId& client, Seq at);
     /// The session comes here. `moved`: the event by which its living home said so.

@@ -189,8 +189,7 @@ bool TakeOver::adopt_some(Effects& effects, Pending& pending, PeerLog& log, cons
         if (!is_elsewhere(image->header, log, effects, logs.peers)) {
             // One that is here already is joined with it, and goes from here.
             if (pending.server && effects.broker.header(client) == nullptr) {
-                auto whole = caught_up(effects, logs, *std::move(image));
-                departures.pass_on(effects, std::move(whole), *pending.server, logs.peers);
+                departures.pass_on(effects, logs, *std::move(image), *pending.server);
             } else {
                 departures.adopt(effects, logs, *std::move(image));
             }

@@ -103,6 +103,12 @@ TEST(OnceBrokenSeeds, SpeakToAClientFromOneHomeNow) {
     }
 }
 
+// Of two copies that a broker passed on the one stayed that had left before, and lacked what came
+// since.
+TEST(OnceBrokenSeeds, GoOnFromWhatWasLeftNow) {
+    keep(Invariant::as_at_the_seal, 11222, {.as_shipped = true});
+}
+
 // The tail of a later view came before its announcement.
 TEST(OnceBrokenSeeds, EndLogsAsAgreedNow) {
     for (const std::uint64_t seed : {234, 237, 583, 652, 671, 680, 952}) {

@@ -152,12 +152,36 @@ TEST_F(TakeOverTest, P3_OfTwoDeadCopiesTheHigherOneIsPassedOn) {
         auto session = std::get<broker::SessionPut>(test::session("robot", theirs));
         session.image.header.epoch = epoch;
         Effects effects{now, broker, clients, outbox, local, test::times};
-        departures.pass_on(effects, session.image, other, peers);
+        departures.pass_on(effects, {peers, own}, session.image, other);
     }
     ASSERT_TRUE(departures.all().contains("robot"));
     EXPECT_EQ(departures.all().at("robot").session.image.header.epoch, 2U);
     const auto& moved = std::get<broker::Append>(clients.list().back());
     EXPECT_EQ(std::get<broker::SessionMoved>(*moved.event).header.epoch, 2U);
+}
+
+// Readers take it for as far worked through as its passer is. What had left before was that far
+// then (simulator, as shipped, seed 11222).
+TEST_F(TakeOverTest, P2_WhatWasPublishedSinceTheHigherCopyLeftGoesWithIt) {
+    const LogId writer = test::log_of("writer");
+    PeerLog& log = peers.try_emplace(writer, writer, 100).first->second;
+    for (const std::uint64_t epoch : {2, 1}) {
+        auto session = std::get<broker::SessionPut>(test::session("robot", theirs));
+        session.image.header.epoch = epoch;
+        session.image.header.clean = false;
+        session.image.subscriptions = {{.filter = "pose", .granted = mqttsn::Qos::at_least_once}};
+        Effects effects{now, broker, clients, outbox, local, test::times};
+        departures.pass_on(effects, {peers, own}, session.image, other);
+        const broker::LogEvent event = test::published(writer, 1);
+        log.offer(1, {event});
+        if (log.has_next()) log.apply();
+        broker.on_peer_message(now, std::get<broker::Published>(event).message, clients);
+    }
+    ASSERT_TRUE(departures.all().contains("robot"));
+    const broker::SessionImage& left = departures.all().at("robot").session.image;
+    EXPECT_EQ(left.header.epoch, 2U);
+    EXPECT_EQ(left.deliveries.size(), 1U);
+    EXPECT_EQ(broker::worked_through(left, writer), 1U);
 }
 
 // It waits to be adopted there.
