@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "bench/cluster/cost.h"
+#include "romano/cli/loopback_network.h"
 #include "romano/cli/real_number.h"
 
 namespace {
@@ -89,6 +90,7 @@ int main(int argc, char** argv) {
         ->check(CLI::Range(0, 230))
         ->capture_default_str();
     app.add_option("--network", options.network, "Loopback network of the brokers")
+        ->check(loopback_network())
         ->capture_default_str();
     app.add_option("--output", options.output, "Results folder")->capture_default_str();
     app.add_option("BROKER-OPTION", options.broker_arguments, "After --: options of the brokers");

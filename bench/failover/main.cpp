@@ -12,6 +12,7 @@
 #include "bench/failover/results.h"
 #include "bench/failover/trade.h"
 #include "broker/net/clock.h"
+#include "romano/cli/loopback_network.h"
 
 namespace {
 
@@ -75,6 +76,7 @@ void read(CLI::App& app, Options& options) {
         ->check(CLI::Range(0, 230))
         ->capture_default_str();
     app.add_option("--network", options.network, "Loopback network of the brokers")
+        ->check(romano::loopback_network())
         ->capture_default_str();
     app.add_option("--port", options.port, "Their UDP port")->capture_default_str();
     app.add_option("--output", options.output,

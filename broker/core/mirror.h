@@ -5,7 +5,6 @@
 // delivery names its message by position, and resolve() fills it in when the message is known.
 #pragma once
 
-#include <algorithm>
 #include <cstddef>
 #include <functional>
 #include <optional>

@@ -1,7 +1,6 @@
 #include "experiments/cli/apply.h"
 
 #include <array>
-#include <boost/asio/ip/address_v4.hpp>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -12,6 +11,7 @@
 
 #include "experiments/applications/applications.h"
 #include "experiments/cli/broker_options.h"
+#include "romano/cli/loopback_network.h"
 
 namespace romano::experiments {
 namespace {
@@ -60,13 +60,6 @@ std::vector<std::string> names() {
     return all;
 }
 
-/// Addresses that every machine has.
-std::string check_network(const std::string& network) {
-    boost::system::error_code none;
-    const auto address = boost::asio::ip::make_address_v4(network + ".1", none);
-    return !none && address.is_loopback() ? "" : "`" + network + "` must be 127.A.B";
-}
-
 void add_options(CLI::App& command, ApplyOptions& options) {
     command.set_help_flag("--help", "Show this and examples, and exit");
     command.add_option("application", options.application, "Which one")
@@ -89,7 +82,7 @@ void add_options(CLI::App& command, ApplyOptions& options) {
         ->capture_default_str();
     command
         .add_option("--network", options.run.network, "The first three octets of their addresses")
-        ->check(check_network, "127.A.B")
+        ->check(loopback_network())
         ->capture_default_str();
     command.add_option("--seed", options.run.seed, "Of the modelled radio")->capture_default_str();
     command.add_flag("--brief", options.run.brief, "roaming: fewer robots, a shorter way");
