@@ -214,10 +214,14 @@ private:
     void heed_leader(Instant now, const ViewNumber& number);
     PeerLog& log_of(const LogId& id) {
         const auto [at, is_new] = logs_.try_emplace(id, id, options_.log_events_kept);
-        // It may be the log of one who died before we came, of whose sessions others took care.
-        if (is_new && !is_in_view()) at->second.become_outdated();
-        // A leader may have put it into the view before we hear it.
-        if (is_new && view_change_.contains(id)) peer_sessions_.reset(id, at->second.mirror());
+        if (!is_new) return at->second;
+        // A leader may have put it into the view before we hear it. Else it may be the log of one
+        // who was replaced before we came, of whose sessions others took care.
+        if (view_change_.contains(id)) {
+            peer_sessions_.reset(id, at->second.mirror());
+        } else {
+            at->second.become_outdated();
+        }
         return at->second;
     }
     enum class Answer : std::uint8_t { at_once, with_the_beacon };

@@ -66,9 +66,7 @@ void ClusterCore::heed_log_of(const Beacon& beacon) {
     log.heard_end(beacon.last_seq, beacon.view.number);
     log.heard_serving(beacon.serving);
     log.set_foreign(beacon.predefined != predefined_);
-    const auto own_held = beacon.held_of(own_.id());
-    if (own_held) log.heard_by_writer();
-    watermark_.on_beacon(beacon.log, own_held.value_or(0));
+    watermark_.on_beacon(beacon.log, beacon.held_of(own_.id()).value_or(0));
     if (!has_frozen_logs_) return;
     for (auto& [id, held] : logs_) {
         if (!held.is_frozen() || id.broker == beacon.log.broker) continue;

@@ -130,10 +130,13 @@ void ViewChange::lead(Instant now, Surroundings around, Outbox& out) {
 }
 
 /// Those of the present view that stay in it: what an earlier proposal froze of them lives on, for
-/// nobody may announce that one any more.
+/// nobody may announce that one any more. And whoever is in the next view may take for safe what we
+/// hold of its log, before we have that view.
 void ViewChange::thaw_members(const View& next, PeerLogs& logs) const {
     for (auto& [id, log] : logs) {
-        if (contains(id) && next.contains(id)) log.thaw();
+        if (!next.contains(id)) continue;
+        if (contains(id)) log.thaw();
+        log.promised_with_writer();
     }
 }
 

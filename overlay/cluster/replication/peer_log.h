@@ -109,10 +109,10 @@ public:
         if (!frozen_ || lived_on_ || agreed_end_ == 0) return std::nullopt;
         return AgreedEnd{agreed_end_, ended_in_};
     }
-    /// We were replaced, or are new: until its writer hears us, or is in one view with us, others
-    /// know better what is left of it.
+    /// We were replaced, or are new: until we promise a view with its writer, others know better
+    /// what is left of it. That the writer hears us says nothing: it may have been replaced, too.
     void become_outdated() { outdated_ = true; }
-    void heard_by_writer() { outdated_ = outdated_ && frozen_; }
+    void promised_with_writer() { outdated_ = outdated_ && frozen_; }
     [[nodiscard]] bool is_outdated() const { return outdated_; }
     /// Of a frozen log: the last event that the members of that view agreed on. Its writer may have
     /// lived on beyond an earlier one, in views that we missed: then what was taken from it is its

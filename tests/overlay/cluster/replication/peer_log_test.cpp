@@ -409,18 +409,18 @@ TEST(PeerLog, P2_AnOutdatedLogSaysNothingOfSessions) {
     EXPECT_NE(held.log.session("a"), nullptr) << "its writer lives";
     held.log.freeze();
     EXPECT_EQ(held.log.session("a"), nullptr);
-    held.log.heard_by_writer();
-    EXPECT_EQ(held.log.session("a"), nullptr) << "that beacon came late";
+    held.log.promised_with_writer();
+    EXPECT_EQ(held.log.session("a"), nullptr) << "nothing comes to it before that view is there";
     held.log.thaw();
     held.log.freeze();
     EXPECT_NE(held.log.session("a"), nullptr) << "it died in a view that we were in";
 }
 
-TEST(PeerLog, AWriterThatHeardUsAgainDiedBeforeOurEyes) {
+TEST(PeerLog, P2_AWriterWithWhichAViewWasPromisedDiedBeforeOurEyes) {
     Held held;
     held.take(1, {session("a", address(1))});
     held.log.become_outdated();
-    held.log.heard_by_writer();
+    held.log.promised_with_writer();
     held.log.freeze();
     EXPECT_NE(held.log.session("a"), nullptr);
 }
