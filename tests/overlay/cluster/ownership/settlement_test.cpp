@@ -143,6 +143,26 @@ TEST(Settlement, P4_OfTwoEqualCopiesOneStays) {
     EXPECT_EQ(homes.two.has_given_way(), peer.broker < self.broker);
 }
 
+TEST(Settlement, I7_WhoBecomesHomeBesideAHigherCopyGivesWayInThatTurn) {
+    TwoHomes homes;
+    homes.adopt(homes.two, 0, 2);
+    homes.read_all();
+    homes.adopt(homes.one, 0, 1);
+    homes.look(homes.one);
+    EXPECT_TRUE(homes.one.has_given_way()) << "nothing more is to come from the other one";
+}
+
+// Its home would stay, and so would the other one, to which the mirror's copy is the higher.
+TEST(Settlement, I7_AMirrorKnowsOfNoLaterWordThanItsHome) {
+    TwoHomes homes;
+    homes.adopt(homes.one, 0, 1);
+    homes.now += 5ms;
+    homes.hear(homes.one);
+    homes.read_all();
+    EXPECT_LE(homes.two.other.mirror().header(client(0))->last_heard,
+              homes.one.broker.header(client(0))->last_heard);
+}
+
 // A client that is heard writes no event of that, and the other home would never give way.
 TEST(Settlement, P4_WhoStaysWritesThatItsClientWasHeard) {
     TwoHomes homes;
