@@ -8,7 +8,9 @@
 // member says now, or a detection time has passed (I1).
 //
 // Whose robots are whose, a newcomer knows when it has read what the members had written by then:
-// until that a stranger may be a robot that roams.
+// until that a stranger may be a robot that roams. A log is read when the messages that it names
+// are here as well (I6): a session that came earlier would go on without them (P2), though its home
+// still has those that all others forgot (fetching.h).
 #pragma once
 
 #include <algorithm>
@@ -67,7 +69,8 @@ public:
         if (now >= reads_until_) unread_.clear();
         std::erase_if(unread_, [&](const auto& entry) {
             const auto log = logs.find(entry.first);
-            return entry.second && log != logs.end() && log->second.holds(*entry.second);
+            return entry.second && log != logs.end() && log->second.holds(*entry.second) &&
+                   !log->second.mirror().is_any_unresolved();
         });
     }
     /// All who took us into our first view are met, or were removed.

@@ -103,6 +103,23 @@ TEST_F(AcquaintanceTest, P1_StrangersMayRoamUntilANewcomerHasReadWhatMembersHadW
     EXPECT_FALSE(acquaintance.may_roam()) << "only those of its first view";
 }
 
+// Seed 19192, as shipped: a newcomer held the events of a sleeper's home, and of the publisher's
+// log a snapshot without what the others had worked through. The sleeper came there before its home
+// was asked for that.
+TEST_F(AcquaintanceTest, I6_ALogIsReadWhenTheMessagesThatItNamesAreHere) {
+    const broker::LogEvent message = test::published(other, 7);
+    const broker::Routed routed{{other, 7}, {{"robot", mqttsn::Qos::exactly_once}}};
+    see({self, one});
+    logs.at(one).offer(1, {test::session("robot"), routed});
+    while (logs.at(one).has_next()) logs.at(one).apply();
+    hear(one, 2);
+    carry_on();
+    EXPECT_TRUE(acquaintance.may_roam());
+    logs.at(one).mirror().resolve(std::get<broker::Published>(message).message);
+    carry_on();
+    EXPECT_FALSE(acquaintance.may_roam());
+}
+
 TEST_F(AcquaintanceTest, WhatTheRemovedHadWrittenIsNotWaitedFor) {
     see({self, one});
     hear(one, 7);
