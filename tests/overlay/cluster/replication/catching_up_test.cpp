@@ -274,6 +274,34 @@ TEST_F(CatchingUp, WhatNamesAMessageOfASilentBrokerWaitsForTheViewThatEndsItsLog
     EXPECT_EQ(acknowledged(), 2U);
 }
 
+// A later view may go on from that log, and this broker stood still (simulator, faults `starve`,
+// seed 194).
+TEST_F(CatchingUp, I6_WhatIsBeyondTheEndOfARemovedLogIsWaitedForAfterAStandstill) {
+    const LogId removed = test::log_of("removed");
+    while (!core.leadership().leader) {
+        take(Beacon{.name = "removed", .log = removed, .tick = ++ticks, .hears = {self.broker}});
+        hear_beacon(0);
+    }
+    while (core.membership().is_alive(removed)) hear_beacon(0);
+    ViewAnnouncement announcement{
+        .view = {.number = {core.promised().term + 1, self.broker, 1}, .members = {self, peer}},
+        .ends = {{removed, 1}}};
+    std::ranges::sort(announcement.view.members);
+    take(announcement);
+    hear_beacon(0);
+    const auto acknowledges = [&](Seq seq) {
+        take(LogBatch{.log = peer,
+                      .first_seq = seq,
+                      .events = {broker::Routed{.message = {removed, 5}, .routes = {}}}});
+        return core.beacon(broker).applied_through(peer) == seq;
+    };
+    ASSERT_TRUE(acknowledges(1)) << "nobody brings it";
+    now += 1s;
+    ASSERT_TRUE(core.notice_standstill(now));
+    tick();
+    EXPECT_FALSE(acknowledges(2));
+}
+
 /// The peer's log names a message of a broker that fell silent, and is in no view of ours.
 class MessageOfASilentStranger : public CatchingUp {
 protected:
