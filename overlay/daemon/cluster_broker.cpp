@@ -274,7 +274,7 @@ void ClusterBroker::on_batch_end() {
 }
 
 void ClusterBroker::on_peer_message(const overlay::Envelope& envelope) {
-    turns_.begin(net::now());
+    if (member_) turns_.begin(net::now());  // before that nobody is kept waiting
     if (const auto* told = std::get_if<cluster::Particulars>(&envelope.message)) {
         if (!told->wanted) on_particulars(told->beacon);
     } else if (std::holds_alternative<cluster::Heartbeat>(envelope.message)) {

@@ -2,10 +2,15 @@
 
 #include <spdlog/spdlog.h>
 
+#include <chrono>
 #include <string_view>
+
+#include "broker/net/clock.h"
 
 namespace romano::dds {
 namespace {
+
+constexpr Duration drained_for = std::chrono::milliseconds{1};
 
 constexpr const char* beacon_topic = "romano_beacon";
 constexpr const char* log_topic = "romano_log";
@@ -43,13 +48,14 @@ DdsTransport::~DdsTransport() = default;
 
 void DdsTransport::start(Receiver receiver) {
     receiver_ = std::move(receiver);
-    inbox_ = std::make_unique<SampleReader>(participant_, inbox_topic(self_), inbox_qos(), wakeup_);
-    const auto read = [this](const std::string& topic, const Qos& qos) {
-        readers_.push_back(std::make_unique<SampleReader>(participant_, topic, qos, wakeup_));
+    const auto read = [this](const std::string& topic, const Qos& qos, auto heed) {
+        readers_.push_back(
+            {std::make_unique<SampleReader>(participant_, topic, qos, wakeup_), heed});
     };
-    read(beacon_topic, beacon_qos());
-    read(log_topic, log_qos());
-    read(forward_topic(self_), forward_qos());
+    read(inbox_topic(self_), inbox_qos(), &DdsTransport::on_inbox_sample);
+    read(beacon_topic, beacon_qos(), &DdsTransport::on_sample);
+    read(log_topic, log_qos(), &DdsTransport::on_sample);
+    read(forward_topic(self_), forward_qos(), &DdsTransport::on_sample);
 }
 
 void DdsTransport::send(const overlay::Outgoing& outgoing) {
@@ -95,18 +101,20 @@ void DdsTransport::count_written(bool written, Bytes body) {
     counters_.sent_octets += body.size();
 }
 
+/// All readers in turn, until they are empty or it takes long: the rest in another turn of the
+/// thread, so that clients are not kept waiting.
 void DdsTransport::drain() {
-    bool more = false;
-    const auto take = [&](SampleReader& reader, auto handle) {
-        const std::size_t count =
-            reader.take([&](const SampleView& sample) { (this->*handle)(sample); });
-        more = more || count == SampleReader::most_at_once;
-    };
-    for (const auto& reader : readers_) take(*reader, &DdsTransport::on_sample);
-    take(*inbox_, &DdsTransport::on_inbox_sample);
+    const Instant until = net::now() + drained_for;
+    std::size_t empty = 0;  // so many in a row
+    while (empty < readers_.size() && (empty > 0 || net::now() < until)) {
+        const Reading& reading = readers_[next_reader_];
+        next_reader_ = (next_reader_ + 1) % readers_.size();
+        const std::size_t count = reading.reader->take(
+            [&](const SampleView& sample) { (this->*reading.on_sample)(sample); });
+        empty = count < SampleReader::most_at_once ? empty + 1 : 0;
+    }
     if (on_drained_) on_drained_();
-    // The rest in another turn, so that clients are not kept waiting.
-    if (more) wakeup_->ring();
+    if (empty < readers_.size()) wakeup_->ring();
 }
 
 void DdsTransport::on_inbox_sample(const SampleView& sample) {

@@ -86,9 +86,13 @@ private:
     BeaconSender beacons_;
     SampleWriter log_;
     std::map<broker::BrokerId, Peer> peers_;
-    std::set<broker::BrokerId> told_of_;                  // brokers of other versions
-    std::vector<std::unique_ptr<SampleReader>> readers_;  // beacons, log, forwards
-    std::unique_ptr<SampleReader> inbox_;
+    std::set<broker::BrokerId> told_of_;  // brokers of other versions
+    struct Reading {
+        std::unique_ptr<SampleReader> reader;
+        void (DdsTransport::*on_sample)(const SampleView&);
+    };
+    std::vector<Reading> readers_;  // inbox, beacons, log, forwards
+    std::size_t next_reader_ = 0;
 };
 
 }  // namespace romano::dds

@@ -25,7 +25,7 @@ struct SampleView {
 
 class SampleReader {
 public:
-    static constexpr std::size_t most_at_once = 16;
+    static constexpr std::size_t most_at_once = 2;
 
     /// Rings `wakeup` when samples arrive. Throws DdsError.
     SampleReader(const Entity& participant, const std::string& topic, const Qos& qos,
