@@ -23,8 +23,9 @@ using namespace std::chrono_literals;
 using experiments::LoadPlan;
 using mqttsn::Qos;
 
-constexpr std::size_t last = 2;        // of three brokers
-constexpr double detection_time = 50;  // ms, of the profile `lan`
+constexpr std::size_t last = 2;           // of three brokers
+constexpr Duration orphaned_for = 100ms;  // after the kill, about
+constexpr double detection_time = 50;     // ms, of the profile `lan`
 
 double in_ms(Duration duration) {
     return std::chrono::duration<double, std::milli>(duration).count();
@@ -47,6 +48,11 @@ double cpu_s(const Cluster& cluster) {
         if (usage) sum += usage->cpu_s;
     }
     return sum;
+}
+
+/// As experiments::MqttsnClients chooses it.
+std::size_t home_of(const CostScenario& scenario, std::uint32_t subscriber) {
+    return scenario.homes[(subscriber + 1) % scenario.homes.size()];
 }
 
 std::optional<double> value(const std::vector<CostRow>& rows, const std::string& scenario,
@@ -121,6 +127,8 @@ CostRow run(const CostScenario& scenario, unsigned repetition, const Options& br
     double cpu_before = 0;
     double cpu_after = 0;
     bool is_stopped = false;
+    std::optional<Instant> killed_at;
+    std::vector<double> orphans_delays_ms;
     experiments::LoadRun load(scenario.plan, clients,
                               {.on_progress =
                                    [&](const std::string& phase, double share) {
@@ -129,22 +137,35 @@ CostRow run(const CostScenario& scenario, unsigned repetition, const Options& br
                                        if (stop == is_stopped) return;
                                        is_stopped = stop;
                                        if (!stop) return cluster.revive(last);
-                                       scenario.fault == Fault::crash ? cluster.kill(last)
-                                                                      : cluster.pause(last);
+                                       if (scenario.fault != Fault::crash) {
+                                           return cluster.pause(last);
+                                       }
+                                       cluster.kill(last);
+                                       killed_at = net::now();
                                    },
                                .on_measuring = [&] { cpu_before = cpu_s(cluster); },
                                .on_measured = [&] { cpu_after = cpu_s(cluster); },
-                               .is_stopped = {}});
+                               .is_stopped = {},
+                               .on_delivery =
+                                   [&](std::uint32_t subscriber, Instant due, Duration delay) {
+                                       if (!killed_at || home_of(scenario, subscriber) != last)
+                                           return;
+                                       if (due < *killed_at || due > *killed_at + orphaned_for)
+                                           return;
+                                       orphans_delays_ms.push_back(in_ms(delay));
+                                   }});
     const experiments::LoadFigures figures = load.run();
-    return {.scenario = scenario.name,
-            .repetition = repetition,
-            .deliveries_per_s = figures.delivered_per_s(),
-            .delivery_p50_ms = in_ms(figures.latency.at(0.5)),
-            .delivery_max_ms = in_ms(figures.latency.max()),
-            .acknowledgement_p50_ms = in_ms(figures.acknowledgement.at(0.5)),
-            .acknowledgement_max_ms = in_ms(figures.acknowledgement.max()),
-            .broker_cpu_percent = 100 * (cpu_after - cpu_before) / figures.measured_s,
-            .lost = static_cast<double>(figures.lost())};
+    return {
+        .scenario = scenario.name,
+        .repetition = repetition,
+        .deliveries_per_s = figures.delivered_per_s(),
+        .delivery_p50_ms = in_ms(figures.latency.at(0.5)),
+        .delivery_max_ms = in_ms(figures.latency.max()),
+        .acknowledgement_p50_ms = in_ms(figures.acknowledgement.at(0.5)),
+        .acknowledgement_max_ms = in_ms(figures.acknowledgement.max()),
+        .orphans_delivery_p50_ms = experiments::Percentiles{std::move(orphans_delays_ms)}.at(0.5),
+        .broker_cpu_percent = 100 * (cpu_after - cpu_before) / figures.measured_s,
+        .lost = static_cast<double>(figures.lost())};
 }
 
 std::vector<CostTarget> judge(const std::vector<CostRow>& rows) {
@@ -201,19 +222,35 @@ std::vector<CostTarget> judge(const std::vector<CostRow>& rows) {
         longest("peer_stops_acks_1"));
     add("a peer stops, acks all, longest delay (ms)", "at most 50", true, detection_time,
         longest("peer_stops_acks_all"));
+    const auto many = [&](const auto& figure) {
+        return [&rows, figure](unsigned repetition) -> std::optional<double> {
+            const auto row = std::ranges::find_if(rows, [&](const CostRow& each) {
+                return each.orphans_delivery_p50_ms && each.repetition == repetition;
+            });
+            return row == rows.end() ? std::nullopt : std::optional<double>{figure(*row)};
+        };
+    };
+    add("10,000 sessions lose their broker, delay p50 (ms)", "at most 30", true, 30,
+        many([](const CostRow& row) { return *row.orphans_delivery_p50_ms; }));
+    add("10,000 sessions there and back, longest delay (ms)", "at most 150", true, 150,
+        many([](const CostRow& row) {
+            return std::max(row.delivery_max_ms, row.acknowledgement_max_ms);
+        }));
     return targets;
 }
 
 std::string csv_of(const std::vector<CostRow>& rows) {
     std::string text = experiments::csv_line(
         {"scenario", "repetition", "deliveries_per_s", "delivery_p50_ms", "delivery_max_ms",
-         "acknowledgement_p50_ms", "acknowledgement_max_ms", "broker_cpu_percent", "lost"});
+         "acknowledgement_p50_ms", "acknowledgement_max_ms", "orphans_delivery_p50_ms",
+         "broker_cpu_percent", "lost"});
     for (const CostRow& row : rows) {
         const auto number = [](double each) { return experiments::csv_number(each); };
         text += experiments::csv_line(
             {row.scenario, std::to_string(row.repetition), number(row.deliveries_per_s),
              number(row.delivery_p50_ms), number(row.delivery_max_ms),
              number(row.acknowledgement_p50_ms), number(row.acknowledgement_max_ms),
+             row.orphans_delivery_p50_ms ? number(*row.orphans_delivery_p50_ms) : std::string{},
              number(row.broker_cpu_percent), number(row.lost)});
     }
     return text;

@@ -33,6 +33,8 @@ struct CostRow {
     double delivery_max_ms = 0;
     double acknowledgement_p50_ms = 0;
     double acknowledgement_max_ms = 0;
+    /// Of the messages for the clients of a broker that has just been killed.
+    std::optional<double> orphans_delivery_p50_ms = {};
     double broker_cpu_percent = 0;  // of all brokers together, in percent of one core
     double lost = 0;
 };

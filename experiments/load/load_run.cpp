@@ -246,6 +246,8 @@ void LoadRun::on_message(Instant now, Number client, Bytes payload, bool again) 
     if (!arrivals_.note(stream, subscriber / plan_.topics, stamp->sequence)) return;
     if (measuring_ && stamp->sent_at >= measured_from_) {
         figures_.latency.add(now - stamp->sent_at);
+        if (watch_.on_delivery)
+            watch_.on_delivery(subscriber, stamp->sent_at, now - stamp->sent_at);
         if (arrivals_.receivers_having(stream, stamp->sequence) == plan_.receivers_of(topic)) {
             figures_.last_subscriber.add(now - stamp->sent_at);
         }

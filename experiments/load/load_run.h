@@ -30,7 +30,9 @@ struct LoadWatch {
     std::function<void()> on_measured;   // and is over
     std::function<bool()> is_stopped;    // an early end
     std::function<void()> on_turn = {};  // before each look at the sockets
-    bool never_sleeps = false;           // a core for the generator, latencies without its wake-ups
+    /// A message that was due then came to that subscriber.
+    std::function<void(std::uint32_t subscriber, Instant due, Duration delay)> on_delivery = {};
+    bool never_sleeps = false;  // a core for the generator, latencies without its wake-ups
 };
 
 class LoadRun : private LoadClients::Listener {
