@@ -32,6 +32,29 @@ std::optional<std::uint32_t> visit_some(const SessionTable& sessions, std::uint3
     return from < sessions.numbers() ? std::optional{from} : std::nullopt;
 }
 
+struct Sender {
+    Origin place;
+    std::optional<ClientId> client_id;  // if the datagram names it
+};
+
+/// None when it is no message.
+std::optional<Sender> sender_of(Origin place, Bytes datagram) {
+    auto decoded = mqttsn::decode(datagram);
+    if (!decoded) return std::nullopt;
+    if (const auto* frame = std::get_if<mqttsn::Encapsulated>(&*decoded)) {
+        place.from.wireless_node_id = as_text(frame->wireless_node_id);
+        decoded = mqttsn::decode(frame->message);
+        if (!decoded) return std::nullopt;
+    }
+    std::optional<ClientId> named;
+    if (const auto* connect = std::get_if<mqttsn::Connect>(&*decoded)) {
+        named = ConnectFlow::client_id_of(place, *connect);
+    } else if (const auto* ping = std::get_if<mqttsn::Pingreq>(&*decoded)) {
+        if (!ping->client_id.empty()) named = ping->client_id;
+    }
+    return Sender{std::move(place), std::move(named)};
+}
+
 }  // namespace
 
 /// The procedures, composed.
@@ -121,7 +144,7 @@ void BrokerCore::set_audience(const Audience& peers) {
     state_->tables.peers = &peers;
 }
 
-void BrokerCore::set_silence(std::function<bool(const Endpoint&, Instant)> is_silent) {
+void BrokerCore::set_silence(std::function<bool(const SessionHeader&, Instant)> is_silent) {
     state_->tables.is_silent = std::move(is_silent);
 }
 
@@ -194,23 +217,17 @@ std::optional<std::uint32_t> BrokerCore::begin_waiting(Instant now, std::uint32_
 }
 
 bool BrokerCore::serves(const Endpoint& via, const Endpoint& from, Bytes datagram) const {
-    auto decoded = mqttsn::decode(datagram);
-    if (!decoded) return false;
-    Origin origin{via, {from, {}}};
-    if (const auto* frame = std::get_if<mqttsn::Encapsulated>(&*decoded)) {
-        origin.from.wireless_node_id = as_text(frame->wireless_node_id);
-        decoded = mqttsn::decode(frame->message);
-        if (!decoded) return false;
-    }
-    const SessionTable& sessions = state_->tables.sessions;
-    if (const auto* connect = std::get_if<mqttsn::Connect>(&*decoded)) {
-        return sessions.find(ConnectFlow::client_id_of(origin, *connect)) != nullptr;
-    }
-    const auto* ping = std::get_if<mqttsn::Pingreq>(&*decoded);
-    if (ping != nullptr && !ping->client_id.empty()) {
-        return sessions.find(ping->client_id) != nullptr;
-    }
-    return state_->reception.knows(origin);
+    const auto sender = sender_of({via, {from, {}}}, datagram);
+    if (!sender) return false;
+    if (sender->client_id) return header(*sender->client_id) != nullptr;
+    return state_->reception.knows(sender->place);
+}
+
+bool BrokerCore::has_session_at(const Endpoint& via, const Endpoint& from, Bytes datagram) const {
+    const auto sender = sender_of({via, {from, {}}}, datagram);
+    if (!sender) return false;
+    if (sender->client_id) return header(*sender->client_id) != nullptr;
+    return state_->tables.sessions.find(sender->place) != nullptr;
 }
 
 bool BrokerCore::has_client_at(const ClientAddress& address) const {

@@ -90,7 +90,8 @@ public:
     void set_audience(const Audience& peers);
     /// Whether nothing leaves from a service address for now. No exchange is begun there (P3:
     /// another home may begin it under another msg id) before send_again() or begin_waiting().
-    void set_silence(std::function<bool(const Endpoint& via, Instant now)> is_silent);
+    /// Asked where one would begin: something waits for that client.
+    void set_silence(std::function<bool(const SessionHeader& client, Instant now)> is_silent);
 
     /// Stops being the home: appends SessionErased and forgets, publishing no will. Empty when
     /// unknown.
@@ -123,6 +124,10 @@ public:
     /// or one that is being begun; or is known to reach none: it comes from where one was left
     /// behind.
     [[nodiscard]] bool serves(const Endpoint& via, const Endpoint& from, Bytes datagram) const;
+    /// True when it would reach a session that is homed here and was heard at that very place, or
+    /// that it names.
+    [[nodiscard]] bool has_session_at(const Endpoint& via, const Endpoint& from,
+                                      Bytes datagram) const;
     /// Some client is connected from that address, to whichever service address.
     [[nodiscard]] bool has_client_at(const ClientAddress& address) const;
 

@@ -96,7 +96,7 @@ DeliveryFlow::Readiness DeliveryFlow::prepare(Session& session, WireTopic& topic
 }
 
 bool DeliveryFlow::is_silent(const Session& session, Instant now) const {
-    return tables_.is_silent && tables_.is_silent(session.header.via, now);
+    return tables_.is_silent && tables_.is_silent(session.header, now);
 }
 
 void DeliveryFlow::go_on(Session& session, Turn& turn) {

@@ -57,9 +57,9 @@ struct Tables {
     Cursors cursors;
     Counters counters;
     Notes notes;
-    const Audience* peers = nullptr;                          // null: they may want everything
-    const Permissions* permissions = nullptr;                 // null: everybody may do everything
-    std::function<bool(const Endpoint&, Instant)> is_silent;  // a service address; empty: none is
+    const Audience* peers = nullptr;           // null: they may want everything
+    const Permissions* permissions = nullptr;  // null: everybody may do everything
+    std::function<bool(const SessionHeader&, Instant)> is_silent;  // empty: nobody is
     bool congested = false;  // no new promises (BrokerCore::set_congested)
     bool full = false;       // nothing more that stays (BrokerCore::set_full)
 

@@ -112,7 +112,7 @@ void ClusterCore::warn_when_leaderless(Effects& effects) {
 
 Instant ClusterCore::next_wakeup() const {
     const bool is_behind = publish_order_.is_behind() || (arrivals_.is_half_done() && !is_back()) ||
-                           departures_.is_half_done() || hand_back_.is_half_done() ||
+                           departures_.is_half_done() || hand_back_.is_half_done(departures_) ||
                            (settlement_.is_half_done() && !is_back()) ||
                            !take_over_.half_adopted().empty() || !said_again_.empty() ||
                            !behind_.empty();
@@ -141,9 +141,27 @@ void ClusterCore::seek_addresses(Effects& effects) {
     }
 }
 
-bool ClusterCore::must_wait(const Endpoint& via, const Endpoint& from) const {
-    return !is_in_view() || !acquaintance_.has_met_all() || take_over_.is_half_adopted(via) ||
-           hand_back_.is_expecting(via) || departures_.is_leaving(from);
+bool ClusterCore::must_wait(const broker::BrokerCore& broker, const Endpoint& via,
+                            const Endpoint& from, Bytes datagram) const {
+    if (!is_in_view() || !acquaintance_.has_met_all() || departures_.is_leaving(from)) return true;
+    if (take_over_.is_half_adopted(via) || hand_back_.is_expecting(via)) {
+        if (hand_back_.is_silent(via) || take_over_.is_adopted_from_several(via)) return true;
+        return !broker.has_session_at(via, from, datagram);
+    }
+    // Who has no session here may be a robot that roams: its home's log is not read yet.
+    return acquaintance_.may_roam() && !broker.serves(via, from, datagram);
+}
+
+void ClusterCore::hurry(Effects& effects, const Endpoint& via, const Endpoint& from,
+                        Bytes datagram) {
+    if (!may_speak(effects.now) || !is_in_view() || !acquaintance_.has_met_all()) return;
+    if (take_over_.is_half_adopted(via)) {
+        const auto client =
+            roaming_.client_of({via, from}, datagram, effects.broker, peer_sessions_.homes());
+        if (client) take_over_.on_client(*client);
+    } else if (hand_back_.is_expecting(via) && !hand_back_.is_silent(via)) {
+        (void)must_fetch(effects, via, from, datagram);
+    }
 }
 
 bool ClusterCore::must_fetch(Effects& effects, const Endpoint& via, const Endpoint& from,
@@ -224,7 +242,7 @@ void ClusterCore::say_again(Effects& effects) {
 
 /// Clients would wait here for those whom we have not met.
 void ClusterCore::reclaim(Effects& effects) {
-    const bool may_serve = acquaintance_.has_met_all() && !strangers_may_roam();
+    const bool may_serve = acquaintance_.has_met_all() && !acquaintance_.may_roam();
     if (may_serve && may_speak(effects.now)) {
         hand_back_.reclaim(effects, membership_, view(), addresses_);
     }
@@ -249,7 +267,13 @@ void ClusterCore::heed_arrivals(Effects& effects) {
 void ClusterCore::on(Effects& effects, BrokerId from, const SessionRequest& request) {
     const Peer* peer = membership_.find(from);
     const broker::SessionHeader* own = effects.broker.header(request.client_id);
-    if (peer == nullptr || own == nullptr || hand_back_.is_silent(own->via)) return;
+    if (peer == nullptr || own == nullptr) return;
+    // Where it is heard there at the same address, that goes back: what it was answered leaves
+    // first.
+    const bool is_handed_back =
+        request.at == own->via && addresses_.is_serving(own->via) && !addresses_.is_home(own->via);
+    if (is_handed_back) return hand_back_.on_awaited(*own);
+    if (hand_back_.is_silent(own->via)) return;
     roaming_.on_let_go(effects, *own);
     departures_.move(effects, request.client_id, peer->beacon.log, 1, logs_);
 }

@@ -110,11 +110,14 @@ public:
     }
     /// Others may have gone on for it.
     [[nodiscard]] bool has_lost_lease(Instant now) const { return is_in_view() && !may_speak(now); }
-    /// Who has no session here may be a robot that roams: its home's log is not read yet.
-    [[nodiscard]] bool strangers_may_roam() const { return acquaintance_.may_roam(); }
-    /// Datagrams from there to `via` shall wait: there is no view yet, or we have not met all who
-    /// took us into it, or sessions are on their way.
-    [[nodiscard]] bool must_wait(const Endpoint& via, const Endpoint& from) const;
+    /// A datagram from there to `via` shall wait: there is no view yet, or we have not met all who
+    /// took us into it, or its session may be on its way.
+    [[nodiscard]] bool must_wait(const broker::BrokerCore& broker, const Endpoint& via,
+                                 const Endpoint& from, Bytes datagram) const;
+    /// The datagram waits for a session that is on its way here with many others: it comes first.
+    void hurry(Effects& effects, const Endpoint& via, const Endpoint& from, Bytes datagram);
+    /// A message waits for the client, whose address is silent: the session leaves first.
+    void on_awaited(const broker::SessionHeader& client) { hand_back_.on_awaited(client); }
     /// The datagram's session is at a peer, who is asked for it: it shall wait for that.
     bool must_fetch(Effects& effects, const Endpoint& via, const Endpoint& from, Bytes datagram);
     [[nodiscard]] bool is_fetching(const Endpoint& via, const Endpoint& from) const {

@@ -23,6 +23,9 @@ void ClusterCore::append(Seq seq, const LogEventPtr& event) {
         peer_sessions_.on_own_session(client, logs_);
         if (is_homed_at_peer(client)) settlement_.on_own_session(client, logs_);
     }
+    if (const auto* publish = std::get_if<broker::Published>(&*event)) {
+        take_over_.on_publish(publish->message->topic);
+    }
     log_sender_.on_own_event(own_.id(), *event);
     own_.append(seq, event);
 }
@@ -209,6 +212,7 @@ void ClusterCore::apply_event(Effects& effects, const LogId& id, PeerLog& log) {
     if (put != nullptr && put->adopted) on_arrived(put->image.header.client_id, *put->adopted);
     if (const auto* publish = std::get_if<broker::Published>(&event)) {
         effects.broker.observe_time(publish->message->published_at);
+        take_over_.on_publish(publish->message->topic);
         publish_order_.on_publish(effects, publish->message);
         learn(publish->message);
     }

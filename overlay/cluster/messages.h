@@ -257,6 +257,7 @@ struct SnapshotPart {
 /// "A client of yours talks to me now: move its session here" (broker::SessionMoved).
 struct SessionRequest {
     broker::ClientId client_id{};
+    Endpoint at{};  // the service address that it talks to
 };
 
 /// How far the packets of a protected client were taken (overlay/packets_told.h).

@@ -216,7 +216,9 @@ struct MessageWriter {
         }
     }
     void operator()(const cluster::SessionRequest& m) const {
-        out.set_session_request(m.client_id);
+        auto& to = *out.mutable_session_request();
+        to.set_client_id(m.client_id);
+        to_proto(m.at, *to.mutable_at());
     }
     void operator()(const cluster::Pulse& m) const {
         to_proto(m.log, *out.mutable_pulse()->mutable_log());
@@ -471,7 +473,10 @@ MaybeMessage from_proto(const ClusterMessage& in) {
         case ClusterMessage::kSnapshotPart:
             return read_snapshot_part(in.snapshot_part());
         case ClusterMessage::kSessionRequest:
-            return cluster::SessionRequest{in.session_request()};
+            if (const auto at = from_proto(in.session_request().at())) {
+                return cluster::SessionRequest{in.session_request().client_id(), *at};
+            }
+            break;
         case ClusterMessage::kPulse:
             if (const auto log = from_proto(in.pulse().log())) {
                 return cluster::Pulse{*log, in.pulse().tick()};

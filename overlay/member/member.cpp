@@ -44,11 +44,13 @@ broker::BrokerOptions Member::broker_options() const {
 
 void Member::acquaint_broker() {
     broker_.set_audience(cluster_.audience());
-    broker_.set_silence([this](const Endpoint& via, Instant now) {
+    broker_.set_silence([this](const broker::SessionHeader& client, Instant now) {
         // Asked where an exchange would begin: as soon as the lease is back it shall.
         const bool waits = cluster_.has_lost_lease(now);
         if (waits) begins_from_ = 0;
-        return waits || cluster_.is_silent(via);
+        const bool is_silent = cluster_.is_silent(client.via);
+        if (is_silent) cluster_.on_awaited(client);
+        return waits || is_silent;
     });
 }
 
@@ -67,6 +69,8 @@ void Member::on_datagram(Instant now, const Endpoint& via, const Endpoint& from,
     if (cluster_.is_deaf(via)) return;  // its sessions are with another broker by now
     if (!cluster_.is_in_view() && now < fresh_from_) return;
     if (must_wait(now, via, from, datagram)) {
+        Effects acting = effects(now, out);
+        cluster_.hurry(acting, via, from, datagram);
         return waiting_.hold(via, from, datagram, true);
     }
     if (waiting_.holds(from)) {

@@ -173,8 +173,7 @@ private:
     void send(Instant now, const broker::Send& send, broker::Seq safe, MemberActions& out);
     [[nodiscard]] bool must_wait(Instant now, const Endpoint& via, const Endpoint& from,
                                  Bytes datagram) {
-        return cluster_.has_lost_lease(now) || cluster_.must_wait(via, from) ||
-               (cluster_.strangers_may_roam() && !broker_.serves(via, from, datagram));
+        return cluster_.has_lost_lease(now) || cluster_.must_wait(broker_, via, from, datagram);
     }
     void serve_waiting(Instant now, MemberActions& out);
 

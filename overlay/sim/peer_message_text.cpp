@@ -212,7 +212,7 @@ std::string line(const SnapshotPart& m) {
     return all;
 }
 std::string line(const SessionRequest& m) {
-    return "SessionRequest " + m.client_id;
+    return "SessionRequest " + m.client_id + " at " + to_text(m.at);
 }
 std::string line(const Pulse& m) {
     return "Pulse after beacon " + std::to_string(m.tick);

@@ -28,6 +28,10 @@ bool is_gone(const LogId& home, const PeerLogs& logs, const View& view) {
     return log == logs.end() || (log->second.is_frozen() && log->second.has_agreed_end());
 }
 
+bool is_late(const Effects& effects, Instant since) {
+    return effects.now >= since + effects.times.handover_acknowledged_within();
+}
+
 /// The event that says so may have been left out by a snapshot.
 bool has_arrived(const Departures::Leaving& leaving, const PeerLogs& logs) {
     const broker::SessionHeader& left = leaving.session.image.header;
@@ -112,23 +116,28 @@ bool Departures::crosses(const MovedSession& comes, const LogId& from) const {
            (!broker::outranks(theirs, ours) && comes.to.broker > from.broker);
 }
 
+bool Departures::has_late_ones(const Effects& effects, const LogId& to) const {
+    if (!is_late(effects, oldest_)) return false;
+    return std::ranges::any_of(leaving_, [&](const auto& entry) {
+        const Leaving& leaving = entry.second;
+        return leaving.session.to == to && is_late(effects, leaving.since);
+    });
+}
+
 void Departures::carry_on(Effects& effects, const Logs& logs, const View& view) {
     is_half_done_ = false;
     std::set<LogId> gone;
     for (const auto& [to, count] : to_) {
         if (is_gone(to, logs.peers, view)) gone.insert(to);
     }
-    const auto is_late = [&](Instant since) {
-        return effects.now >= since + effects.times.handover_acknowledged_within();
-    };
     // They are as many as a home had sessions, and every turn comes here.
-    if (gone.empty() && !is_late(oldest_)) return;
+    if (gone.empty() && !is_late(effects, oldest_)) return;
     Instant oldest = effects.now;
     std::size_t allowed = sessions_per_turn_;
     for (auto at = leaving_.begin(); at != leaving_.end();) {
         const auto leaving = at++;
         const Instant since = leaving->second.since;
-        if (!gone.contains(leaving->second.session.to) && !is_late(since)) {
+        if (!gone.contains(leaving->second.session.to) && !is_late(effects, since)) {
             oldest = std::min(oldest, since);
             continue;
         }

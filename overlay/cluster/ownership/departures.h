@@ -46,6 +46,13 @@ public:
         return speaking_from_.contains(client);
     }
     [[nodiscard]] bool has_any_via(const Endpoint& address) const { return via_.contains(address); }
+    /// How many are on their way there.
+    [[nodiscard]] std::size_t to(const LogId& home) const {
+        const auto found = to_.find(home);
+        return found == to_.end() ? 0 : found->second;
+    }
+    /// It does not answer for some: carry_on() takes them back.
+    [[nodiscard]] bool has_late_ones(const Effects& effects, const LogId& to) const;
     struct Leaving {
         MovedSession session;
         std::uint64_t epochs;

@@ -90,7 +90,9 @@ void HandBack::carry_on(Effects& effects, const Logs& logs, const Membership& me
     std::erase_if(giving_, [&](const auto& entry) {
         const auto& [address, giving] = entry;
         if (!addresses.is_serving(address)) return true;
-        if (!is_called_off(effects, address, giving, membership, view, not_yet)) return false;
+        if (!is_called_off(effects, address, giving, membership, view, departures, not_yet)) {
+            return false;
+        }
         if (!membership.is_alive(giving.owner)) addresses.take_anew(effects, address);
         return true;
     });
@@ -130,15 +132,27 @@ void HandBack::carry_on(Effects& effects, const Logs& logs, const Membership& me
 /// (departures.h), and speaks from here again. What the owner had comes first, when it is ours.
 bool HandBack::is_called_off(const Effects& effects, const Endpoint& address, const Giving& giving,
                              const Membership& membership, const View& view,
-                             const NotYet& not_yet) const {
-    if (giving.stage != Stage::sealed) return !membership.is_alive(giving.owner);
+                             const Departures& departures, const NotYet& not_yet) const {
+    if (giving.stage != Stage::sealed) {
+        const bool has_begun = giving.stage == Stage::moving;
+        if (has_begun && departures.has_late_ones(effects, giving.owner)) return true;
+        return !membership.is_alive(giving.owner);
+    }
     if (effects.now > giving.since + effects.times.handover_acknowledged_within()) return true;
     return !view.contains(giving.owner) && !not_yet.inheriting.contains(address);
 }
 
-bool HandBack::is_half_done() const {
-    return std::ranges::any_of(
-        giving_, [](const auto& entry) { return entry.second.stage == Stage::moving; });
+bool HandBack::is_half_done(const Departures& departures) const {
+    return std::ranges::any_of(giving_, [&](const auto& entry) {
+        const Giving& giving = entry.second;
+        return giving.stage == Stage::moving &&
+               (!giving.awaited.empty() || departures.to(giving.owner) <= sessions_per_turn_);
+    });
+}
+
+void HandBack::on_awaited(const broker::SessionHeader& client) {
+    const auto giving = giving_.find(client.via);
+    if (giving != giving_.end()) giving->second.awaited.insert(client.client_id);
 }
 
 void HandBack::begin(Effects& effects, const Endpoint& address, const Logs& logs,
@@ -156,18 +170,28 @@ void HandBack::begin(Effects& effects, const Endpoint& address, const Logs& logs
 /// They change no more: nothing is heard or said here for them.
 bool HandBack::move_some(Effects& effects, const Endpoint& address, Giving& giving,
                          const PeerLogs& logs, Departures& departures) const {
-    const std::size_t end = std::min(giving.moved + sessions_per_turn_, giving.clients.size());
-    for (; giving.moved < end; ++giving.moved) {
-        const broker::ClientId& client = giving.clients[giving.moved];
-        const broker::SessionHeader* own = effects.broker.header(client);
-        // One that talks to another address here came from its owner meanwhile: both gave theirs.
-        if (own == nullptr || own->via != address) continue;
-        departures.move(effects, client, giving.owner, giving.contested ? 0 : 1, logs);
+    std::size_t allowed = sessions_per_turn_;
+    for (; allowed > 0 && !giving.awaited.empty(); --allowed) {
+        const auto first = giving.awaited.extract(giving.awaited.begin());
+        move_one(effects, address, giving, first.value(), logs, departures);
+    }
+    if (departures.to(giving.owner) > sessions_per_turn_) return false;
+    for (; allowed > 0 && giving.moved < giving.clients.size(); --allowed) {
+        move_one(effects, address, giving, giving.clients[giving.moved++], logs, departures);
     }
     if (giving.moved < giving.clients.size()) return false;
     giving.clients = effects.broker.client_ids_via(address);  // an heir, we, adopted more
     giving.moved = 0;
     return giving.clients.empty();
+}
+
+void HandBack::move_one(Effects& effects, const Endpoint& address, const Giving& giving,
+                        const broker::ClientId& client, const PeerLogs& logs,
+                        Departures& departures) const {
+    const broker::SessionHeader* own = effects.broker.header(client);
+    // One that talks to another address here came from its owner meanwhile: both gave theirs.
+    if (own == nullptr || own->via != address) return;
+    departures.move(effects, client, giving.owner, giving.contested ? 0 : 1, logs);
 }
 
 bool HandBack::is_deaf(const Endpoint& address) const {

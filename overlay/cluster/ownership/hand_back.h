@@ -2,15 +2,18 @@
 // section 3, "Taking over the address").
 //
 //     holder                                owner (in the view, does not serve its home address)
-//       |                                      |  hears who serves it, and binds it beside that
-//       one:
+//       |                                      |  hears who serves it, and binds it, too
 //       |<--- Particulars: bound, waiting -----|  datagrams come here now, and wait
 //       |  lets pending answers leave,         |
 //       |  falls silent                        |
-//       |------- log: SessionMoved ... ------->|  adopts from its mirror of the log
-//       |------- log: Sealed ----------------->|  serves what waited
+//       |<--- SessionRequest ... --------------|  of clients that speak: these come first
+//       |------- log: SessionMoved ... ------->|  adopts from its mirror of the log, and serves
+//       |------- log: Sealed ----------------->|  serves strangers
 //       |<------ log: SessionPut ... ----------|
 //       |  unbinds                             |
+//
+// So many sessions at most are on their way at a time: one that is wanted soon is soon there. Those
+// go first whose clients speak, and those for which a message waits.
 //
 // After a heal two brokers may serve an address: it belongs to the one whose home address it is,
 // else to the one with the higher id. Both fall silent as soon as they hear of each other; the home
@@ -56,7 +59,9 @@ public:
     void carry_on(Effects& effects, const Logs& logs, const Membership& membership,
                   const View& view, ServiceAddresses& addresses, Departures& departures,
                   const NotYet& not_yet);
-    [[nodiscard]] bool is_half_done() const;
+    [[nodiscard]] bool is_half_done(const Departures& departures) const;
+    /// Something waits for the client, or it speaks to the owner: its session leaves first.
+    void on_awaited(const broker::SessionHeader& client);
     /// Looks who else serves our addresses. Whoever did when it was heard last, and is a member
     /// still, may serve them now: that it fell silent here is no proof of its death. An own address
     /// is claimed as soon as a rival hears us, and so is silent there; another one when the broker
@@ -102,6 +107,7 @@ private:
         bool contested;                              // the owner speaks there as well
         std::vector<broker::ClientId> clients = {};  // to be moved
         std::size_t moved = 0;
+        std::set<broker::ClientId> awaited = {};  // before the others
     };
     struct Expected {
         std::set<BrokerId> from;
@@ -112,7 +118,11 @@ private:
                const Membership& membership, const View& view);
     [[nodiscard]] bool is_called_off(const Effects& effects, const Endpoint& address,
                                      const Giving& giving, const Membership& membership,
-                                     const View& view, const NotYet& not_yet) const;
+                                     const View& view, const Departures& departures,
+                                     const NotYet& not_yet) const;
+    void move_one(Effects& effects, const Endpoint& address, const Giving& giving,
+                  const broker::ClientId& client, const PeerLogs& logs,
+                  Departures& departures) const;
     /// True when all that were there have left.
     bool move_some(Effects& effects, const Endpoint& address, Giving& giving, const PeerLogs& logs,
                    Departures& departures) const;

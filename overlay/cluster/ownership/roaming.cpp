@@ -65,21 +65,28 @@ bool Roaming::on_datagram(Effects& effects, const Way& way, Bytes datagram, cons
     if (!is_of_session(said.message) || effects.broker.serves(way.via, way.from, datagram)) {
         return false;
     }
-    auto client = named_client(said.message);
-    if (!client) {
-        client = client_at({way.via, said.from}, effects.broker, homes);
-    } else if (!homes.of(*client) && !has_let_go(*client) && !leaving.all().contains(*client)) {
+    auto client = client_of(way, datagram, effects.broker, homes);
+    if (!client || fetching_.size() >= fetching_most) return false;
+    if (!homes.of(*client) && !has_let_go(*client) && !leaving.all().contains(*client)) {
         return false;
     }
-    if (!client || fetching_.size() >= fetching_most) return false;
     if (is_foreign(*client, homes, membership)) return false;
     Fetching fetching{.client = *std::move(client),
+                      .at = way.via,
                       .since = effects.now,
                       .asked = std::nullopt,
                       .asked_at = Instant::min()};
     ask(effects, fetching, homes, membership, view);
     fetching_.insert_or_assign(way, std::move(fetching));
     return true;
+}
+
+std::optional<broker::ClientId> Roaming::client_of(const Way& way, Bytes datagram,
+                                                   const broker::BrokerCore& own,
+                                                   const Homes& homes) const {
+    const Said said = unwrap(way.from, datagram);
+    auto named = named_client(said.message);
+    return named ? std::move(named) : client_at({way.via, said.from}, own, homes);
 }
 
 std::optional<broker::ClientId> Roaming::client_at(const broker::Origin& place,
@@ -166,7 +173,7 @@ void Roaming::ask(Effects& effects, Fetching& fetching, const Homes& homes,
         fetching.since = effects.now;
     }
     fetching.asked_at = effects.now;
-    effects.peers.push_back({home->broker, SessionRequest{fetching.client}});
+    effects.peers.push_back({home->broker, SessionRequest{fetching.client, fetching.at}});
 }
 
 }  // namespace romano::cluster

@@ -40,10 +40,15 @@ public:
                   Departures& departures, const Membership& membership, const View& view);
     void on_standstill(Instant now);
     [[nodiscard]] bool is_fetching(const Way& way) const { return fetching_.contains(way); }
+    /// Whose session the datagram is of; none when nobody knows.
+    [[nodiscard]] std::optional<broker::ClientId> client_of(const Way& way, Bytes datagram,
+                                                            const broker::BrokerCore& own,
+                                                            const Homes& homes) const;
 
 private:
     struct Fetching {
         broker::ClientId client;
+        Endpoint at;  // the service address that it talks to
         Instant since;
         std::optional<BrokerId> asked;  // none: its home cannot answer
         Instant asked_at;

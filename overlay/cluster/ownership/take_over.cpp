@@ -7,6 +7,8 @@
 namespace romano::cluster {
 namespace {
 
+constexpr std::size_t listed_per_turn = 4'000;  // about three milliseconds
+
 /// The member that answers on the address already: its own broker, when that is back, or an heir
 /// that an earlier life of it left the address to.
 std::optional<LogId> present_server(const Endpoint& address, BrokerId self,
@@ -78,6 +80,8 @@ void TakeOver::on_view(Instant now, const ViewAnnouncement& announcement) {
 void TakeOver::carry_on(Effects& effects, const Logs& logs, const Membership& membership,
                         const View& view, ServiceAddresses& addresses, Departures& departures) {
     const bool may_go_on = std::exchange(may_go_on_, false);
+    std::vector<broker::ClientId> awaited;
+    if (may_go_on) awaited = awaited_.take(sessions_per_turn_);
     std::erase_if(pending_, [&](Pending& pending) {
         const Endpoint& address = pending.assignment.address;
         const auto log = logs.peers.find(pending.assignment.end.log);
@@ -85,7 +89,8 @@ void TakeOver::carry_on(Effects& effects, const Logs& logs, const Membership& me
         if (!log->second.is_frozen()) return true;  // it is back
         const bool are_known = log->second.call_back(view, logs.peers);
         if (pending.is_begun) {
-            return may_go_on && adopt_some(effects, pending, log->second, logs, departures);
+            return may_go_on &&
+                   adopt_some(effects, pending, log->second, logs, awaited, departures);
         }
         // It was done already, and the leader had not heard of it.
         const bool may_be_done = are_known && addresses.is_claimed(address);
@@ -118,9 +123,16 @@ void TakeOver::carry_on(Effects& effects, const Logs& logs, const Membership& me
         } else {
             begin(effects, pending, log->second, membership, addresses);
         }
-        const bool are_many = pending.clients.size() > sessions_per_turn_;  // to list was enough
-        return !are_many && adopt_some(effects, pending, log->second, logs, departures);
+        const bool are_many = pending.clients.size() > sessions_per_turn_;  // to find was enough
+        if (!are_many) return adopt_some(effects, pending, log->second, logs, {}, departures);
+        if (const auto first = log->second.session_left(pending.clients.front())) {
+            for (const auto& message : missed_publishes(*first, effects.broker, logs)) {
+                awaited_.on_publish(message->topic);
+            }
+        }
+        return false;
     });
+    if (may_go_on && std::ranges::none_of(pending_, &Pending::is_begun)) awaited_.clear();
 }
 
 /// All that the members say in this view: where their clients are, those that they have just taken
@@ -177,39 +189,68 @@ void TakeOver::begin(Effects& effects, Pending& pending, PeerLog& log, const Mem
     log.mark_served(assignment.address);
 }
 
+bool TakeOver::list_some(Pending& pending, const PeerLog& log) {
+    const std::size_t end = std::min(pending.listed + listed_per_turn, pending.clients.size());
+    const bool are_any = pending.listed < end;
+    for (; pending.listed < end; ++pending.listed) {
+        const broker::ClientId& client = pending.clients[pending.listed];
+        if (log.session(client) != nullptr) awaited_.list(*log.mirror().session(client));
+    }
+    return are_any;
+}
+
 bool TakeOver::adopt_some(Effects& effects, Pending& pending, PeerLog& log, const Logs& logs,
-                          Departures& departures) const {
+                          const std::vector<broker::ClientId>& awaited, Departures& departures) {
     const Endpoint& address = pending.assignment.address;
+    for (const auto& client : awaited) {
+        adopt_one(effects, pending, log, logs, client, departures);
+    }
+    const bool are_many = pending.clients.size() > sessions_per_turn_;
+    if (are_many && list_some(pending, log)) return false;
     const std::size_t end =
-        std::min(pending.looked_at + sessions_per_turn_, pending.clients.size());
+        std::min(pending.looked_at + sessions_per_turn_ - awaited.size(), pending.clients.size());
     for (; pending.looked_at < end; ++pending.looked_at) {
-        const broker::ClientId& client = pending.clients[pending.looked_at];
-        auto image = log.session_left(client);
-        if (!image || image->header.via != address) continue;
-        if (!is_elsewhere(image->header, log, effects, logs.peers)) {
-            // One that is here already is joined with it, and goes from here.
-            if (pending.server && effects.broker.header(client) == nullptr) {
-                departures.pass_on(effects, logs, *std::move(image), *pending.server);
-            } else {
-                departures.adopt(effects, logs, *std::move(image));
-            }
-        }
-        log.mark_taken(client);
+        adopt_one(effects, pending, log, logs, pending.clients[pending.looked_at], departures);
     }
     if (pending.looked_at < pending.clients.size()) return false;
-    if (pending.clients.size() > sessions_per_turn_) {  // a tail may have brought more meanwhile
+    if (are_many) {  // a tail may have brought more meanwhile
         pending.clients = log.clients_left(address);
-        pending.looked_at = 0;
+        pending.looked_at = pending.listed = 0;
         if (!pending.clients.empty()) return false;
     }
     if (pending.server) effects.broker.seal(address, *pending.server, effects.clients);
     return true;
 }
 
+void TakeOver::adopt_one(Effects& effects, const Pending& pending, PeerLog& log, const Logs& logs,
+                         const broker::ClientId& client, Departures& departures) const {
+    auto image = log.session_left(client);
+    if (!image || image->header.via != pending.assignment.address) return;
+    if (!is_elsewhere(image->header, log, effects, logs.peers)) {
+        // One that is here already is joined with it, and goes from here.
+        if (pending.server && effects.broker.header(client) == nullptr) {
+            departures.pass_on(effects, logs, *std::move(image), *pending.server);
+        } else {
+            departures.adopt(effects, logs, *std::move(image));
+        }
+    }
+    log.mark_taken(client);
+}
+
+void TakeOver::on_publish(std::string_view topic) {
+    if (std::ranges::any_of(pending_, &Pending::is_begun)) awaited_.on_publish(topic);
+}
+
 bool TakeOver::is_half_adopted(const Endpoint& address) const {
     return std::ranges::any_of(pending_, [&](const Pending& pending) {
         return pending.is_begun && pending.assignment.address == address;
     });
+}
+
+bool TakeOver::is_adopted_from_several(const Endpoint& address) const {
+    return std::ranges::count_if(pending_, [&](const Pending& pending) {
+               return pending.assignment.address == address;
+           }) > 1;
 }
 
 std::set<Endpoint> TakeOver::half_adopted() const {

@@ -13,17 +13,20 @@
 // From an outdated log it takes what is nowhere else, and must hold all that the members say for
 // that.
 //
-// Many sessions are adopted in pieces, and what their clients say waits until all are here.
+// Many sessions are adopted in pieces, those first for which somebody waits. What a client says
+// waits until its session is here, and what strangers say until all are.
 #pragma once
 
 #include <optional>
 #include <set>
+#include <string_view>
 #include <vector>
 
 #include "overlay/cluster/agreement/membership.h"
 #include "overlay/cluster/agreement/view_change.h"
 #include "overlay/cluster/effects.h"
 #include "overlay/cluster/ownership/adoption.h"
+#include "overlay/cluster/ownership/awaited_sessions.h"
 #include "overlay/cluster/ownership/departures.h"
 #include "overlay/cluster/ownership/service_addresses.h"
 
@@ -47,11 +50,17 @@ public:
     /// Also those that are still to come.
     [[nodiscard]] std::set<Endpoint> inheriting() const;
     [[nodiscard]] bool is_half_adopted(const Endpoint& address) const;
+    /// They come from several logs: which copy of a session stays is known when all are here.
+    [[nodiscard]] bool is_adopted_from_several(const Endpoint& address) const;
+    /// Somebody waits for the sessions that want such messages, or for that client's.
+    void on_publish(std::string_view topic);
+    void on_client(const broker::ClientId& client) { awaited_.on_client(client); }
     /// Service addresses of the dead that were inherited so far.
     [[nodiscard]] std::uint64_t inherited() const { return inherited_; }
     void restart() {
         pending_.clear();
         others_.clear();
+        awaited_.clear();
     }
 
 private:
@@ -61,6 +70,7 @@ private:
         bool is_begun = false;
         std::optional<LogId> server = {};            // to whom they are passed on
         std::vector<broker::ClientId> clients = {};  // to be looked at
+        std::size_t listed = 0;                      // of those: which are awaited is known
         std::size_t looked_at = 0;
     };
 
@@ -71,14 +81,20 @@ private:
     [[nodiscard]] bool is_out_of_patience(Effects& effects, const Pending& pending) const;
     void begin(Effects& effects, Pending& pending, PeerLog& log, const Membership& membership,
                ServiceAddresses& addresses);
+    /// Lists some of those that are to be looked at. False when all are listed.
+    bool list_some(Pending& pending, const PeerLog& log);
     /// True when none is left.
     bool adopt_some(Effects& effects, Pending& pending, PeerLog& log, const Logs& logs,
-                    Departures& departures) const;
+                    const std::vector<broker::ClientId>& awaited, Departures& departures);
+    /// If its session is left there.
+    void adopt_one(Effects& effects, const Pending& pending, PeerLog& log, const Logs& logs,
+                   const broker::ClientId& client, Departures& departures) const;
 
     BrokerId self_;
     std::size_t sessions_per_turn_;
     bool may_go_on_ = false;
     std::vector<Pending> pending_;
+    AwaitedSessions awaited_;    // of those that are begun
     std::set<Endpoint> others_;  // that the view gave to other heirs first
     std::uint64_t inherited_ = 0;
 };

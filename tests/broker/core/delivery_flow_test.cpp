@@ -72,7 +72,7 @@ TEST_F(Delivering, P3_NothingIsBegunAtAnAddressThatIsSilent) {
     robot.subscribes("a", Qos::exactly_once);
     bool is_silent = true;
     broker.core.set_silence(
-        [&](const Endpoint& via, Instant) { return is_silent && via == broker.via; });
+        [&](const SessionHeader& to, Instant) { return is_silent && to.via == broker.via; });
     publishes("a", "x", Qos::exactly_once);
     robot.hears_nothing();
     EXPECT_EQ(broker.core.image("robot")->deliveries.at(0).stage, DeliveryStage::queued);

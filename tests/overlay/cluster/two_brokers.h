@@ -56,6 +56,12 @@ struct Cluster : Owner {
     ClusterCore core;
     std::uint64_t ticks = 0;
 
+    /// A PINGREQ from there.
+    [[nodiscard]] bool must_wait(const Endpoint& via, const Endpoint& from) const {
+        static constexpr std::uint8_t pingreq[] = {2, 0x16};
+        return core.must_wait(broker, via, from, pingreq);
+    }
+
     void keep_log() {
         for (broker::Action& action : clients.list()) {
             if (const auto* append = std::get_if<broker::Append>(&action)) {

@@ -56,6 +56,7 @@ static_assert(field_count<cluster::Assignment>() == 3);
 static_assert(field_count<cluster::ViewAnnouncement>() == 3);
 static_assert(field_count<cluster::Fetch>() == 2);
 static_assert(field_count<cluster::SnapshotPart>() == 10);
+static_assert(field_count<cluster::SessionRequest>() == 2);
 static_assert(field_count<cluster::Setting>() == 3);
 static_assert(field_count<cluster::PacketsOfClient>() == 3);
 static_assert(field_count<cluster::AssociationOfClient>() == 8);

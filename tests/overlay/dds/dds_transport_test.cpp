@@ -165,7 +165,7 @@ TEST_F(DdsTransportTest, OnlyTheAddresseeReadsItsInbox) {
     acquaint(one, two);
     acquaint(one, three);
     const auto before = three.transport.counters().received;
-    one.send(two, cluster::SessionRequest{"robot"});
+    one.send(two, cluster::SessionRequest{"robot", {}});
     run_until([&] { return two.all<cluster::SessionRequest>().size() == 1; });
     EXPECT_EQ(two.all<cluster::SessionRequest>().front().client_id, "robot");
     EXPECT_EQ(three.transport.counters().received, before);
@@ -175,7 +175,7 @@ TEST_F(DdsTransportTest, DirectMessagesArriveInOrder) {
     Peer one(io, domain, "one");
     Peer two(io, domain, "two");
     acquaint(one, two);
-    for (int i = 0; i < 1000; ++i) one.send(two, cluster::SessionRequest{std::to_string(i)});
+    for (int i = 0; i < 1000; ++i) one.send(two, cluster::SessionRequest{std::to_string(i), {}});
     run_until([&] { return two.received.size() == 1000; });
     const auto requests = two.all<cluster::SessionRequest>();
     for (std::size_t i = 0; i < 1000; ++i) ASSERT_EQ(requests[i].client_id, std::to_string(i));
@@ -191,7 +191,7 @@ TEST_F(DdsTransportTest, WhatIsSaidBeforeThePeerIsReadyWaitsForIt) {
         io.run_for(1ms);
     }
     ASSERT_FALSE(one.received.empty());
-    one.send(two, cluster::SessionRequest{"first words"});
+    one.send(two, cluster::SessionRequest{"first words", {}});
     run_until([&] { return !two.all<cluster::SessionRequest>().empty(); });
 }
 
@@ -226,12 +226,12 @@ TEST_F(DdsTransportTest, ARestartedPeerIsAddressedUnderItsNewIncarnation) {
     {
         Peer two(io, domain, "two", 1);
         acquaint(one, two);
-        one.send(two, cluster::SessionRequest{"old"});
+        one.send(two, cluster::SessionRequest{"old", {}});
         run_until([&] { return !two.received.empty(); });
     }
     Peer two(io, domain, "two", 2);
     acquaint(one, two);
-    one.send(two, cluster::SessionRequest{"new"});
+    one.send(two, cluster::SessionRequest{"new", {}});
     run_until([&] { return !two.received.empty(); });
     EXPECT_EQ(two.all<cluster::SessionRequest>().size(), 1U);
     EXPECT_EQ(two.all<cluster::SessionRequest>().front().client_id, "new");
@@ -348,7 +348,7 @@ TEST_F(DdsTransportTest, AStoppedPeerBlocksNoWrite) {
     for (broker::Seq seq = 2; Clock::now() < end; ++seq) {
         const auto before = Clock::now();
         one.broadcast(batch(seq, 1000));
-        one.transport.send({broker::broker_id_of("peer"), cluster::SessionRequest{"robot"}});
+        one.transport.send({broker::broker_id_of("peer"), cluster::SessionRequest{"robot", {}}});
         longest = std::max(longest, Clock::now() - before);
         io.poll();
     }

@@ -81,8 +81,8 @@ TEST(Packing, OfSeveralAcknowledgementsTheLastSaysAll) {
 TEST(Packing, LeavesOtherMessagesAsTheyAre) {
     std::vector<overlay::Outgoing> messages{{std::nullopt, cluster::Heartbeat{}},
                                             {std::nullopt, cluster::Heartbeat{}},
-                                            {BrokerId{2}, cluster::SessionRequest{"a"}},
-                                            {BrokerId{2}, cluster::SessionRequest{"a"}}};
+                                            {BrokerId{2}, cluster::SessionRequest{"a", {}}},
+                                            {BrokerId{2}, cluster::SessionRequest{"a", {}}}};
     pack(messages);
     EXPECT_EQ(messages.size(), 4U);
 }

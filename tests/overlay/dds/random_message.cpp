@@ -304,7 +304,7 @@ cluster::ClusterMessage random_message(std::size_t kind, Random& r) {
                 some(r, message),  some(r, message),
                 some(r, position), some(r, moved_session)};
         case 10:
-            return cluster::SessionRequest{text(r)};
+            return cluster::SessionRequest{text(r), endpoint(r)};
         case 11:
             return cluster::Pulse{log_id(r), wide(r)};
         case 12:

@@ -28,7 +28,11 @@ protected:
                   .members = {self, peer, other}};
         std::ranges::sort(view.members);
         cluster.take(ViewAnnouncement{.view = view, .assignments = {}, .ends = {}});
-        cluster.core.append(1, test::session("robot"));
+        broker::SessionImage image =
+            std::get<broker::SessionPut>(test::session("robot", ours)).image;
+        image.header.address.endpoint = robot;
+        (void)cluster.broker.adopt(cluster.now, std::move(image), {}, cluster.clients);
+        cluster.keep_log();
         EXPECT_TRUE(cluster.core.view().contains(other));
     }
     /// Its beacons come here, and ours do not reach it.
@@ -43,6 +47,7 @@ protected:
         for (const Instant end = cluster.now + time; cluster.now < end;) cluster.pass();
     }
 
+    const Endpoint robot = test::address(7);
     Cluster cluster;
     std::uint64_t other_ticks = 0;
 };
@@ -50,10 +55,9 @@ protected:
 // That one may be home to them: to answer as to strangers would cost them their sessions
 // (simulator, seed 3125713).
 TEST_F(Stranded, P1_RobotsWaitUntilANewcomerHasMetAllWhoTookItIn) {
-    const Endpoint robot = test::address(7);
-    EXPECT_TRUE(cluster.core.must_wait(test::address(1), robot));
+    EXPECT_TRUE(cluster.must_wait(ours, robot));
     cluster.take(Beacon{.name = "other", .log = other, .tick = 1, .hears = {self.broker}});
-    EXPECT_FALSE(cluster.core.must_wait(test::address(1), robot));
+    EXPECT_FALSE(cluster.must_wait(ours, robot));
 }
 
 TEST_F(Stranded, P1_NobodyWaitsForAMemberThatComesLater) {
@@ -64,7 +68,7 @@ TEST_F(Stranded, P1_NobodyWaitsForAMemberThatComesLater) {
     std::ranges::sort(view.members);
     cluster.take(ViewAnnouncement{.view = view, .assignments = {}, .ends = {}});
     ASSERT_EQ(cluster.core.view().members.size(), 4U);
-    EXPECT_FALSE(cluster.core.must_wait(test::address(1), test::address(7)));
+    EXPECT_FALSE(cluster.must_wait(ours, robot));
 }
 
 TEST_F(Stranded, P1_NorForOneThatWasRemovedMeanwhile) {
@@ -73,7 +77,7 @@ TEST_F(Stranded, P1_NorForOneThatWasRemovedMeanwhile) {
     std::erase(view.members, other);
     cluster.take(ViewAnnouncement{.view = view, .assignments = {}, .ends = {{other, 0}}});
     ASSERT_EQ(cluster.core.view().members.size(), 2U);
-    EXPECT_FALSE(cluster.core.must_wait(test::address(1), test::address(7)));
+    EXPECT_FALSE(cluster.must_wait(ours, robot));
 }
 
 // P3: the other one took the address over meanwhile (simulator, seed 1042460).

@@ -346,11 +346,11 @@ TEST(Arrivals, P4_WhoMayHaveBeenReplacedGivesNoneAway) {
     (void)home.broker.adopt(home.now, image(0, ours), {}, home.clients);
     home.keep_log();
     home.stand_still(100ms);
-    home.take(SessionRequest{client(0)});
+    home.take(SessionRequest{client(0), theirs});
     EXPECT_FALSE(home.has_given_away());
     home.tick();
     home.hear();
-    home.take(SessionRequest{client(0)});
+    home.take(SessionRequest{client(0), theirs});
     EXPECT_TRUE(home.has_given_away());
 }
 

@@ -156,7 +156,7 @@ TEST(RoamingAway, P2_IsNoStrangerToTheHomeThatJustLetItGo) {
     cluster.broker.on_datagram(cluster.now, ours, from, octets(connect), cluster.clients);
     cluster.keep_log();
     ASSERT_NE(cluster.broker.header("robot"), nullptr);
-    cluster.take(SessionRequest{"robot"});
+    cluster.take(SessionRequest{"robot", theirs});
     ASSERT_EQ(cluster.broker.header("robot"), nullptr);
     Effects acting = cluster.effects();
     EXPECT_TRUE(cluster.core.must_fetch(acting, ours, from, octets(mqttsn::Pingreq{})));

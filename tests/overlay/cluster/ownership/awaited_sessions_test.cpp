@@ -1,0 +1,248 @@
+// While many sessions move, those come first for which somebody waits.
+#include "overlay/cluster/ownership/awaited_sessions.h"
+
+#include <gtest/gtest.h>
+
+#include <functional>
+
+#include "tests/overlay/cluster/two_brokers.h"
+
+namespace romano::cluster::awaited_sessions_test {
+namespace {
+
+using namespace two_brokers;
+using namespace std::chrono_literals;
+
+constexpr std::size_t sessions = 600;
+constexpr std::uint8_t pingreq[] = {2, 0x16};
+
+/// Where that client is.
+Endpoint place(std::size_t number) {
+    Endpoint endpoint = test::address(99);
+    endpoint.port = static_cast<std::uint16_t>(number + 1);
+    return endpoint;
+}
+
+broker::SessionImage subscriber(std::size_t number, const std::string& filter,
+                                const Endpoint& via = theirs) {
+    broker::SessionImage session = image(number, via);
+    session.header.address.endpoint = place(number);
+    session.subscriptions.push_back({.filter = filter, .granted = mqttsn::Qos::at_least_once});
+    return session;
+}
+
+std::string topic(std::size_t number) {
+    return "for/" + std::to_string(number);
+}
+
+using Clients = std::vector<broker::ClientId>;
+
+TEST(AwaitedSessions, AMessageIsWaitedForThatWasPublishedBeforeOrAfterTheSessionWasListed) {
+    AwaitedSessions awaited;
+    awaited.list(subscriber(1, "a"));
+    awaited.on_publish("a");
+    awaited.on_publish("b");
+    awaited.list(subscriber(2, "b"));
+    awaited.list(subscriber(3, "c"));
+    EXPECT_EQ(awaited.take(10), (Clients{client(1), client(2)}));
+    EXPECT_TRUE(awaited.take(10).empty());
+    awaited.on_publish("c");
+    EXPECT_EQ(awaited.take(10), Clients{client(3)});
+    awaited.on_publish("c");
+    EXPECT_TRUE(awaited.take(10).empty()) << "it has come";
+}
+
+TEST(AwaitedSessions, WhatMatchesAWildcardIsWaitedForToo) {
+    AwaitedSessions awaited;
+    awaited.list(subscriber(1, "a/+"));
+    awaited.on_publish("a/b");
+    awaited.list(subscriber(2, "#"));
+    EXPECT_EQ(awaited.take(10), (Clients{client(1), client(2)}));
+}
+
+TEST(AwaitedSessions, NobodyWaitsForOneThatSleeps) {
+    AwaitedSessions awaited;
+    auto sleeper = subscriber(1, "a");
+    sleeper.header.state = broker::SessionState::asleep;
+    awaited.list(sleeper);
+    awaited.on_publish("a");
+    EXPECT_TRUE(awaited.take(10).empty());
+}
+
+TEST(AwaitedSessions, SoManyAtMostAreTaken) {
+    AwaitedSessions awaited;
+    for (std::size_t i = 1; i <= 3; ++i) awaited.on_client(client(i));
+    EXPECT_EQ(awaited.take(2), (Clients{client(1), client(2)}));
+    EXPECT_EQ(awaited.take(2), Clients{client(3)});
+}
+
+/// "self" is about to adopt all sessions of "peer", and has listed them.
+struct Heir : Cluster {
+    /// `hear_others` is called whenever "peer" is heard.
+    explicit Heir(const std::function<void(Heir&)>& hear_others = [](Heir&) {}) {
+        serve(ours);
+        for (int i = 0; i < 10; ++i) {
+            hear(sessions);
+            hear_others(*this);
+        }
+        for (std::size_t first = 0; first < sessions; first += 100) {
+            LogBatch batch{.log = peer, .first_seq = first + 1};
+            for (std::size_t i = first; i < first + 100; ++i) {
+                batch.events.push_back(
+                    broker::LogEvent{broker::SessionPut{.image = subscriber(i, topic(i))}});
+            }
+            take(std::move(batch));
+            while (core.peer_logs().at(peer).applied() < first + 100) tick();
+        }
+        for (int i = 0; i < 100 && !core.take_over().is_half_adopted(theirs); ++i) pass();
+        serve(theirs);
+        tick();
+        EXPECT_EQ(broker.session_count(), 0U);
+    }
+    [[nodiscard]] bool is_home_of(std::size_t number) const {
+        return broker.header(client(number)) != nullptr;
+    }
+};
+
+// P7: a client is answered soon, however many others its broker had.
+TEST(AwaitedSessions, P7_AnHeirAdoptsThoseFirstThatSpeakOrAreWrittenTo) {
+    Heir heir;
+    Effects acting = heir.effects();
+    EXPECT_TRUE(heir.core.must_wait(heir.broker, theirs, place(599), pingreq));
+    heir.core.hurry(acting, theirs, place(599), pingreq);
+    heir.broker.publish(heir.now, topic(598), {}, mqttsn::Qos::at_least_once, false, heir.clients);
+    heir.keep_log();
+    heir.tick();
+    ASSERT_LT(heir.broker.session_count(), sessions);
+    EXPECT_TRUE(heir.is_home_of(599) && heir.is_home_of(598));
+    EXPECT_FALSE(heir.core.must_wait(heir.broker, theirs, place(599), pingreq));
+    const std::size_t later = heir.is_home_of(597) ? 596 : 597;
+    ASSERT_FALSE(heir.is_home_of(later));
+    EXPECT_TRUE(heir.core.must_wait(heir.broker, theirs, place(later), pingreq));
+}
+
+// I7: it would be taken for the other one.
+TEST(AwaitedSessions, I7_AClientIsNotServedAsAnotherOneOfItsAddressWhileItsSessionIsToCome) {
+    Heir heir;
+    auto neighbour = subscriber(sessions, "a", ours);
+    neighbour.header.address.endpoint = place(599);
+    (void)heir.broker.adopt(heir.now, std::move(neighbour), {}, heir.clients);
+    heir.keep_log();
+    EXPECT_TRUE(heir.broker.serves(theirs, place(599), pingreq));
+    EXPECT_TRUE(heir.core.must_wait(heir.broker, theirs, place(599), pingreq));
+}
+
+// P3: what the older copy would begin, the later one may have ended.
+TEST(AwaitedSessions, P3_NobodyIsServedWhileALaterCopyMayComeFromAnotherLog) {
+    const LogId other = test::log_of("other");
+    LogBatch of_others{.log = other, .first_seq = 1};
+    for (std::size_t i = 500; i < sessions; ++i) {
+        of_others.events.push_back(
+            broker::LogEvent{broker::SessionPut{.image = subscriber(i, topic(i))}});
+    }
+    Heir heir{[&](Heir& it) {
+        it.take(Beacon{.name = "other",
+                       .log = other,
+                       .last_seq = of_others.events.size(),
+                       .tick = it.ticks,
+                       .hears = {self.broker, peer.broker},
+                       .echoes = {{self, it.core.beacon(it.broker).tick}}});
+        it.take(of_others);
+    }};
+    ASSERT_TRUE(heir.core.take_over().is_adopted_from_several(theirs));
+    heir.tick();
+    ASSERT_TRUE(heir.core.take_over().is_half_adopted(theirs));
+    std::size_t here = 0;
+    while (!heir.is_home_of(here)) ++here;
+    EXPECT_TRUE(heir.core.must_wait(heir.broker, theirs, place(here), pingreq));
+}
+
+/// "self" serves the address of "peer", which is back, binds it and does not speak there.
+struct Holder : Owner {
+    static constexpr std::size_t per_turn = 100;
+
+    Membership membership{ClusterOptions{}, self.broker, 1};
+    ServiceAddresses addresses{{ours}};
+    HandBack hand_back{self.broker, per_turn};
+    Departures departures{per_turn};
+    PeerLogs logs;
+    OwnLog own{self, 100};
+    View view{.members = {self, peer}};
+
+    Holder() {
+        std::ranges::sort(view.members);
+        addresses.on_address(theirs, true);
+        membership.on_beacon(now, Beacon{.log = peer,
+                                         .tick = 1,
+                                         .hears = {self.broker},
+                                         .applied = {{self, 1}},
+                                         .home_addresses = {theirs},
+                                         .serving = {theirs},
+                                         .binding = {theirs}});
+        for (std::size_t i = 0; i < sessions; ++i) {
+            (void)broker.adopt(now, subscriber(i, topic(i)), {}, clients);
+        }
+        carry_on();
+        now += 5ms;
+        carry_on();
+        carry_on();
+        EXPECT_EQ(departures.to(peer), 2 * per_turn);
+    }
+    void carry_on() {
+        Effects acting = effects();
+        hand_back.carry_on(acting, {logs, own}, membership, view, addresses, departures,
+                           {.pending_output = {}, .half_adopted = {}, .inheriting = {}});
+    }
+    [[nodiscard]] std::size_t a_later_one() const {
+        std::size_t number = 0;
+        while (broker.header(client(number)) == nullptr) ++number;
+        return number;
+    }
+};
+
+TEST(AwaitedSessions, P7_OneThatIsWrittenToLeavesThoughManyAreOnTheirWay) {
+    Holder holder;
+    holder.carry_on();
+    EXPECT_EQ(holder.departures.to(peer), 2 * Holder::per_turn) << "enough are on their way";
+    EXPECT_FALSE(holder.hand_back.is_half_done(holder.departures));
+    const std::size_t later = holder.a_later_one();
+    holder.hand_back.on_awaited(*holder.broker.header(client(later)));
+    EXPECT_TRUE(holder.hand_back.is_half_done(holder.departures));
+    holder.carry_on();
+    EXPECT_EQ(holder.broker.header(client(later)), nullptr);
+    EXPECT_EQ(holder.departures.to(peer), 2 * Holder::per_turn + 1);
+}
+
+// P3: its client would hear what it was answered here beside what it hears there (simulator, seed
+// 2511 as shipped).
+TEST(AwaitedSessions, P3_OneThatSpeaksAtTheAddressThatGoesBackFollowsItsAnswers) {
+    Cluster holder;
+    holder.serve(ours);
+    for (int i = 0; i < 5; ++i) holder.hear();
+    const Endpoint inherited = test::address(3);
+    holder.serve(inherited);
+    (void)holder.broker.adopt(holder.now, subscriber(1, "a", inherited), {}, holder.clients);
+    holder.keep_log();
+    holder.take(SessionRequest{client(1), inherited});
+    EXPECT_NE(holder.broker.header(client(1)), nullptr);
+    holder.take(SessionRequest{client(1), theirs});
+    EXPECT_EQ(holder.broker.header(client(1)), nullptr) << "it roams";
+}
+
+// P1: or its address would be silent for as long as it does not answer.
+TEST(AwaitedSessions, P1_AnOwnerThatTakesNoneIsGivenNoMore) {
+    Holder holder;
+    ASSERT_TRUE(holder.hand_back.is_silent(theirs));
+    holder.now += 999ms;
+    holder.carry_on();
+    EXPECT_TRUE(holder.hand_back.is_silent(theirs));
+    holder.now += 1ms;
+    Effects acting = holder.effects();
+    holder.hand_back.carry_on(acting, {holder.logs, holder.own}, holder.membership, holder.view,
+                              holder.addresses, holder.departures,
+                              {.pending_output = {}, .half_adopted = {theirs}, .inheriting = {}});
+    EXPECT_FALSE(holder.hand_back.is_silent(theirs));
+}
+
+}  // namespace
+}  // namespace romano::cluster::awaited_sessions_test
