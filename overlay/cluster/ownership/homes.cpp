@@ -24,12 +24,11 @@ void Homes::reset(BrokerId peer, const broker::Mirror& sessions) {
 }
 
 void Homes::on_end(BrokerId peer) {
-    for (auto& [client, claim] : by_client_) {
-        if (claim.broker == peer) claim.number = 0;
-    }
+    ended_.insert_or_assign(peer, claims_heard_);
 }
 
 void Homes::forget(BrokerId peer) {
+    ended_.erase(peer);
     for (auto at = by_client_.begin(); at != by_client_.end();) {
         at = at->second.broker == peer ? erase(at) : std::next(at);
     }
@@ -38,10 +37,15 @@ void Homes::forget(BrokerId peer) {
 std::optional<Home> Homes::of(const broker::ClientId& client) const {
     const auto [first, end] = by_client_.equal_range(client);
     if (first == end) return std::nullopt;
-    const auto newest = std::max_element(first, end, [](const Entry& a, const Entry& b) {
-        return a.second.number < b.second.number;
+    const auto newest = std::max_element(first, end, [this](const Entry& a, const Entry& b) {
+        return place_in_time(a.second) < place_in_time(b.second);
     });
     return Home{client, newest->second.broker};
+}
+
+std::uint64_t Homes::place_in_time(const Claim& claim) const {
+    const auto ended = ended_.find(claim.broker);
+    return ended != ended_.end() && claim.number <= ended->second ? 0 : claim.number;
 }
 
 std::optional<Home> Homes::at(const broker::Origin& place) const {

@@ -8,6 +8,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <unordered_map>
 
@@ -56,6 +57,8 @@ private:
     using Claims = std::unordered_multimap<broker::ClientId, Claim>;  // one a peer
     using Entry = Claims::value_type;
 
+    /// Its number; 0 when the broker's log has ended since.
+    [[nodiscard]] std::uint64_t place_in_time(const Claim& claim) const;
     [[nodiscard]] Claims::iterator find(BrokerId peer, const broker::ClientId& client);
     Claims::iterator erase(Claims::iterator entry);
     void lose(BrokerId peer, const broker::ClientId& client);
@@ -68,6 +71,7 @@ private:
     Claims by_client_;
     broker::PointerTable<Entry> by_address_;
     std::uint64_t claims_heard_ = 0;
+    std::map<BrokerId, std::uint64_t> ended_;  // the last claim that was heard before
 };
 
 }  // namespace romano::cluster
