@@ -89,7 +89,9 @@ void Member::on_peer_message(Instant now, const Envelope& envelope, MemberAction
     if (has_left_) return;
     notice_standstill(now, out);
     Effects acting = effects(now, out);
+    const cluster::ViewNumber before = cluster_.view().number;
     cluster_.on_message(acting, envelope);
+    if (stood_still_ && cluster_.view().number != before) waiting_.clear();
     if (cluster_.was_replaced(now)) restart(now, out);
     carry_out(now, out);
 }
@@ -173,12 +175,13 @@ void Member::hold_output(MemberActions& out) {
     out.clients.clear();
 }
 
-/// One that is in no view does not know how long its clients have been served elsewhere, and what
-/// they said meanwhile was answered there: they say it again.
+/// One that is in no view, or comes into another one, does not know how long its clients have been
+/// served elsewhere, and what they said meanwhile was answered there: they say it again.
 void Member::notice_standstill(Instant now, MemberActions& out) {
     if (!cluster_.notice_standstill(now)) return;
     before_sending(now, out);
     fresh_from_ = now + options_.cluster.beacon_every;
+    stood_still_ = true;
     if (!cluster_.is_in_view()) waiting_.clear();
 }
 
@@ -217,7 +220,7 @@ void Member::carry_out(Instant now, MemberActions& out) {
     absorb(now, out);
     serve_waiting(now, out);
     if (cluster_.has_lost_lease(now)) return;
-    broker_waits_ = false;
+    broker_waits_ = stood_still_ = false;
     if (begins_from_) {
         begins_from_ =
             broker_.begin_waiting(now, *begins_from_, options_.cluster.sessions_per_turn, work_);

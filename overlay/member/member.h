@@ -204,6 +204,7 @@ private:
     bool broker_waits_ = false;  // its timers, as of the last tick: the lease was lost
     std::optional<std::uint32_t> begins_from_;  // the session from which on exchanges wait for it
     Instant fresh_from_ = Instant::min();       // what is read before came in a standstill
+    bool stood_still_ = false;                  // and has had no lease since
 
     StatusTeller status_;
 };
