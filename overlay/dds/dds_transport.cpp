@@ -5,12 +5,10 @@
 #include <chrono>
 #include <string_view>
 
-#include "broker/net/clock.h"
-
 namespace romano::dds {
 namespace {
 
-constexpr Duration drained_for = std::chrono::milliseconds{1};
+constexpr std::chrono::milliseconds drained_for{1};
 
 constexpr const char* beacon_topic = "romano_beacon";
 constexpr const char* log_topic = "romano_log";
@@ -104,9 +102,10 @@ void DdsTransport::count_written(bool written, Bytes body) {
 /// All readers in turn, until they are empty or it takes long: the rest in another turn of the
 /// thread, so that clients are not kept waiting.
 void DdsTransport::drain() {
-    const Instant until = net::now() + drained_for;
+    using Clock = std::chrono::steady_clock;
+    const auto until = Clock::now() + drained_for;
     std::size_t empty = 0;  // so many in a row
-    while (empty < readers_.size() && (empty > 0 || net::now() < until)) {
+    while (empty < readers_.size() && (empty > 0 || Clock::now() < until)) {
         const Reading& reading = readers_[next_reader_];
         next_reader_ = (next_reader_ + 1) % readers_.size();
         const std::size_t count = reading.reader->take(
