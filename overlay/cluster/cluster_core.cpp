@@ -268,8 +268,8 @@ void ClusterCore::on(Effects& effects, BrokerId from, const SessionRequest& requ
     const Peer* peer = membership_.find(from);
     const broker::SessionHeader* own = effects.broker.header(request.client_id);
     if (peer == nullptr || own == nullptr) return;
-    // Where it is heard there at the same address, that goes back: what it was answered leaves
-    // first.
+    // The peer hears the client at an address that is served here, so the address goes back: what
+    // the client was answered leaves first.
     const bool is_handed_back =
         request.at == own->via && addresses_.is_serving(own->via) && !addresses_.is_home(own->via);
     if (is_handed_back) return hand_back_.on_awaited(*own);
