@@ -11,7 +11,6 @@ namespace romano::cluster::awaited_sessions_test {
 namespace {
 
 using namespace two_brokers;
-using namespace std::chrono_literals;
 
 constexpr std::size_t sessions = 600;
 constexpr std::uint8_t pingreq[] = {2, 0x16};
@@ -157,62 +156,6 @@ TEST(AwaitedSessions, P3_NobodyIsServedWhileALaterCopyMayComeFromAnotherLog) {
     EXPECT_TRUE(heir.core.must_wait(heir.broker, theirs, place(here), pingreq));
 }
 
-/// "self" serves the address of "peer", which is back, binds it and does not speak there.
-struct Holder : Owner {
-    static constexpr std::size_t per_turn = 100;
-
-    Membership membership{ClusterOptions{}, self.broker, 1};
-    ServiceAddresses addresses{{ours}};
-    HandBack hand_back{self.broker, per_turn};
-    Departures departures{per_turn};
-    PeerLogs logs;
-    OwnLog own{self, 100};
-    View view{.members = {self, peer}};
-
-    Holder() {
-        std::ranges::sort(view.members);
-        addresses.on_address(theirs, true);
-        membership.on_beacon(now, Beacon{.log = peer,
-                                         .tick = 1,
-                                         .hears = {self.broker},
-                                         .applied = {{self, 1}},
-                                         .home_addresses = {theirs},
-                                         .serving = {theirs},
-                                         .binding = {theirs}});
-        for (std::size_t i = 0; i < sessions; ++i) {
-            (void)broker.adopt(now, subscriber(i, topic(i)), {}, clients);
-        }
-        carry_on();
-        now += 5ms;
-        carry_on();
-        carry_on();
-        EXPECT_EQ(departures.to(peer), 2 * per_turn);
-    }
-    void carry_on() {
-        Effects acting = effects();
-        hand_back.carry_on(acting, {logs, own}, membership, view, addresses, departures,
-                           {.pending_output = {}, .half_adopted = {}, .inheriting = {}});
-    }
-    [[nodiscard]] std::size_t a_later_one() const {
-        std::size_t number = 0;
-        while (broker.header(client(number)) == nullptr) ++number;
-        return number;
-    }
-};
-
-TEST(AwaitedSessions, P7_OneThatIsWrittenToLeavesThoughManyAreOnTheirWay) {
-    Holder holder;
-    holder.carry_on();
-    EXPECT_EQ(holder.departures.to(peer), 2 * Holder::per_turn) << "enough are on their way";
-    EXPECT_FALSE(holder.hand_back.is_half_done(holder.departures));
-    const std::size_t later = holder.a_later_one();
-    holder.hand_back.on_awaited(*holder.broker.header(client(later)));
-    EXPECT_TRUE(holder.hand_back.is_half_done(holder.departures));
-    holder.carry_on();
-    EXPECT_EQ(holder.broker.header(client(later)), nullptr);
-    EXPECT_EQ(holder.departures.to(peer), 2 * Holder::per_turn + 1);
-}
-
 // P3: its client would hear what it was answered here beside what it hears there (simulator, seed
 // 2511 as shipped).
 TEST(AwaitedSessions, P3_OneThatSpeaksAtTheAddressThatGoesBackFollowsItsAnswers) {
@@ -227,21 +170,6 @@ TEST(AwaitedSessions, P3_OneThatSpeaksAtTheAddressThatGoesBackFollowsItsAnswers)
     EXPECT_NE(holder.broker.header(client(1)), nullptr);
     holder.take(SessionRequest{client(1), theirs});
     EXPECT_EQ(holder.broker.header(client(1)), nullptr) << "it roams";
-}
-
-// P1: or its address would be silent for as long as it does not answer.
-TEST(AwaitedSessions, P1_AnOwnerThatTakesNoneIsGivenNoMore) {
-    Holder holder;
-    ASSERT_TRUE(holder.hand_back.is_silent(theirs));
-    holder.now += 999ms;
-    holder.carry_on();
-    EXPECT_TRUE(holder.hand_back.is_silent(theirs));
-    holder.now += 1ms;
-    Effects acting = holder.effects();
-    holder.hand_back.carry_on(acting, {holder.logs, holder.own}, holder.membership, holder.view,
-                              holder.addresses, holder.departures,
-                              {.pending_output = {}, .half_adopted = {theirs}, .inheriting = {}});
-    EXPECT_FALSE(holder.hand_back.is_silent(theirs));
 }
 
 }  // namespace

@@ -171,6 +171,43 @@ TEST(ManySessions, TheyAreHandedBackInPieces) {
     EXPECT_FALSE(holder.addresses.is_serving(theirs));
 }
 
+/// The owner takes none yet, and as many are on their way as may be.
+struct BusyHolder : Holder {
+    BusyHolder() : Holder{{theirs}, per_turn} {
+        carry_on();
+        now += 5ms;
+        carry_on();
+        carry_on();
+        EXPECT_EQ(departures.to(peer), 2 * per_turn);
+    }
+};
+
+TEST(ManySessions, P7_OneThatIsWrittenToLeavesThoughManyAreOnTheirWay) {
+    BusyHolder holder;
+    holder.carry_on();
+    EXPECT_EQ(holder.departures.to(peer), 2 * per_turn) << "enough are on their way";
+    EXPECT_FALSE(holder.hand_back.is_half_done(holder.departures));
+    std::size_t later = 0;
+    while (holder.broker.header(client(later)) == nullptr) ++later;
+    holder.hand_back.on_awaited(*holder.broker.header(client(later)));
+    EXPECT_TRUE(holder.hand_back.is_half_done(holder.departures));
+    holder.carry_on();
+    EXPECT_EQ(holder.broker.header(client(later)), nullptr);
+    EXPECT_EQ(holder.departures.to(peer), 2 * per_turn + 1);
+}
+
+// P1: or its address would be silent for as long as it does not answer.
+TEST(ManySessions, P1_AnOwnerThatTakesNoneIsGivenNoMore) {
+    BusyHolder holder;
+    ASSERT_TRUE(holder.hand_back.is_silent(theirs));
+    holder.now += 999ms;
+    holder.carry_on();
+    EXPECT_TRUE(holder.hand_back.is_silent(theirs));
+    holder.now += 1ms;
+    holder.carry_on({theirs});
+    EXPECT_FALSE(holder.hand_back.is_silent(theirs));
+}
+
 // I7: the owner may have the later word, when it spoke there, too.
 TEST(ManySessions, ThoseThatMoveOutrankWhatIsLeftOfThemUnlessTheOwnerSpokeToo) {
     for (const bool speaks : {false, true}) {
