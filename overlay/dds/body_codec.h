@@ -32,7 +32,7 @@ public:
     [[nodiscard]] std::optional<std::string> version_of_other_protocol(Bytes body);
 
     /// What brokers of this build speak, and require of each other.
-    static constexpr std::uint32_t protocol = 9;
+    static constexpr std::uint32_t protocol = 10;
 
 private:
     /// In the arena; null when the octets are no such message.
