@@ -2,18 +2,13 @@
 
 #include <unistd.h>
 
-#include <fstream>
-#include <iterator>
 #include <sstream>
 #include <string>
 
+#include "experiments/process/process_file.h"
+
 namespace romano::experiments {
 namespace {
-
-std::string read_file(const std::string& file) {
-    std::ifstream stream(file);
-    return {std::istreambuf_iterator<char>(stream), {}};
-}
 
 /// A line of status such as "VmHWM:     1234 kB".
 std::optional<double> mib_of(std::string_view status, std::string_view field) {
@@ -45,8 +40,7 @@ std::optional<ProcessUsage> parse_usage(std::string_view stat, std::string_view 
 }
 
 std::optional<ProcessUsage> usage_of(pid_t pid) {
-    const std::string folder = "/proc/" + std::to_string(pid);
-    return parse_usage(read_file(folder + "/stat"), read_file(folder + "/status"),
+    return parse_usage(process_file(pid, "stat"), process_file(pid, "status"),
                        ::sysconf(_SC_CLK_TCK));
 }
 

@@ -15,7 +15,6 @@
 #include <filesystem>
 #include <fstream>
 #include <functional>
-#include <iterator>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <set>
@@ -335,7 +334,8 @@ struct WebOfABroker : Web {
     }
     static bool lives(pid_t process) {  // a dead one that nobody has waited for does not
         std::ifstream file("/proc/" + std::to_string(process) + "/stat");
-        const std::string stat{std::istreambuf_iterator<char>(file), {}};
+        std::string stat;
+        std::getline(file, stat);  // nothing when it ends meanwhile
         const std::size_t name_end = stat.rfind(')');
         return name_end != std::string::npos && stat.compare(name_end, 3, ") Z") != 0;
     }

@@ -13,6 +13,7 @@
 #include <optional>
 #include <thread>
 
+#include "experiments/process/process_file.h"
 #include "experiments/process/program.h"
 #include "experiments/testbed/host/host_brokers.h"
 #include "experiments/testbed/host/machine_claim.h"
@@ -45,7 +46,7 @@ std::string last_line_of(const std::string& text) {
 pid_t keeper_in(const fs::path& folder) {
     const int pid = std::atoi(read(folder / "keeper.pid").c_str());
     if (pid <= 1) return 0;
-    const std::string command = read("/proc/" + std::to_string(pid) + "/cmdline");
+    const std::string command = process_file(pid, "cmdline");
     const bool is_keeper = command.find("romano-host") != std::string::npos &&
                            command.find(folder.string()) != std::string::npos;
     return is_keeper ? pid : 0;

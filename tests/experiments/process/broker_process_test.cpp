@@ -15,6 +15,7 @@
 #include <fstream>
 #include <thread>
 
+#include "experiments/process/process_file.h"
 #include "experiments/process/process_usage.h"
 #include "tests/temporary_folder.h"
 
@@ -142,6 +143,17 @@ TEST(ProcessUsages, OfThisProcessAreThere) {
     ASSERT_TRUE(usage);
     EXPECT_GT(usage->rss_peak_mib, 0);
     EXPECT_FALSE(usage_of(-1));
+}
+
+// Reading such a file fails then (ESRCH), and that is no error.
+TEST_F(BrokerProcesses, SayNothingWhenTheyEndWhileTheyAreRead) {
+    const auto process = shell("sleep 60");
+    EXPECT_THAT(process_file(process->pid(), "cmdline"), HasSubstr("sleep 60"));
+    std::ifstream opened("/proc/" + std::to_string(process->pid()) + "/cmdline");
+    ASSERT_TRUE(opened.is_open());
+    process->kill();
+    EXPECT_EQ(process_file(opened), "");
+    EXPECT_EQ(process_file(process->pid(), "cmdline"), "");
 }
 
 }  // namespace

@@ -16,6 +16,7 @@
 #include <string>
 #include <thread>
 
+#include "experiments/process/process_file.h"
 #include "experiments/process/program.h"
 #include "experiments/sweep/results_folder.h"
 #include "tests/experiments/system/processes.h"
@@ -71,9 +72,7 @@ protected:
         for (const auto& entry : fs::directory_iterator("/proc")) {
             const int pid = std::atoi(entry.path().filename().c_str());
             if (pid == 0 || pid == ::getpid() || pid == controller_->pid()) continue;
-            std::ifstream stream(entry.path() / "environ", std::ios::binary);
-            const std::string environment{std::istreambuf_iterator<char>(stream), {}};
-            if (environment.find(ours) != std::string::npos) ::kill(pid, SIGKILL);
+            if (process_file(pid, "environ").find(ours) != std::string::npos) ::kill(pid, SIGKILL);
         }
     }
     Ran submit(int shards) const {

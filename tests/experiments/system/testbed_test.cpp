@@ -16,12 +16,14 @@
 #include <fstream>
 #include <functional>
 #include <iterator>
+#include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <thread>
 
 #include "experiments/process/lan.h"
+#include "experiments/process/process_file.h"
 #include "experiments/process/program.h"
 #include "experiments/sweep/results_folder.h"
 #include "tests/experiments/system/processes.h"
@@ -73,7 +75,9 @@ protected:
             << "Subsystem sftp internal-sftp\nSetEnv SHLVL=2\n"
             // Its network goes with the test, and nobody would tell a session that its client has.
             << "ClientAliveInterval 2\nClientAliveCountMax 3\n";
-        for (int machine = 1; machine <= machines; ++machine) start_sshd(machine);
+        for (int machine = 1; machine <= machines; ++machine) {
+            ASSERT_NO_FATAL_FAILURE(start_sshd(machine));
+        }
         write_hosts();
         give_programs(1);
         give_programs(2);
@@ -89,7 +93,13 @@ protected:
         sshd_[machine - 1] = std::make_unique<BrokerProcess>(
             "sshd", "/usr/sbin/sshd",
             std::vector<std::string>{"-D", "-e", "-f", (folder_ / "sshd_config").string()},
-            folder_ / ("sshd" + std::to_string(machine) + ".txt"));
+            said_by_sshd(machine));
+        ASSERT_TRUE(eventually([&] {
+            return read(said_by_sshd(machine)).find("Server listening") != std::string::npos;
+        })) << read(said_by_sshd(machine));
+    }
+    [[nodiscard]] fs::path said_by_sshd(int machine) const {
+        return folder_ / ("sshd" + std::to_string(machine) + ".txt");
     }
     [[nodiscard]] std::string folder_of(int machine) const {
         return (folder_ / ("pi" + std::to_string(machine))).string();
@@ -132,11 +142,19 @@ protected:
         const Lan::On there(lan_, machine);
         ASSERT_TRUE(run_program("ip", words).ok());
     }
+    /// All that run, and their command lines; after each word of these stands a zero.
+    static std::map<pid_t, std::string> processes() {
+        std::map<pid_t, std::string> all;
+        for (const auto& entry : fs::directory_iterator("/proc")) {
+            const pid_t pid = std::atoi(entry.path().filename().c_str());
+            if (pid != 0) all.emplace(pid, process_file(pid, "cmdline"));
+        }
+        return all;
+    }
     /// Of this test's machines, all of which are on this one: "romano-host romano-broker...".
     [[nodiscard]] std::string programs_left() const {
         std::string names;
-        for (const auto& entry : fs::directory_iterator("/proc")) {
-            const std::string command = read(entry.path() / "cmdline");
+        for (const auto& [pid, command] : processes()) {
             if (command.find(folder_.path().string()) == std::string::npos) continue;
             if (command.find("romano-host") == std::string::npos) continue;
             std::string line = command;
@@ -148,11 +166,8 @@ protected:
 
     /// Its romano-host; 0: none runs.
     [[nodiscard]] pid_t host_process(int machine) const {
-        for (const auto& entry : fs::directory_iterator("/proc")) {
-            const std::string command = read(entry.path() / "cmdline");
-            if (command.starts_with(folder_of(machine) + "/romano-host")) {
-                return std::atoi(entry.path().filename().c_str());
-            }
+        for (const auto& [pid, command] : processes()) {
+            if (command.starts_with(folder_of(machine) + "/romano-host")) return pid;
         }
         return 0;
     }
@@ -389,7 +404,8 @@ TEST_F(Sweep, RunsBrokersThereAndFetchesWhatTheySaid) {
 TEST_F(Sweep, GoesOnWithoutAMachineThatVanishedAndRunsItsCellAgainLater) {
     write_sweep("[axes]\nbrokers = [3, 1]\nrobots = 4\nrate = 10\n");
     const auto running = begin_sweep();
-    ASSERT_TRUE(eventually([this] { return host_process(3) != 0 && is_loading(); }));
+    ASSERT_TRUE(eventually([this] { return host_process(3) != 0 && is_loading(); }))
+        << read(folder_ / "sweep.txt");
     ::kill(host_process(3), SIGKILL);
     ASSERT_TRUE(eventually([&] { return running->has_ended(); }));
     ASSERT_THAT(rows(), SizeIs(2)) << read(folder_ / "sweep.txt");
@@ -407,7 +423,7 @@ TEST_F(Sweep, GoesOnWithoutAMachineThatVanishedAndRunsItsCellAgainLater) {
 TEST_F(Sweep, GoesOnWithoutAMachineWhoseCableIsPulled) {
     write_sweep("[axes]\nbrokers = [3, 1]\nrobots = 4\nrate = 10\n");
     const auto running = begin_sweep();
-    ASSERT_TRUE(eventually([this] { return is_loading(); }));
+    ASSERT_TRUE(eventually([this] { return is_loading(); })) << read(folder_ / "sweep.txt");
     lan_.cut(3);
     ASSERT_TRUE(eventually([&] { return running->has_ended(); }));
     ASSERT_THAT(rows(), SizeIs(2)) << read(folder_ / "sweep.txt");
@@ -426,7 +442,7 @@ TEST_F(Sweep, GoesOnWithoutAMachineWhoseCableIsPulled) {
 TEST_F(Sweep, LeavesNothingBehindWhenItIsKilled) {
     write_sweep("[axes]\nbrokers = 3\nrobots = 4\nrate = 10\n");
     const auto killed = begin_sweep();
-    ASSERT_TRUE(eventually([this] { return is_loading(); }));
+    ASSERT_TRUE(eventually([this] { return is_loading(); })) << read(folder_ / "sweep.txt");
     killed->kill();
     EXPECT_TRUE(eventually([this] { return programs_left().empty(); })) << programs_left();
     EXPECT_FALSE(has_any_service_address());
@@ -435,7 +451,7 @@ TEST_F(Sweep, LeavesNothingBehindWhenItIsKilled) {
 TEST_F(Sweep, StopsItsBrokersAtCtrlC) {
     write_sweep("[axes]\nbrokers = 3\nrobots = 4\nrate = 10\n");
     const auto interrupted = begin_sweep();
-    ASSERT_TRUE(eventually([this] { return is_loading(); }));
+    ASSERT_TRUE(eventually([this] { return is_loading(); })) << read(folder_ / "sweep.txt");
     ::kill(interrupted->pid(), SIGINT);
     ASSERT_TRUE(eventually([&] { return interrupted->has_ended(); }));
     EXPECT_THAT(interrupted->how_it_ended(), HasSubstr("exit code 130"));
