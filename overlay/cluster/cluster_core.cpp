@@ -24,6 +24,13 @@ ClusterCore::ClusterCore(const ClusterOptions& options, const Identity& identity
       hand_back_(identity.log.broker, options.sessions_per_turn),
       arrivals_(identity.log, options.sessions_per_turn),
       departures_(options.sessions_per_turn),
+      speaking_({.views = view_change_,
+                 .acquaintance = acquaintance_,
+                 .lease = lease_,
+                 .take_over = take_over_,
+                 .hand_back = hand_back_,
+                 .departures = departures_,
+                 .addresses = addresses_}),
       settlement_(identity.log.broker, options.sessions_per_turn),
       roaming_(digest_of(identity.predefined)),
       predefined_(digest_of(identity.predefined)),
@@ -141,25 +148,14 @@ void ClusterCore::seek_addresses(Effects& effects) {
     }
 }
 
-bool ClusterCore::must_wait(const broker::BrokerCore& broker, const Endpoint& via,
-                            const Endpoint& from, Bytes datagram) const {
-    if (!is_in_view() || !acquaintance_.has_met_all() || departures_.is_leaving(from)) return true;
-    if (take_over_.is_half_adopted(via) || hand_back_.is_expecting(via)) {
-        if (hand_back_.is_silent(via) || take_over_.is_adopted_from_several(via)) return true;
-        return !broker.has_session_at(via, from, datagram);
-    }
-    // Who has no session here may be a robot that roams: its home's log is not read yet.
-    return acquaintance_.may_roam() && !broker.serves(via, from, datagram);
-}
-
 void ClusterCore::hurry(Effects& effects, const Endpoint& via, const Endpoint& from,
                         Bytes datagram) {
-    if (!may_speak(effects.now) || !is_in_view() || !acquaintance_.has_met_all()) return;
+    if (!speaking_.may_speak(effects.now) || !is_in_view() || !acquaintance_.has_met_all()) return;
     if (take_over_.is_half_adopted(via)) {
         const auto client =
             roaming_.client_of({via, from}, datagram, effects.broker, peer_sessions_.homes());
         if (client) take_over_.on_client(*client);
-    } else if (hand_back_.is_expecting(via) && !hand_back_.is_silent(via)) {
+    } else if (hand_back_.is_expecting(via) && !speaking_.is_silent(via)) {
         (void)must_fetch(effects, via, from, datagram);
     }
 }
@@ -218,7 +214,7 @@ void ClusterCore::after_input(Effects& effects) {
 
 void ClusterCore::heed_silence() {
     for (const Endpoint& address : addresses_.serving()) {
-        if (hand_back_.is_silent(address)) {
+        if (speaking_.is_silent(address)) {
             silent_.insert(address);
         } else if (silent_.erase(address) != 0) {
             said_again_.insert_or_assign(address, 0);
@@ -230,7 +226,7 @@ void ClusterCore::heed_silence() {
 void ClusterCore::say_again(Effects& effects) {
     std::map<Endpoint, std::uint32_t> left;
     for (const auto& [address, from] : said_again_) {
-        if (hand_back_.is_silent(address) || !addresses_.is_serving(address)) continue;
+        if (speaking_.is_silent(address) || !addresses_.is_serving(address)) continue;
         const auto next = effects.broker.send_again(effects.now, address, from,
                                                     options_.sessions_per_turn, effects.clients);
         if (next) left.emplace(address, *next);
@@ -243,7 +239,7 @@ void ClusterCore::say_again(Effects& effects) {
 /// Clients would wait here for those whom we have not met.
 void ClusterCore::reclaim(Effects& effects) {
     const bool may_serve = acquaintance_.has_met_all() && !acquaintance_.may_roam();
-    if (may_serve && may_speak(effects.now)) {
+    if (may_serve && speaking_.may_speak(effects.now)) {
         hand_back_.reclaim(effects, membership_, view(), addresses_);
     }
 }
@@ -273,7 +269,7 @@ void ClusterCore::on(Effects& effects, BrokerId from, const SessionRequest& requ
     const bool is_handed_back =
         request.at == own->via && addresses_.is_serving(own->via) && !addresses_.is_home(own->via);
     if (is_handed_back) return hand_back_.on_awaited(*own);
-    if (hand_back_.is_silent(own->via)) return;
+    if (speaking_.is_silent(own->via)) return;
     roaming_.on_let_go(effects, *own);
     departures_.move(effects, request.client_id, peer->beacon.log, 1, logs_);
 }

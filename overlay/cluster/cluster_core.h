@@ -51,6 +51,7 @@
 #include "overlay/cluster/replication/publish_order.h"
 #include "overlay/cluster/replication/watermark.h"
 #include "overlay/cluster/speaking/lease.h"
+#include "overlay/cluster/speaking/speaking.h"
 
 namespace romano::cluster {
 
@@ -65,6 +66,8 @@ struct Identity {
 class ClusterCore {
 public:
     ClusterCore(const ClusterOptions& options, const Identity& identity, std::uint64_t seed);
+    ClusterCore(const ClusterCore&) = delete;
+    ClusterCore& operator=(const ClusterCore&) = delete;
 
     // --- inputs
     void on_message(Effects& effects, const Envelope& envelope);
@@ -103,17 +106,7 @@ public:
 
     // --- what the owner must know
     [[nodiscard]] bool is_in_view() const { return view_change_.has_view(); }
-    /// Clients may be spoken to: the members of the view vouch for it that this broker is in its
-    /// place there, and nobody speaks there in its place any more.
-    [[nodiscard]] bool may_speak(Instant now) const {
-        return lease_.is_held(now) && !acquaintance_.is_returning(now);
-    }
-    /// Others may have gone on for it.
-    [[nodiscard]] bool has_lost_lease(Instant now) const { return is_in_view() && !may_speak(now); }
-    /// A datagram from there to `via` shall wait: there is no view yet, or we have not met all who
-    /// took us into it, or its session may be on its way.
-    [[nodiscard]] bool must_wait(const broker::BrokerCore& broker, const Endpoint& via,
-                                 const Endpoint& from, Bytes datagram) const;
+    [[nodiscard]] const Speaking& speaking() const { return speaking_; }
     /// The datagram waits for a session that is on its way here with many others: it comes first.
     void hurry(Effects& effects, const Endpoint& via, const Endpoint& from, Bytes datagram);
     /// A message waits for the client, whose address is silent: the session leaves first.
@@ -122,22 +115,6 @@ public:
     bool must_fetch(Effects& effects, const Endpoint& via, const Endpoint& from, Bytes datagram);
     [[nodiscard]] bool is_fetching(const Endpoint& via, const Endpoint& from) const {
         return roaming_.is_fetching({via, from});
-    }
-    /// Its sessions are about to leave: what comes for them is theirs no more.
-    [[nodiscard]] bool is_deaf(const Endpoint& address) const {
-        return hand_back_.is_deaf(address);
-    }
-    /// Nothing may be said from there.
-    [[nodiscard]] bool is_silent(const Endpoint& address) const {
-        return hand_back_.is_silent(address);
-    }
-    /// Its address is about to be served here: what leaves from it waits.
-    [[nodiscard]] bool is_taking(const Endpoint& address) const {
-        return addresses_.is_taking(address);
-    }
-    /// What clients say there waits, or is another broker's to hear.
-    [[nodiscard]] bool is_unheard(const Endpoint& address) const {
-        return hand_back_.is_silent(address) || hand_back_.is_expecting(address);
     }
     /// With acks_strict: there are fewer peers than must hold what is promised to clients.
     [[nodiscard]] bool is_short_of_peers() const;
@@ -289,11 +266,13 @@ private:
     Watermark watermark_;
     Lease lease_;
     ViewChange view_change_;
+    Acquaintance acquaintance_;
     TakeOver take_over_;
     Fetching fetching_;
     HandBack hand_back_;
     Arrivals arrivals_;
     Departures departures_;
+    Speaking speaking_;
     Settlement settlement_;
     Roaming roaming_;
     EndedLogs ended_;
@@ -319,7 +298,6 @@ private:
     };
     std::optional<Compared> compared_;
     SmallerSide smaller_side_;
-    Acquaintance acquaintance_;
     Namesake namesake_;
     Leaderless leaderless_;
     /// Logs with events that wait to be applied: so many of them had to wait for sessions only.

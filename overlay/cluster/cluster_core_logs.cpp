@@ -32,7 +32,7 @@ void ClusterCore::append(Seq seq, const LogEventPtr& event) {
 
 Seq ClusterCore::safe(Instant now) {
     // Whoever says nothing promises nothing, though there may be no peer left to wait for.
-    if (!may_speak(now)) return watermark_.safe();
+    if (!speaking_.may_speak(now)) return watermark_.safe();
     const auto& peers = live_peers();
     // In no view there are no clients: whoever promised them something alone is not replaced.
     const bool is_stranded = peers.empty() && view_change_.is_stranded(membership_, logs_);

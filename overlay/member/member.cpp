@@ -46,9 +46,9 @@ void Member::acquaint_broker() {
     broker_.set_audience(cluster_.audience());
     broker_.set_silence([this](const broker::SessionHeader& client, Instant now) {
         // Asked where an exchange would begin: as soon as the lease is back it shall.
-        const bool waits = cluster_.has_lost_lease(now);
+        const bool waits = speaking().has_lost_lease(now);
         if (waits) begins_from_ = 0;
-        const bool is_silent = cluster_.is_silent(client.via);
+        const bool is_silent = speaking().is_silent(client.via);
         if (is_silent) cluster_.on_awaited(client);
         return waits || is_silent;
     });
@@ -66,9 +66,9 @@ void Member::on_datagram(Instant now, const Endpoint& via, const Endpoint& from,
                          MemberActions& out) {
     if (has_left_) return;
     notice_standstill(now, out);
-    if (cluster_.is_deaf(via)) return;  // its sessions are with another broker by now
+    if (speaking().is_deaf(via)) return;  // its sessions are with another broker by now
     if (!cluster_.is_in_view() && now < fresh_from_) return;
-    if (must_wait(now, via, from, datagram)) {
+    if (speaking().must_wait(now, broker_, via, from, datagram)) {
         Effects acting = effects(now, out);
         cluster_.hurry(acting, via, from, datagram);
         return waiting_.hold(via, from, datagram, true);
@@ -123,11 +123,11 @@ void Member::on_tick(Instant now, MemberActions& out) {
     if (has_left_) return;
     notice_standstill(now, out);
     broker_.set_congested(cluster_.is_short_of_peers());
-    broker_waits_ = cluster_.has_lost_lease(now);
+    broker_waits_ = speaking().has_lost_lease(now);
     if (!broker_waits_) {
         broker_.on_tick(now, work_, [&](const broker::SessionHeader& client) {
             const Endpoint& from = client.address.endpoint;
-            return waiting_.holds(from) || cluster_.is_unheard(client.via) ||
+            return waiting_.holds(from) || speaking().is_unheard(client.via) ||
                    may_be_elsewhere(client);
         });
     }
@@ -161,7 +161,7 @@ void Member::leave(Instant now, MemberActions& out) {
 
 /// Waits until members echo again. Whoever was replaced meanwhile begins anew, and forgets it.
 void Member::before_sending(Instant now, MemberActions& out) {
-    if (!has_left_ && cluster_.has_lost_lease(now)) hold_output(out);
+    if (!has_left_ && speaking().has_lost_lease(now)) hold_output(out);
 }
 
 void Member::hold_output(MemberActions& out) {
@@ -219,7 +219,7 @@ void Member::restart(Instant now, MemberActions& out) {
 void Member::carry_out(Instant now, MemberActions& out) {
     absorb(now, out);
     serve_waiting(now, out);
-    if (cluster_.has_lost_lease(now)) return;
+    if (speaking().has_lost_lease(now)) return;
     broker_waits_ = stood_still_ = false;
     if (begins_from_) {
         begins_from_ =
@@ -227,10 +227,7 @@ void Member::carry_out(Instant now, MemberActions& out) {
         absorb(now, out);
     }
     go_on_uplink(now, out);
-    const auto fate_of = [this](const Endpoint& via) {
-        if (cluster_.is_silent(via)) return HeldOutput::Fate::is_dropped;
-        return cluster_.is_taking(via) ? HeldOutput::Fate::waits : HeldOutput::Fate::leaves;
-    };
+    const auto fate_of = [&](const Endpoint& via) { return speaking().said_from(now, via); };
     held_.release(cluster_.safe(now), fate_of, out.clients);
 }
 
@@ -256,7 +253,7 @@ void Member::absorb(Instant now, MemberActions& out) {
         if (const auto* datagram = std::get_if<broker::Send>(&action)) {
             send(now, *datagram, safe, out);
         } else if (const auto* multicast = std::get_if<broker::Multicast>(&action)) {
-            if (cluster_.has_lost_lease(now)) continue;
+            if (speaking().has_lost_lease(now)) continue;
             const Bytes octets = work_.octets(*multicast);
             std::ranges::copy(octets, out.clients.reserve(octets.size()).begin());
             out.clients.push(broker::Multicast{.radius = multicast->radius,
@@ -268,9 +265,11 @@ void Member::absorb(Instant now, MemberActions& out) {
 }
 
 void Member::send(Instant now, const broker::Send& send, broker::Seq safe, MemberActions& out) {
-    if (send.to.endpoint == broker::owner_endpoint || cluster_.is_silent(send.via)) return;
+    if (send.to.endpoint == broker::owner_endpoint) return;
+    const HeldOutput::Fate fate = speaking().said_from(now, send.via);
+    if (fate == HeldOutput::Fate::is_dropped) return;
+    if (fate == HeldOutput::Fate::waits) held_.detain(send.to);
     const Bytes octets = work_.octets(send);
-    if (cluster_.is_taking(send.via) || cluster_.has_lost_lease(now)) held_.detain(send.to);
     if (send.after > safe || held_.detains(send.to)) {
         held_.hold(send, octets);
         return;
@@ -288,12 +287,12 @@ void Member::serve_waiting(Instant now, MemberActions& out) {
         if (const auto* left = std::get_if<GiveUpAddress>(&action)) waiting_.drop(left->address);
     }
     const auto ready = waiting_.take_unless([&](const auto& datagram) {
-        return must_wait(now, datagram.via, datagram.from, datagram.octets) ||
+        return speaking().must_wait(now, broker_, datagram.via, datagram.from, datagram.octets) ||
                cluster_.is_fetching(datagram.via, datagram.from);
     });
     for (const auto& [via, from, octets, is_new] : ready) {
         if (is_new) {
-            if (cluster_.is_deaf(via)) continue;
+            if (speaking().is_deaf(via)) continue;
             Effects acting = effects(now, out);
             if (cluster_.must_fetch(acting, via, from, octets)) {
                 waiting_.hold(via, from, octets, false);
@@ -308,7 +307,7 @@ void Member::serve_waiting(Instant now, MemberActions& out) {
 // --- the uplink
 
 void Member::tend_uplink(Instant now, MemberActions& out) {
-    if (!uplink_ || cluster_.has_lost_lease(now)) return;
+    if (!uplink_ || speaking().has_lost_lease(now)) return;
     if (const auto late = std::exchange(late_message_, std::nullopt)) {
         on_uplink_message(now, late->first, late->second, out);
     }
@@ -347,7 +346,7 @@ void Member::on_uplink_message(Instant now, const uplink::FromRemote& message, s
     if (!uplink_ || has_left_) return;
     notice_standstill(now, out);
     if (!uplink_->core().holds_link()) return;
-    if (cluster_.has_lost_lease(now)) {  // another one may lead by now
+    if (speaking().has_lost_lease(now)) {  // another one may lead by now
         if (token != 0) late_message_.emplace(message, token);
         return;
     }

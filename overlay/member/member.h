@@ -138,23 +138,23 @@ public:
     [[nodiscard]] std::vector<Endpoint> serving() const;
     /// What is said to clients would leave now, if it may_speak_from() there.
     [[nodiscard]] bool may_speak(Instant now) const {
-        return !has_left_ && cluster_.is_in_view() && cluster_.may_speak(now);
+        return !has_left_ && cluster_.is_in_view() && speaking().may_speak(now);
     }
     /// Clients are served there: neither does anything wait that they say, nor what is said to
     /// them.
     [[nodiscard]] bool may_speak_from(const Endpoint& address) const {
-        return cluster_.addresses().is_serving(address) && !cluster_.is_unheard(address) &&
-               !cluster_.is_taking(address);
+        return speaking().is_open(address);
     }
     /// Its clients may be told again that the address is here: nobody else is likely to serve it.
     /// On the smaller side of a cut somebody does, and clients that are called there as it ends
     /// would be spoken to from both sides (I1, I7).
     [[nodiscard]] bool may_announce(const Endpoint& address) const {
-        return !cluster_.is_silent(address) && !cluster_.on_smaller_side_since();
+        return !speaking().is_silent(address) && !cluster_.on_smaller_side_since();
     }
     void check_invariants() const;
 
 private:
+    [[nodiscard]] const cluster::Speaking& speaking() const { return cluster_.speaking(); }
     [[nodiscard]] broker::BrokerOptions broker_options() const;
     void acquaint_broker();
     [[nodiscard]] cluster::Effects effects(Instant now, MemberActions& out) {
@@ -171,10 +171,6 @@ private:
     void carry_out(Instant now, MemberActions& out);
     void absorb(Instant now, MemberActions& out);
     void send(Instant now, const broker::Send& send, broker::Seq safe, MemberActions& out);
-    [[nodiscard]] bool must_wait(Instant now, const Endpoint& via, const Endpoint& from,
-                                 Bytes datagram) {
-        return cluster_.has_lost_lease(now) || cluster_.must_wait(broker_, via, from, datagram);
-    }
     void serve_waiting(Instant now, MemberActions& out);
 
     // --- the uplink

@@ -1,6 +1,7 @@
 // Two brokers as one of them, "self", sees them: its own broker core, and what "peer" says.
 #pragma once
 
+#include <algorithm>
 #include <string>
 #include <utility>
 #include <variant>
@@ -57,9 +58,9 @@ struct Cluster : Owner {
     std::uint64_t ticks = 0;
 
     /// A PINGREQ from there.
-    [[nodiscard]] bool must_wait(const Endpoint& via, const Endpoint& from) const {
+    [[nodiscard]] bool waits_for_session(const Endpoint& via, const Endpoint& from) const {
         static constexpr std::uint8_t pingreq[] = {2, 0x16};
-        return core.must_wait(broker, via, from, pingreq);
+        return core.speaking().waits_for_session(broker, via, from, pingreq);
     }
 
     void keep_log() {
@@ -106,6 +107,18 @@ struct Cluster : Owner {
                     .home_addresses = {theirs},
                     .serving = {theirs}});
         tick();
+    }
+};
+
+/// Both are in a view, and "self" leads.
+struct InAView : Cluster {
+    InAView() {
+        while (!core.leadership().leader) hear();
+        ViewAnnouncement announcement{
+            .view = {.number = {100, self.broker, 1}, .members = {self, peer}}};
+        std::ranges::sort(announcement.view.members);
+        take(announcement);
+        hear();
     }
 };
 

@@ -55,9 +55,9 @@ protected:
 // That one may be home to them: to answer as to strangers would cost them their sessions
 // (simulator, seed 3125713).
 TEST_F(Stranded, P1_RobotsWaitUntilANewcomerHasMetAllWhoTookItIn) {
-    EXPECT_TRUE(cluster.must_wait(ours, robot));
+    EXPECT_TRUE(cluster.waits_for_session(ours, robot));
     cluster.take(Beacon{.name = "other", .log = other, .tick = 1, .hears = {self.broker}});
-    EXPECT_FALSE(cluster.must_wait(ours, robot));
+    EXPECT_FALSE(cluster.waits_for_session(ours, robot));
 }
 
 TEST_F(Stranded, P1_NobodyWaitsForAMemberThatComesLater) {
@@ -68,7 +68,7 @@ TEST_F(Stranded, P1_NobodyWaitsForAMemberThatComesLater) {
     std::ranges::sort(view.members);
     cluster.take(ViewAnnouncement{.view = view, .assignments = {}, .ends = {}});
     ASSERT_EQ(cluster.core.view().members.size(), 4U);
-    EXPECT_FALSE(cluster.must_wait(ours, robot));
+    EXPECT_FALSE(cluster.waits_for_session(ours, robot));
 }
 
 TEST_F(Stranded, P1_NorForOneThatWasRemovedMeanwhile) {
@@ -77,7 +77,7 @@ TEST_F(Stranded, P1_NorForOneThatWasRemovedMeanwhile) {
     std::erase(view.members, other);
     cluster.take(ViewAnnouncement{.view = view, .assignments = {}, .ends = {{other, 0}}});
     ASSERT_EQ(cluster.core.view().members.size(), 2U);
-    EXPECT_FALSE(cluster.must_wait(ours, robot));
+    EXPECT_FALSE(cluster.waits_for_session(ours, robot));
 }
 
 // P3: the other one took the address over meanwhile (simulator, seed 1042460).

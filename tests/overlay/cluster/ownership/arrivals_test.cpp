@@ -261,20 +261,10 @@ TEST(Arrivals, I7_WhatComesIsJoinedWithTheOwnSessionThoughAnotherHomeHasAHigherC
     EXPECT_TRUE(home.departures.all().empty());
 }
 
-/// "self" and "peer" are in a view, and "self" leads.
-struct InAView : Cluster {
-    InAView() {
-        while (!core.leadership().leader) hear();
-        ViewAnnouncement announcement{
-            .view = {.number = {100, self.broker, 1}, .members = {self, peer}}};
-        std::ranges::sort(announcement.view.members);
-        Cluster::take(announcement);
-        hear();
-    }
+struct Home : InAView {
     void take_moved(const broker::SessionImage& image) {
         const broker::SessionPut put{image};
-        Cluster::take(
-            LogBatch{.log = peer, .first_seq = 1, .events = {put, test::moved(put, self)}});
+        take(LogBatch{.log = peer, .first_seq = 1, .events = {put, test::moved(put, self)}});
     }
     void stand_still(Duration away) {
         now += away;
@@ -290,7 +280,7 @@ struct InAView : Cluster {
 
 /// "self" stood still, and reads that it is given a session before the peer echoes.
 std::size_t adopted_after_a_stall(Duration away, bool was_left_out) {
-    InAView home;
+    Home home;
     home.stand_still(away);
     home.take_moved(image(0, ours));
     EXPECT_EQ(home.broker.session_count(), 0U) << "not without a lease";
@@ -306,7 +296,7 @@ std::size_t adopted_after_a_stall(Duration away, bool was_left_out) {
 }
 
 TEST(Arrivals, P2_ANewcomerAdoptsWhatItsFirstSnapshotSaysIsMovedHere) {
-    InAView home;
+    Home home;
     home.Cluster::take(snapshot_with(image(0, ours), 7));
     EXPECT_EQ(home.broker.session_count(), 1U);
 }
@@ -325,7 +315,7 @@ TEST(Arrivals, P3_WhatCameInAStallIsNotAdoptedWhenItsHomeWentOn) {
 // As the cluster core has it: of two peers one is home to the client, and the other hands over what
 // it had of it.
 TEST(Arrivals, I7_ASessionThatASecondPeerHandsOverIsNotSpokenForBesideTheFirstOnes) {
-    InAView home;
+    Home home;
     broker::SessionImage copy = image(0, theirs);
     copy.header.epoch = 2;
     home.Cluster::take(LogBatch{.log = peer, .first_seq = 1, .events = {broker::SessionPut{copy}}});
@@ -342,7 +332,7 @@ TEST(Arrivals, I7_ASessionThatASecondPeerHandsOverIsNotSpokenForBesideTheFirstOn
 
 // They may have lived on elsewhere since; whoever asks asks again.
 TEST(Arrivals, P4_WhoMayHaveBeenReplacedGivesNoneAway) {
-    InAView home;
+    Home home;
     (void)home.broker.adopt(home.now, image(0, ours), {}, home.clients);
     home.keep_log();
     home.stand_still(100ms);

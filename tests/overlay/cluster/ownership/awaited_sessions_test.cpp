@@ -107,17 +107,17 @@ struct Heir : Cluster {
 TEST(AwaitedSessions, P7_AnHeirAdoptsThoseFirstThatSpeakOrAreWrittenTo) {
     Heir heir;
     Effects acting = heir.effects();
-    EXPECT_TRUE(heir.core.must_wait(heir.broker, theirs, place(599), pingreq));
+    EXPECT_TRUE(heir.waits_for_session(theirs, place(599)));
     heir.core.hurry(acting, theirs, place(599), pingreq);
     heir.broker.publish(heir.now, topic(598), {}, mqttsn::Qos::at_least_once, false, heir.clients);
     heir.keep_log();
     heir.tick();
     ASSERT_LT(heir.broker.session_count(), sessions);
     EXPECT_TRUE(heir.is_home_of(599) && heir.is_home_of(598));
-    EXPECT_FALSE(heir.core.must_wait(heir.broker, theirs, place(599), pingreq));
+    EXPECT_FALSE(heir.waits_for_session(theirs, place(599)));
     const std::size_t later = heir.is_home_of(597) ? 596 : 597;
     ASSERT_FALSE(heir.is_home_of(later));
-    EXPECT_TRUE(heir.core.must_wait(heir.broker, theirs, place(later), pingreq));
+    EXPECT_TRUE(heir.waits_for_session(theirs, place(later)));
 }
 
 // I7: it would be taken for the other one.
@@ -128,7 +128,7 @@ TEST(AwaitedSessions, I7_AClientIsNotServedAsAnotherOneOfItsAddressWhileItsSessi
     (void)heir.broker.adopt(heir.now, std::move(neighbour), {}, heir.clients);
     heir.keep_log();
     EXPECT_TRUE(heir.broker.serves(theirs, place(599), pingreq));
-    EXPECT_TRUE(heir.core.must_wait(heir.broker, theirs, place(599), pingreq));
+    EXPECT_TRUE(heir.waits_for_session(theirs, place(599)));
 }
 
 // P3: what the older copy would begin, the later one may have ended.
@@ -153,7 +153,7 @@ TEST(AwaitedSessions, P3_NobodyIsServedWhileALaterCopyMayComeFromAnotherLog) {
     ASSERT_TRUE(heir.core.take_over().is_half_adopted(theirs));
     std::size_t here = 0;
     while (!heir.is_home_of(here)) ++here;
-    EXPECT_TRUE(heir.core.must_wait(heir.broker, theirs, place(here), pingreq));
+    EXPECT_TRUE(heir.waits_for_session(theirs, place(here)));
 }
 
 // P3: its client would hear what it was answered here beside what it hears there (simulator, seed

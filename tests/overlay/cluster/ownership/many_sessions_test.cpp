@@ -34,8 +34,8 @@ TEST(ManySessions, AnHeirAdoptsThemInPieces) {
     heir.serve(theirs);
     while (heir.broker.session_count() < sessions) {
         ASSERT_EQ(heir.core.next_wakeup(), Instant::min());
-        EXPECT_TRUE(heir.must_wait(theirs, test::address(99))) << "no stranger yet";
-        EXPECT_FALSE(heir.must_wait(ours, test::address(99)));
+        EXPECT_TRUE(heir.waits_for_session(theirs, test::address(99))) << "no stranger yet";
+        EXPECT_FALSE(heir.waits_for_session(ours, test::address(99)));
         const std::size_t before = heir.broker.session_count();
         heir.take(LogAck{});  // any other input
         ASSERT_EQ(heir.broker.session_count(), before);
@@ -45,7 +45,7 @@ TEST(ManySessions, AnHeirAdoptsThemInPieces) {
     }
     heir.tick();
     EXPECT_GT(heir.core.next_wakeup(), heir.now);
-    EXPECT_FALSE(heir.must_wait(theirs, test::address(99)));
+    EXPECT_FALSE(heir.waits_for_session(theirs, test::address(99)));
 }
 
 /// "self" serves the address of "peer", which is back and serves it as well.
