@@ -78,6 +78,7 @@ Membership::Heard Membership::on_beacon(Instant now, const Beacon& beacon) {
         linked_->on_restart(node_of(id));
     }
     peer.beacon = beacon;
+    unknown_.erase(beacon.log);
     peer.hears_us = beacon.hears_from(self_);
     has_news = has_news || news_of(peer) != before;
     // Its particulars came after its heartbeat, and may have waited.
@@ -89,6 +90,8 @@ Membership::Heard Membership::on_heartbeat(Instant now, const LogId& log, const 
     const auto known = peers_.find(log.broker);
     if (known == peers_.end() || known->second.beacon.log != log) {
         (void)join(nullptr);
+        std::erase_if(unknown_, [&](const auto& each) { return !is_young(each.second, now); });
+        if (unknown_.size() < peers_known) unknown_.insert_or_assign(log, now);
         return Heard::nothing;
     }
     Peer& peer = known->second;
@@ -236,6 +239,11 @@ const Peer* Membership::find(BrokerId id) const {
 bool Membership::is_heard(const LogId& log) const {
     const Peer* peer = find(log.broker);
     return peer != nullptr && is_heard(log.broker) && peer->beacon.log == log;
+}
+
+bool Membership::hears_unknown(Instant now) const {
+    return std::ranges::any_of(unknown_,
+                               [&](const auto& each) { return is_young(each.second, now); });
 }
 
 bool Membership::is_alive(const LogId& log) const {

@@ -95,6 +95,8 @@ public:
     [[nodiscard]] bool is_heard(BrokerId id) const { return heard_->is_alive(node_of(id)); }
     /// Those of this life.
     [[nodiscard]] bool is_heard(const LogId& log) const;
+    /// Somebody's heartbeats come here, of whom nothing else is known yet.
+    [[nodiscard]] bool hears_unknown(Instant now) const;
     /// Alive, and in this life.
     [[nodiscard]] bool is_alive(const LogId& log) const;
     /// Its last sign of life is much younger than a silence that means death.
@@ -131,6 +133,10 @@ private:
     Heard on_tick_of(Instant now, Peer& peer, bool has_news);
     Heard heard(bool has_news);
     void bury_suspects(Instant now);
+    /// A silence that means death is longer.
+    [[nodiscard]] bool is_young(Instant heard_at, Instant now) const {
+        return now < heard_at + detection_time();
+    }
     [[nodiscard]] bool was_heard_just_now(const Peer& peer, Instant now) const;
 
     ClusterOptions options_;
@@ -141,6 +147,7 @@ private:
     std::unique_ptr<election::FailureDetector> linked_;  // and ours go there
     std::unique_ptr<election::Elector> elector_;
     std::map<BrokerId, Peer> peers_;
+    std::map<LogId, Instant> unknown_;  // of whom no beacon is known: heard at
     std::vector<BrokerId> lost_;
     std::uint64_t changes_ = 0;
     std::uint64_t news_ = 0;

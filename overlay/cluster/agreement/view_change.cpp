@@ -148,7 +148,8 @@ bool ViewChange::waits_for_company(Instant now, Surroundings around) {
     const Times times = membership.times();
     if (has_view() && !is_stranded(membership, around.logs)) return false;
     if (led_since_ == never) led_since_ = now;
-    if (now < led_since_ + times.unmet_peer_waited_for() && misses_company(membership)) {
+    if (now < led_since_ + times.unmet_peer_waited_for() &&
+        (membership.hears_unknown(now) || misses_company(membership))) {
         return true;
     }
     if (now < led_since_ + times.silent_home_waited_for() && misses_home(membership)) return true;

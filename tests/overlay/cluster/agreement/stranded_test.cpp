@@ -100,6 +100,37 @@ TEST_F(Stranded, ANewcomerWhomAMemberNeverHearsGoesOnAloneInTheEnd) {
     EXPECT_EQ(cluster.core.safe(cluster.now), 1U);
 }
 
+/// A newcomer that hears the heartbeats of one who does not hear it yet, and is told no
+/// particulars.
+struct Unanswered : Cluster {
+    void hear_heartbeats_for(Duration time) {
+        for (const Instant end = now + time; now < end;) {
+            const View view{.number = {.term = 5, .leader = peer.broker, .count = 1},
+                            .members = {peer}};
+            take(heartbeats.write(
+                Beacon{.name = "peer", .log = peer, .tick = ++ticks, .view = view}));
+            pass();
+        }
+    }
+    HeartbeatWriter heartbeats;
+};
+
+// P3: another one had the sessions that it took over then (simulator, as shipped, seed 13594).
+TEST(Unanswered, P3_ANewcomerOpensNoViewWhileItHearsAnUnknownBroker) {
+    Unanswered newcomer;
+    newcomer.hear_heartbeats_for(1s);
+    EXPECT_TRUE(newcomer.core.membership().peers().empty());
+    EXPECT_FALSE(newcomer.core.is_in_view());
+    for (int beacons = 0; beacons < 15; ++beacons) newcomer.pass();
+    EXPECT_TRUE(newcomer.core.is_in_view()) << "it is silent now";
+}
+
+TEST(Unanswered, P1_ANewcomerServesInTheEndThoughNobodyAnswers) {
+    Unanswered newcomer;
+    newcomer.hear_heartbeats_for(3s);
+    EXPECT_TRUE(newcomer.core.is_in_view());
+}
+
 // P3: its peers had begun new lives, it waited for nobody, and what it had promised then was more
 // than those held who had gone on without it (simulator, faults `relapse`, seed 9990563).
 TEST_F(Stranded, P3_WhoHasNoLeasePromisesNothing) {
