@@ -19,6 +19,7 @@ struct CostScenario {
     std::vector<std::string> broker_arguments;  // besides name, addresses and domain
     std::optional<Fault> fault = {};            // of the last broker, for a third of the time
     bool brokers_prove_themselves = false;      // with --keys; the clients are plain nevertheless
+    bool measures_turns = false;                // the last half minute, when all is measured
     bool when_asked_for = false;                // takes long: not without --only
 };
 
@@ -35,7 +36,8 @@ struct CostRow {
     double acknowledgement_max_ms = 0;
     /// Of the messages for the clients of a broker that has just been killed.
     std::optional<double> orphans_delivery_p50_ms = {};
-    double broker_cpu_percent = 0;  // of all brokers together, in percent of one core
+    std::optional<double> longest_turn_ms = {};  // of any broker
+    double broker_cpu_percent = 0;               // of all brokers together, in percent of one core
     double lost = 0;
 };
 

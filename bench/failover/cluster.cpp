@@ -36,6 +36,12 @@ std::string Cluster::address_text(std::size_t broker) const {
            std::to_string(options_.port);
 }
 
+std::optional<experiments::MetricsAddress> Cluster::metrics(std::size_t broker) const {
+    if (options_.metrics_port == 0) return std::nullopt;
+    return experiments::MetricsAddress{.host = options_.network + "." + std::to_string(broker + 1),
+                                       .port = std::to_string(options_.metrics_port)};
+}
+
 std::string Cluster::service_text(std::size_t broker) const {
     return scheme_of(options_.packets) + address_text(broker);
 }
@@ -51,6 +57,9 @@ void Cluster::start(std::size_t number) {
     if (fleet_ != nullptr) {
         const auto with_keys = fleet_->broker_arguments(broker.name);
         arguments.insert(arguments.end(), with_keys.begin(), with_keys.end());
+    }
+    if (const auto page = metrics(number)) {
+        arguments.insert(arguments.end(), {"--metrics", page->host + ":" + page->port});
     }
     arguments.insert(arguments.end(), options_.broker_arguments.begin(),
                      options_.broker_arguments.end());

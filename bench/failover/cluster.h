@@ -12,6 +12,7 @@
 #include "bench/fleet.h"
 #include "experiments/process/broker_process.h"
 #include "experiments/robots/socket_client.h"
+#include "experiments/watch/metrics_fetch.h"
 
 namespace romano::bench {
 
@@ -28,6 +29,8 @@ public:
     }
     [[nodiscard]] experiments::BrokerAddress address(std::size_t broker) const;
     [[nodiscard]] std::string address_text(std::size_t broker) const;
+    /// Where its page of metrics is; none when there are no such pages.
+    [[nodiscard]] std::optional<experiments::MetricsAddress> metrics(std::size_t broker) const;
     /// With the scheme of its kind of listener in front.
     [[nodiscard]] std::string service_text(std::size_t broker) const;
 

@@ -23,6 +23,7 @@ struct Options {
     std::uint32_t domain = 50;
     std::string network = "127.60.0";  // brokers serve .1, .2, ...
     std::uint16_t port = 11'883;
+    std::uint16_t metrics_port = 0;  // of each broker's page of metrics; 0: there is none
     std::uint64_t seed = 1;
     std::filesystem::path output;          // a folder
     std::filesystem::path broker_program;  // romano-broker
