@@ -139,7 +139,8 @@ void ClusterCore::compare_addresses(Effects& effects) {
 
 void ClusterCore::seek_addresses(Effects& effects) {
     for (const Endpoint& address : addresses_.missing()) addresses_.take(effects, address);
-    if (!is_in_view()) return;
+    // Whom we have not met may serve it.
+    if (!is_in_view() || !acquaintance_.has_met_all()) return;
     for (const Endpoint& address : addresses_.home()) {
         const bool is_held = std::ranges::any_of(membership_.peers(), [&](const auto& entry) {
             return entry.second.alive && entry.second.is_serving(address);

@@ -34,9 +34,14 @@ Seq ClusterCore::safe(Instant now) {
     // Whoever says nothing promises nothing, though there may be no peer left to wait for.
     if (!speaking_.may_speak(now)) return watermark_.safe();
     const auto& peers = live_peers();
-    // In no view there are no clients: whoever promised them something alone is not replaced.
-    const bool is_stranded = peers.empty() && view_change_.is_stranded(membership_, logs_);
-    if (!is_in_view() || is_stranded) return watermark_.safe();
+    // In no view there are no clients: whoever promised them something alone is not replaced. Who
+    // is only silent is no member less before the next view says so.
+    const auto may_live = [this](const LogId& member) {
+        return member != own_.id() && !membership_.has_ended(member);
+    };
+    const bool is_left_alone = peers.empty() && (view_change_.is_stranded(membership_, logs_) ||
+                                                 std::ranges::any_of(view().members, may_live));
+    if (!is_in_view() || is_left_alone) return watermark_.safe();
     return watermark_.advance(own_.last(), peers, live_peers_.version());
 }
 

@@ -107,8 +107,13 @@ void look_at(const ClusterBroker& broker, Instant now, const std::vector<std::st
     sight.promised = cluster.promised();
     sight.times = cluster.times();
     sight.shown = cluster.watermark().safe();
-    sight.holders =
-        std::min<std::size_t>(broker.options().cluster.acks, cluster.live_peers().size());
+    // Who is only silent counts until the next view.
+    const bool may_one_live = std::ranges::any_of(sight.view.members, [&](const auto& log) {
+        return log != sight.log && !cluster.membership().has_ended(log);
+    });
+    sight.holders = std::min<std::size_t>(
+        broker.options().cluster.acks,
+        std::max<std::size_t>(cluster.live_peers().size(), may_one_live ? 1 : 0));
     sight.own_events = cluster.own_log().history().events_kept();
     sight.speaks_from.clear();
     for (const Endpoint& address : cluster.addresses().serving()) {

@@ -90,7 +90,8 @@ Membership::Heard Membership::on_heartbeat(Instant now, const LogId& log, const 
     const auto known = peers_.find(log.broker);
     if (known == peers_.end() || known->second.beacon.log != log) {
         (void)join(nullptr);
-        std::erase_if(unknown_, [&](const auto& each) { return !is_young(each.second, now); });
+        const Instant forgotten = now - times().silent_home_waited_for();
+        std::erase_if(unknown_, [&](const auto& each) { return each.second <= forgotten; });
         if (unknown_.size() < peers_known) unknown_.insert_or_assign(log, now);
         return Heard::nothing;
     }
@@ -241,9 +242,10 @@ bool Membership::is_heard(const LogId& log) const {
     return peer != nullptr && is_heard(log.broker) && peer->beacon.log == log;
 }
 
-bool Membership::hears_unknown(Instant now) const {
-    return std::ranges::any_of(unknown_,
-                               [&](const auto& each) { return is_young(each.second, now); });
+bool Membership::heard_unknown(Instant now) const {
+    return std::ranges::any_of(unknown_, [&](const auto& each) {
+        return now < each.second + times().silent_home_waited_for();
+    });
 }
 
 bool Membership::is_alive(const LogId& log) const {

@@ -95,8 +95,9 @@ public:
     [[nodiscard]] bool is_heard(BrokerId id) const { return heard_->is_alive(node_of(id)); }
     /// Those of this life.
     [[nodiscard]] bool is_heard(const LogId& log) const;
-    /// Somebody's heartbeats come here, of whom nothing else is known yet.
-    [[nodiscard]] bool hears_unknown(Instant now) const;
+    /// Somebody's heartbeats come here, or came before it fell silent, of whom nothing else is
+    /// known yet.
+    [[nodiscard]] bool heard_unknown(Instant now) const;
     /// Alive, and in this life.
     [[nodiscard]] bool is_alive(const LogId& log) const;
     /// Its last sign of life is much younger than a silence that means death.
@@ -133,10 +134,6 @@ private:
     Heard on_tick_of(Instant now, Peer& peer, bool has_news);
     Heard heard(bool has_news);
     void bury_suspects(Instant now);
-    /// A silence that means death is longer.
-    [[nodiscard]] bool is_young(Instant heard_at, Instant now) const {
-        return now < heard_at + detection_time();
-    }
     [[nodiscard]] bool was_heard_just_now(const Peer& peer, Instant now) const;
 
     ClusterOptions options_;

@@ -149,7 +149,7 @@ bool ViewChange::waits_for_company(Instant now, Surroundings around) {
     if (has_view() && !is_stranded(membership, around.logs)) return false;
     if (led_since_ == never) led_since_ = now;
     if (now < led_since_ + times.unmet_peer_waited_for() &&
-        (membership.hears_unknown(now) || misses_company(membership))) {
+        (membership.heard_unknown(now) || misses_company(membership))) {
         return true;
     }
     if (now < led_since_ + times.silent_home_waited_for() && misses_home(membership)) return true;
@@ -163,17 +163,24 @@ bool ViewChange::waits_for_company(Instant now, Surroundings around) {
     return are_newcomers;
 }
 
-/// A peer's beacons come here while ours do not reach it yet; or a peer that we met hears another;
-/// or we have met nobody, and know from being replaced that somebody is there.
+/// A peer's beacons come here while ours do not reach it yet; or a peer that we met hears another,
+/// or is gone, and was in a view with another; or we have met nobody, and know from being replaced
+/// that somebody is there.
 bool ViewChange::misses_company(const Membership& membership) const {
     const auto is_met = [&](BrokerId id) {
         const Peer* peer = membership.find(id);
         return id == self_.broker || (peer != nullptr && peer->alive);
     };
+    const auto is_unknown = [&](const LogId& member) {
+        return member.broker != self_.broker && membership.find(member.broker) == nullptr;
+    };
     bool is_alone = true;
     for (const auto& [id, peer] : membership.peers()) {
         if (!peer.alive) {
             if (membership.is_heard(id)) return true;
+            if (!has_view() && std::ranges::any_of(peer.beacon.view.members, is_unknown)) {
+                return true;
+            }
             continue;
         }
         is_alone = false;

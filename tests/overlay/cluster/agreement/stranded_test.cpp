@@ -60,6 +60,21 @@ TEST_F(Stranded, P1_RobotsWaitUntilANewcomerHasMetAllWhoTookItIn) {
     EXPECT_FALSE(cluster.waits_for_session(ours, robot));
 }
 
+// I1: that one may serve it, and draw no suspicion here.
+TEST_F(Stranded, I1_ANewcomerTakesItsAddressOnceItHasMetAllWhoTookItIn) {
+    const auto takes_its_address = [&] {
+        cluster.local.clear();
+        cluster.tick();
+        return std::ranges::any_of(cluster.local, [](const LocalAction& action) {
+            return std::holds_alternative<TakeAddress>(action);
+        });
+    };
+    EXPECT_FALSE(takes_its_address());
+    cluster.take(Beacon{.name = "other", .log = other, .tick = 1, .hears = {self.broker}});
+    cluster.now += test::times.addresses_sought_every();
+    EXPECT_TRUE(takes_its_address());
+}
+
 TEST_F(Stranded, P1_NobodyWaitsForAMemberThatComesLater) {
     cluster.take(Beacon{.name = "other", .log = other, .tick = 1, .hears = {self.broker}});
     View view = cluster.core.view();
@@ -122,13 +137,63 @@ TEST(Unanswered, P3_ANewcomerOpensNoViewWhileItHearsAnUnknownBroker) {
     EXPECT_TRUE(newcomer.core.membership().peers().empty());
     EXPECT_FALSE(newcomer.core.is_in_view());
     for (int beacons = 0; beacons < 15; ++beacons) newcomer.pass();
-    EXPECT_TRUE(newcomer.core.is_in_view()) << "it is silent now";
+    EXPECT_FALSE(newcomer.core.is_in_view()) << "it may only stand still";
 }
 
 TEST(Unanswered, P1_ANewcomerServesInTheEndThoughNobodyAnswers) {
     Unanswered newcomer;
     newcomer.hear_heartbeats_for(3s);
     EXPECT_TRUE(newcomer.core.is_in_view());
+}
+
+/// A newcomer that met a broker of a view just before that one's process ended.
+struct Bereaved : Cluster {
+    explicit Bereaved(std::vector<LogId> members) {
+        std::ranges::sort(members);
+        Beacon beacon{.name = "peer",
+                      .log = peer,
+                      .view = {.number = {.term = 5, .leader = peer.broker, .count = 1},
+                               .members = std::move(members)},
+                      .hears = {self.broker}};
+        beacon.claim = {.rank = {.capability = 9, .id = node_of(peer.broker)},
+                        .term = 5,
+                        .leader = node_of(peer.broker)};
+        for (beacon.tick = 1; beacon.tick <= 3; ++beacon.tick) {
+            take(beacon);
+            pass();
+        }
+        beacon.leaving = true;
+        take(beacon);
+        for (int beacons = 0; beacons < 60; ++beacons) pass();
+    }
+};
+
+// P3, I5: the other member goes on for the sessions, and was not heard yet.
+TEST(Bereaved, I5_ANewcomerOpensNoViewBeforeItHeardWhoWasInAViewWithTheDead) {
+    EXPECT_FALSE(Bereaved({peer, other}).core.is_in_view());
+    EXPECT_TRUE(Bereaved({peer}).core.is_in_view()) << "nobody else is there";
+}
+
+// I3: with phi-accrual a member is suspected while the lease lasts; it may only stand still.
+TEST(Suspicion, I3_NothingMoreIsSafeThoughNobodyIsLeftBeforeTheNextViewSaysSo) {
+    ClusterOptions options;
+    options.detector = "phi-accrual";
+    Cluster broker{options};
+    for (int beacons = 0; beacons < 200; ++beacons) broker.hear();
+    View view{.number = {1'000, self.broker, 1}, .members = {self, peer}};
+    std::ranges::sort(view.members);
+    broker.take(ViewAnnouncement{.view = view, .assignments = {}, .ends = {}});
+    broker.hear();
+    const Seq held = broker.core.safe(broker.now);
+    (void)broker.broker.adopt(broker.now, image(1, ours), {}, broker.clients);
+    broker.keep_log();
+    while (broker.core.membership().is_alive(peer)) {
+        broker.now += 1ms;
+        broker.tick();
+    }
+    ASSERT_TRUE(broker.core.speaking().may_speak(broker.now));
+    ASSERT_EQ(broker.core.view().members.size(), 2U);
+    EXPECT_EQ(broker.core.safe(broker.now), held);
 }
 
 // P3: its peers had begun new lives, it waited for nobody, and what it had promised then was more
