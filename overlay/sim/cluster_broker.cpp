@@ -264,6 +264,7 @@ void ClusterBroker::take_address(const Endpoint& address) {
 
 void ClusterBroker::carry_out() {
     overlay::MemberActions actions = std::exchange(actions_, {});
+    said_from_.clear();
     tell_and_seal(actions);
     for (const auto& action : actions.local) {
         if (const auto* wanted = std::get_if<overlay::TakeAddress>(&action)) {
@@ -284,6 +285,7 @@ void ClusterBroker::carry_out() {
     for (const broker::Action& action : actions.clients.list()) {
         const auto* out = std::get_if<broker::Send>(&action);
         if (out != nullptr && out->via.family != Endpoint::Family::none) {
+            said_from_.insert(out->via);
             send(plain(out->via), out->to.endpoint, actions.clients.octets(*out));
         }
     }

@@ -8,6 +8,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <set>
 #include <vector>
 
 #include "broker/protection/protected_clients.h"
@@ -54,6 +55,8 @@ public:
     [[nodiscard]] const ClusterBrokerOptions& options() const { return options_; }
     /// The host's time that the member's steps took so far; network and bookkeeping excluded.
     [[nodiscard]] std::chrono::nanoseconds core_time() const { return core_time_; }
+    /// The service addresses from which the last step of the member said something to clients.
+    [[nodiscard]] const std::set<Endpoint>& said_from() const { return said_from_; }
     /// Called after every step of the member.
     void set_observer(std::function<void()> observer) { observer_ = std::move(observer); }
 
@@ -107,6 +110,7 @@ private:
     std::uint64_t sent_before_ = 0;  // by earlier lives, in octets
     std::uint64_t received_before_ = 0;
     std::chrono::nanoseconds core_time_{0};
+    std::set<Endpoint> said_from_;
     std::function<void()> observer_;
 };
 

@@ -62,14 +62,18 @@ void Invariants::report(Invariant invariant, const std::string& what) {
     new_.push_back(invariant);
 }
 
-/// I1: two brokers that may send from one address at one moment are in views without a common
-/// member.
+/// I1: two brokers that may send from one address at one moment, or of which one does, are in views
+/// without a common member.
 void Invariants::one_speaker(std::span<const Sight> brokers, const Sight& broker) {
-    if (is_broken(Invariant::one_speaker) || !broker.is_speaking) return;
+    if (is_broken(Invariant::one_speaker)) return;
+    std::set<Endpoint> speaks_from = broker.said_from;
+    if (broker.is_speaking) {
+        speaks_from.insert(broker.speaks_from.begin(), broker.speaks_from.end());
+    }
     for (const Sight& other : brokers) {
         if (other.log == broker.log || !other.is_speaking) continue;
         if (!have_a_common_member(broker.view, other.view)) continue;
-        for (const Endpoint& address : broker.speaks_from) {
+        for (const Endpoint& address : speaks_from) {
             if (std::ranges::count(other.speaks_from, address) == 0) continue;
             report(Invariant::one_speaker, broker.name + ", in view " +
                                                text_of(broker.view.number) + ", and " + other.name +

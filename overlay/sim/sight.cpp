@@ -115,6 +115,9 @@ void look_at(const ClusterBroker& broker, Instant now, const std::vector<std::st
         broker.options().cluster.acks,
         std::max<std::size_t>(cluster.live_peers().size(), may_one_live ? 1 : 0));
     sight.own_events = cluster.own_log().history().events_kept();
+    sight.said_from = broker.said_from();
+    std::erase_if(sight.said_from,  // the shell drops what no socket of its own says
+                  [&](const Endpoint& via) { return !cluster.addresses().is_serving(via); });
     sight.speaks_from.clear();
     for (const Endpoint& address : cluster.addresses().serving()) {
         if (member.may_speak_from(address)) sight.speaks_from.push_back(address);

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -67,6 +68,7 @@ struct Sight {
     broker::Seq own_last = 0;
     std::vector<broker::Sealed> sealed{};  // in its log, in this step
     std::vector<Endpoint> speaks_from{};
+    std::set<Endpoint> said_from{};          // something, in this step
     std::vector<std::string> speaks_to{};    // clients
     std::vector<HigherCopy> higher{};        // of these, at members that it hears
     std::vector<LogCopy> copies{};           // sorted

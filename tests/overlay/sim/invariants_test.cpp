@@ -88,6 +88,15 @@ TEST_F(InvariantsTest, OneSpeakerBreaksAcrossViewsWithACommonMember) {
     EXPECT_THAT(after_step_of(0), ElementsAre(Invariant::one_speaker));
 }
 
+TEST_F(InvariantsTest, OneSpeakerBreaksWhenOneSaysSomethingWhereAnotherMaySpeak) {
+    brokers[0].is_speaking = false;
+    brokers[0].speaks_from = {address};
+    brokers[1].speaks_from = {address};
+    EXPECT_THAT(after_step_of(0), IsEmpty()) << "it knows that it may not";
+    brokers[0].said_from = {address};
+    EXPECT_THAT(after_step_of(0), ElementsAre(Invariant::one_speaker)) << "and does";
+}
+
 TEST_F(InvariantsTest, AgreedEndBreaksWhenMembersSayDifferentEnds) {
     end_log_of_b2(7);
     EXPECT_THAT(after_step_of(0), IsEmpty());
