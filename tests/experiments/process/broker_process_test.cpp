@@ -147,7 +147,8 @@ TEST(ProcessUsages, OfThisProcessAreThere) {
 
 // Reading such a file fails then (ESRCH), and that is no error.
 TEST_F(BrokerProcesses, SayNothingWhenTheyEndWhileTheyAreRead) {
-    const auto process = shell("sleep 60");
+    const auto process = shell("echo ready; sleep 60");
+    await_trace();  // before that it may be about to become the shell, and has no command line
     EXPECT_THAT(process_file(process->pid(), "cmdline"), HasSubstr("sleep 60"));
     std::ifstream opened("/proc/" + std::to_string(process->pid()) + "/cmdline");
     ASSERT_TRUE(opened.is_open());
