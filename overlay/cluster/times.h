@@ -84,6 +84,8 @@ struct Times {
     [[nodiscard]] Duration conflicts_looked_at_every() const { return beacon_every; }
     [[nodiscard]] Duration session_asked_again_after() const { return detection / 2; }
     [[nodiscard]] Duration session_waited_for() const { return 2 * detection; }
+    /// A home that lives answers, be it late; and takes back what does not arrive.
+    [[nodiscard]] Duration living_home_waited_for() const { return handover_acknowledged_within(); }
 
     // --- silence that is not death
     [[nodiscard]] Duration clearly_heard_for() const { return detection / 2; }

@@ -133,7 +133,9 @@ void Roaming::carry_on(Effects& effects, const Logs& logs, const Homes& homes,
     std::erase_if(fetching_, [&](const auto& entry) {
         const Fetching& fetching = entry.second;
         if (effects.broker.header(fetching.client) != nullptr) return true;
-        if (effects.now <= fetching.since + effects.times.session_waited_for()) return false;
+        if (effects.now <= fetching.since + patience_with(effects, fetching, membership, view)) {
+            return false;
+        }
         if (arriving.holds(fetching.client) || departures.all().contains(fetching.client)) {
             return false;
         }
@@ -141,6 +143,14 @@ void Roaming::carry_on(Effects& effects, const Logs& logs, const Homes& homes,
         return true;
     });
     for (auto& [way, fetching] : fetching_) ask(effects, fetching, homes, membership, view);
+}
+
+/// A busy home is late, and to be a stranger would cost its client the session.
+Duration Roaming::patience_with(const Effects& effects, const Fetching& fetching,
+                                const Membership& membership, const View& view) {
+    const Peer* home = fetching.asked ? membership.find(*fetching.asked) : nullptr;
+    const bool lives = home != nullptr && home->alive && view.contains(home->beacon.log);
+    return lives ? effects.times.living_home_waited_for() : effects.times.session_waited_for();
 }
 
 void Roaming::adopt_copy(Effects& effects, const Logs& logs, const broker::ClientId& client,

@@ -7,8 +7,9 @@
 // back. A home with other predefined topics is asked for nothing: its client
 // is a stranger here.
 //
-// Bounded: so many clients at a time, and each for so long; without an answer of the home the
-// datagram is handled as that of a stranger. Time in which this broker stands still does not count.
+// Bounded: so many clients at a time, and each for so long, longer while the home lives; without an
+// answer of the home the datagram is handled as that of a stranger. Time in which this broker
+// stands still does not count.
 #pragma once
 
 #include <deque>
@@ -66,6 +67,8 @@ private:
                                                             const Homes& homes) const;
     [[nodiscard]] std::optional<broker::ClientId> let_go(const broker::ClientAddress& from) const;
     [[nodiscard]] bool has_let_go(const broker::ClientId& client) const;
+    [[nodiscard]] static Duration patience_with(const Effects& effects, const Fetching& fetching,
+                                                const Membership& membership, const View& view);
     static void adopt_copy(Effects& effects, const Logs& logs, const broker::ClientId& client,
                            const Homes& homes, Departures& departures);
     void ask(Effects& effects, Fetching& fetching, const Homes& homes, const Membership& membership,

@@ -122,6 +122,14 @@ TEST_F(RoamingTest, P2_ItsHomeIsAskedAgain) {
     EXPECT_EQ(asked_after(1ms), 1U);
 }
 
+TEST_F(RoamingTest, P1_IsNoStrangerWhileItsHomeLivesAndIsLate) {
+    membership.on_beacon(now, Beacon{.log = peer, .tick = 1, .hears = {self.broker}});
+    view.members = {std::min(self, peer), std::max(self, peer)};
+    EXPECT_TRUE(is_waited_for_after(1ms)) << "it is asked";
+    EXPECT_TRUE(is_waited_for_after(3 * patience));
+    EXPECT_FALSE(is_waited_for_after(test::times.living_home_waited_for())) << "it has no answer";
+}
+
 // It may hear us, though we do not hear it, and gives the session away before we take our copy.
 TEST_F(RoamingTest, I7_AHomeThatCannotAnswerIsAskedAsWell) {
     membership.on_beacon(now, Beacon{.log = peer, .tick = 1});
