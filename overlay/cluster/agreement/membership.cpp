@@ -78,7 +78,7 @@ Membership::Heard Membership::on_beacon(Instant now, const Beacon& beacon) {
         linked_->on_restart(node_of(id));
     }
     peer.beacon = beacon;
-    std::erase_if(unknown_, [&](const auto& each) { return each.first.broker == id; });
+    unknown_.erase(beacon.log);
     peer.hears_us = beacon.hears_from(self_);
     has_news = has_news || news_of(peer) != before;
     // Its particulars came after its heartbeat, and may have waited.

@@ -140,18 +140,6 @@ TEST(Unanswered, P3_ANewcomerOpensNoViewWhileItHearsAnUnknownBroker) {
     EXPECT_FALSE(newcomer.core.is_in_view()) << "it may only stand still";
 }
 
-TEST(Unanswered, P1_ANewcomerServesSoonAfterItMetALaterLifeOfTheUnknownBroker) {
-    Unanswered newcomer;
-    newcomer.hear_heartbeats_for(100ms);
-    LogId later = peer;
-    ++later.incarnation;
-    Beacon beacon{.name = "peer", .log = later, .tick = 1, .hears = {self.broker}};
-    beacon.leaving = true;
-    newcomer.take(beacon);
-    for (int beacons = 0; beacons < 60; ++beacons) newcomer.pass();
-    EXPECT_TRUE(newcomer.core.is_in_view());
-}
-
 TEST(Unanswered, P1_ANewcomerServesInTheEndThoughNobodyAnswers) {
     Unanswered newcomer;
     newcomer.hear_heartbeats_for(3s);
