@@ -43,12 +43,14 @@ void await_whole(Cluster& cluster) {
     }
 }
 
+double cpu_s(const Cluster& cluster, std::size_t broker) {
+    const auto usage = experiments::usage_of(cluster.process(broker));
+    return usage ? usage->cpu_s : 0;
+}
+
 double cpu_s(const Cluster& cluster) {
     double sum = 0;
-    for (std::size_t i = 0; i < cluster.size(); ++i) {
-        const auto usage = experiments::usage_of(cluster.process(i));
-        if (usage) sum += usage->cpu_s;
-    }
+    for (std::size_t i = 0; i < cluster.size(); ++i) sum += cpu_s(cluster, i);
     return sum;
 }
 
@@ -140,6 +142,7 @@ CostRow run(const CostScenario& scenario, unsigned repetition, const Options& br
     experiments::MqttsnClients clients(scenario.plan, mqttsn);
     double cpu_before = 0;
     double cpu_after = 0;
+    double cpu_of_the_dead = 0;
     std::optional<double> turn_ms;
     bool is_stopped = false;
     std::optional<Instant> killed_at;
@@ -155,13 +158,14 @@ CostRow run(const CostScenario& scenario, unsigned repetition, const Options& br
                                        if (scenario.fault != Fault::crash) {
                                            return cluster.pause(last);
                                        }
+                                       cpu_of_the_dead = cpu_s(cluster, last);
                                        cluster.kill(last);
                                        killed_at = net::now();
                                    },
                                .on_measuring = [&] { cpu_before = cpu_s(cluster); },
                                .on_measured =
                                    [&] {
-                                       cpu_after = cpu_s(cluster);
+                                       cpu_after = cpu_s(cluster) + cpu_of_the_dead;
                                        if (scenario.measures_turns) {
                                            turn_ms = longest_turn_ms(cluster);
                                        }

@@ -26,19 +26,21 @@ Cluster::~Cluster() {
     for (Broker& broker : brokers_) broker.process->stop(std::chrono::seconds{2});
 }
 
+std::string Cluster::host(std::size_t broker) const {
+    return options_.network + "." + std::to_string(broker + 1);
+}
+
 experiments::BrokerAddress Cluster::address(std::size_t broker) const {
-    const std::string host = options_.network + "." + std::to_string(broker + 1);
-    return {boost::asio::ip::make_address(host), options_.port};
+    return {boost::asio::ip::make_address(host(broker)), options_.port};
 }
 
 std::string Cluster::address_text(std::size_t broker) const {
-    return options_.network + "." + std::to_string(broker + 1) + ":" +
-           std::to_string(options_.port);
+    return host(broker) + ":" + std::to_string(options_.port);
 }
 
 std::optional<experiments::MetricsAddress> Cluster::metrics(std::size_t broker) const {
     if (options_.metrics_port == 0) return std::nullopt;
-    return experiments::MetricsAddress{.host = options_.network + "." + std::to_string(broker + 1),
+    return experiments::MetricsAddress{.host = host(broker),
                                        .port = std::to_string(options_.metrics_port)};
 }
 

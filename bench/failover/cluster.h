@@ -66,6 +66,7 @@ private:
     };
 
     void start(std::size_t broker);
+    [[nodiscard]] std::string host(std::size_t broker) const;
     [[nodiscard]] bool serves_its_address(std::size_t broker) const;
 
     Options options_;
