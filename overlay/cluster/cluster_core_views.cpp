@@ -144,15 +144,17 @@ void ClusterCore::on_view(Effects& effects, const ViewAnnouncement& announcement
                           logs_);
     // Other members hand us what our earlier lives left at our address, if it has not been done
     // yet.
-    std::map<Endpoint, std::set<BrokerId>> givers;
+    std::map<Endpoint, std::set<LogId>> givers;
     for (const Assignment& assignment : announcement.assignments) {
         const Endpoint& address = assignment.address;
         // Unless that serves the address in its own cell: then the sessions are at home there.
         const Peer* heir = membership_.find(assignment.heir);
         if (heir != nullptr && heir->is_home_of(address)) continue;
-        if (assignment.heir != own_.id().broker && addresses_.is_home(address) &&
-            addresses_.is_serving(address) && !effects.broker.is_home_of_any_via(address)) {
-            givers[address].insert(assignment.heir);
+        const auto life = std::ranges::find(view().members, assignment.heir, &LogId::broker);
+        if (life == view().members.end() || *life == own_.id()) continue;
+        if (addresses_.is_home(address) && addresses_.is_serving(address) &&
+            !effects.broker.is_home_of_any_via(address)) {
+            givers[address].insert(*life);
         }
     }
     for (auto& [address, heirs] : givers) {

@@ -81,6 +81,7 @@ struct Times {
     [[nodiscard]] Duration rival_joins_within() const { return 40 * detection; }
     [[nodiscard]] Duration giver_met_within() const { return detection; }
     [[nodiscard]] Duration giver_waited_for() const { return 20 * detection; }
+    [[nodiscard]] Duration dead_giver_removed_within() const { return 40 * detection; }
     [[nodiscard]] Duration conflicts_looked_at_every() const { return beacon_every; }
     [[nodiscard]] Duration session_asked_again_after() const { return detection / 2; }
     [[nodiscard]] Duration session_waited_for() const { return 2 * detection; }

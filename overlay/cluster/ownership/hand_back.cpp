@@ -23,7 +23,9 @@ std::optional<LogId> HandBack::owner_of(const Endpoint& address, const Membershi
 void HandBack::compare(Effects& effects, const Membership& membership, const View& view,
                        const ServiceAddresses& addresses) {
     const auto contested_before = std::exchange(contested_, {});
-    for (const Endpoint& address : addresses.serving()) {
+    const std::set<Endpoint>& serving = addresses.serving();
+    std::erase_if(rivals_, [&](const auto& entry) { return !serving.contains(entry.first); });
+    for (const Endpoint& address : serving) {
         std::set<BrokerId> rivals;
         bool are_members = true;
         for (const auto& [id, peer] : membership.peers()) {
@@ -56,10 +58,10 @@ void HandBack::compare(Effects& effects, const Membership& membership, const Vie
         if (!are_members) rivalry.together_since = effects.now;
         if (effects.now > rivalry.together_since + effects.times.rival_hands_over_within() ||
             effects.now > rivalry.since + effects.times.rival_joins_within()) {
-            rivalry.is_settled = true;
+            rivalry.is_in_vain = true;
         }
         const bool is_ours =
-            rivalry.is_settled || std::ranges::any_of(rivalry.with, [&](BrokerId id) {
+            rivalry.is_settled() || std::ranges::any_of(rivalry.with, [&](BrokerId id) {
                 return membership.find(id)->hears(self_);
             });
         if (is_ours && !std::exchange(rivalry.is_claimed, true)) {
@@ -70,22 +72,19 @@ void HandBack::compare(Effects& effects, const Membership& membership, const Vie
 
 bool HandBack::is_unsettled(const Endpoint& address) const {
     const auto rival = rivals_.find(address);
-    return rival != rivals_.end() && !rival->second.is_settled;
+    return rival != rivals_.end() && !rival->second.is_settled();
+}
+
+/// What one of several rivals had says nothing of what the others have (I1).
+bool HandBack::Rivalry::is_settled() const {
+    return is_in_vain || std::ranges::includes(handed_over, with);
 }
 
 void HandBack::carry_on(Effects& effects, const Logs& logs, const Membership& membership,
                         const View& view, ServiceAddresses& addresses, Departures& departures,
                         const NotYet& not_yet) {
     std::erase_if(expected_, [&](const auto& entry) {
-        const Expected& expected = entry.second;
-        if (effects.now > expected.since + effects.times.giver_waited_for()) return true;
-        // It may not be heard yet.
-        if (effects.now <= expected.since + effects.times.giver_met_within()) return false;
-        return std::ranges::all_of(expected.from, [&](BrokerId id) {
-            const Peer* from = membership.find(id);
-            // One that died is a member until somebody else inherits them, and hands them over.
-            return from == nullptr || (!from->alive && !view.contains(from->beacon.log));
-        });
+        return is_in_vain(effects, entry.second, membership, view);
     });
     std::erase_if(giving_, [&](const auto& entry) {
         const auto& [address, giving] = entry;
@@ -126,6 +125,24 @@ void HandBack::carry_on(Effects& effects, const Logs& logs, const Membership& me
             addresses.give_up(effects, address);
         }
     }
+}
+
+/// Those who died are members until a view names who inherits, and hands them over: until then
+/// nobody knows whether anything comes (I5).
+bool HandBack::is_in_vain(const Effects& effects, const Expected& expected,
+                          const Membership& membership, const View& view) {
+    const auto is_alive = [&](const LogId& life) { return membership.is_alive(life); };
+    const auto is_member = [&](const LogId& life) { return view.contains(life); };
+    const bool awaits_view = std::ranges::any_of(
+        expected.from, [&](const LogId& life) { return is_member(life) && !is_alive(life); });
+    if (effects.now > expected.since + (awaits_view ? effects.times.dead_giver_removed_within()
+                                                    : effects.times.giver_waited_for())) {
+        return true;
+    }
+    // It may not be heard yet.
+    if (effects.now <= expected.since + effects.times.giver_met_within()) return false;
+    return std::ranges::none_of(
+        expected.from, [&](const LogId& life) { return is_alive(life) || is_member(life); });
 }
 
 /// One that gets no answer, or whose owner is gone: what did not get there is taken back
@@ -201,7 +218,18 @@ bool HandBack::is_deaf(const Endpoint& address) const {
 }
 
 bool HandBack::is_silent(const Endpoint& address) const {
-    return is_deaf(address) || (is_unsettled(address) && !expected_.contains(address));
+    return is_deaf(address) || (is_unsettled(address) && !has_one_giver(address));
+}
+
+/// Another rival may speak there still (I1).
+bool HandBack::has_one_giver(const Endpoint& address) const {
+    const auto expected = expected_.find(address);
+    const auto rivalry = rivals_.find(address);
+    if (expected == expected_.end() || rivalry == rivals_.end()) return false;
+    const std::set<BrokerId>& rivals = rivalry->second.with;
+    if (rivals.size() != 1) return false;
+    return std::ranges::all_of(expected->second.from,
+                               [&](const LogId& life) { return rivals.contains(life.broker); });
 }
 
 // --- the owner's side
@@ -210,11 +238,11 @@ void HandBack::reclaim(Effects& effects, const Membership& membership, const Vie
                        ServiceAddresses& addresses) {
     for (const Endpoint& address : addresses.home()) {
         if (addresses.is_serving(address) || addresses.is_taking(address)) continue;
-        std::set<BrokerId> from;
+        std::set<LogId> from;
         for (const LogId& member : view.members) {
             const Peer* peer = membership.find(member.broker);
             if (peer == nullptr || !membership.is_alive(member) || !peer->hears(self_)) continue;
-            if (peer->is_serving(address) && !peer->is_home_of(address)) from.insert(member.broker);
+            if (peer->is_serving(address) && !peer->is_home_of(address)) from.insert(member);
         }
         const auto tried = tried_.find(address);
         const bool is_too_soon = tried != tried_.end() &&
@@ -242,22 +270,20 @@ std::vector<Endpoint> HandBack::binding() const {
     return addresses;
 }
 
-void HandBack::expect(Instant now, const Endpoint& address, std::set<BrokerId> from) {
+void HandBack::expect(Instant now, const Endpoint& address, std::set<LogId> from) {
     expected_.insert_or_assign(address, Expected{std::move(from), now});
 }
 
 void HandBack::on_handed_over(BrokerId from, const Endpoint& address) {
     const auto expected = expected_.find(address);
     if (expected != expected_.end()) {
-        const bool was_meant = expected->second.from.erase(from) != 0;
+        const auto is_from = [&](const LogId& life) { return life.broker == from; };
+        const bool was_meant = std::erase_if(expected->second.from, is_from) != 0;
         if (!was_meant || expected->second.from.empty()) expected_.erase(expected);
     }
     // The former holder's next beacons may still name the address; it is silent there by now.
-    // Another heir's word says nothing of what the rival has.
     const auto rivalry = rivals_.find(address);
-    if (rivalry != rivals_.end() && rivalry->second.with.contains(from)) {
-        rivalry->second.is_settled = true;
-    }
+    if (rivalry != rivals_.end()) rivalry->second.handed_over.insert(from);
 }
 
 }  // namespace romano::cluster

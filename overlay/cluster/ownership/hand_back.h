@@ -73,8 +73,8 @@ public:
     /// The address's sessions are on their way, or it belongs to another broker that serves it:
     /// nothing is heard for them here.
     [[nodiscard]] bool is_deaf(const Endpoint& address) const;
-    /// Nor said; and the owner, too, says nothing before it has what its rival had, but it hears:
-    /// that waits.
+    /// Nor said; and the owner, too, says nothing before it has what its rivals had, but it hears:
+    /// that waits. It speaks to those who have come from its only rival, which is silent then.
     [[nodiscard]] bool is_silent(const Endpoint& address) const;
 
     // --- the owner's side
@@ -88,8 +88,9 @@ public:
     }
     /// Bound, and silent until the sessions are here.
     [[nodiscard]] std::vector<Endpoint> binding() const;
-    /// The sessions of an own address are somewhere else and will come from there.
-    void expect(Instant now, const Endpoint& address, std::set<BrokerId> from);
+    /// The sessions of an own address are somewhere else and will come from there: from these lives
+    /// of brokers, or from the heirs of those that die.
+    void expect(Instant now, const Endpoint& address, std::set<LogId> from);
     void on_handed_over(BrokerId from, const Endpoint& address);
     /// Another broker served our address as well, and has not handed its sessions over yet.
     [[nodiscard]] bool is_unsettled(const Endpoint& address) const;
@@ -110,7 +111,7 @@ private:
         std::set<broker::ClientId> awaited = {};  // before the others
     };
     struct Expected {
-        std::set<BrokerId> from;
+        std::set<LogId> from;
         Instant since;
     };
 
@@ -126,6 +127,9 @@ private:
     /// True when all that were there have left.
     bool move_some(Effects& effects, const Endpoint& address, Giving& giving, const PeerLogs& logs,
                    Departures& departures) const;
+    [[nodiscard]] bool has_one_giver(const Endpoint& address) const;
+    [[nodiscard]] static bool is_in_vain(const Effects& effects, const Expected& expected,
+                                         const Membership& membership, const View& view);
     [[nodiscard]] std::optional<LogId> owner_of(const Endpoint& address,
                                                 const Membership& membership,
                                                 const View& view) const;
@@ -137,14 +141,16 @@ private:
     struct Rivalry {
         std::set<BrokerId> with;
         Instant since;
-        Instant together_since;   // in one view with all of them
-        bool is_settled = false;  // handed over, or waited for in vain
-        bool is_claimed = false;  // datagrams come here, and wait
+        Instant together_since;               // in one view with all of them
+        std::set<BrokerId> handed_over = {};  // they did
+        bool is_in_vain = false;              // the others were waited for long enough
+        bool is_claimed = false;              // datagrams come here, and wait
+        [[nodiscard]] bool is_settled() const;
     };
     std::map<Endpoint, Rivalry> rivals_;  // for own addresses, that others serve as well
-    std::map<Endpoint, std::set<BrokerId>> reclaiming_;  // own, being bound beside these
-    std::map<Endpoint, Instant> tried_;                  // own, could not be bound
-    std::map<Endpoint, Expected> expected_;              // bound, the sessions not here yet
+    std::map<Endpoint, std::set<LogId>> reclaiming_;  // own, being bound beside these
+    std::map<Endpoint, Instant> tried_;               // own, could not be bound
+    std::map<Endpoint, Expected> expected_;           // bound, the sessions not here yet
 };
 
 }  // namespace romano::cluster

@@ -77,13 +77,18 @@ TEST(OnceBrokenSeeds, HaveOneSpeakerNow) {
     for (const std::uint64_t seed : {3109, 4537}) {
         keep(Invariant::one_speaker, seed, {.as_shipped = true});
     }
-    keep(Invariant::one_speaker, 366, {.faults = {Fault::relapse}});
+    for (const std::uint64_t seed : {366, 1041}) {
+        keep(Invariant::one_speaker, seed, {.faults = {Fault::relapse}});
+    }
     keep(Invariant::one_speaker, 814, {.faults = {Fault::late}});
     keep(Invariant::one_speaker, 297, {.faults = {Fault::starve}});
 }
 
 TEST(OnceBrokenSeeds, HaveOneOwnerAViewNow) {
-    keep(Invariant::one_owner, 322, {.faults = {Fault::relapse}});
+    keep(Invariant::one_owner, 9728, {.as_shipped = true});
+    for (const std::uint64_t seed : {322, 1271, 1709}) {
+        keep(Invariant::one_owner, seed, {.faults = {Fault::relapse}});
+    }
     for (const std::uint64_t seed : {191, 736, 974, 981}) {
         keep(Invariant::one_owner, seed, {.faults = {Fault::starve}});
     }

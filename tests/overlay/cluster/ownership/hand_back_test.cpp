@@ -120,9 +120,9 @@ TEST(HandBack, P2_AnOwnerWaitsForAllWhoInheritedFromIt) {
     AfterAHeal healed;
     healed.hear({self.broker}, {theirs});
     ASSERT_FALSE(healed.hand_back.is_expecting(ours));
-    const BrokerId other = test::log_of("b3").broker;
-    healed.hand_back.expect(healed.now, ours, {rival.broker, other});
-    healed.hand_back.on_handed_over(other, ours);
+    const LogId other = test::log_of("b3");
+    healed.hand_back.expect(healed.now, ours, {rival, other});
+    healed.hand_back.on_handed_over(other.broker, ours);
     EXPECT_TRUE(healed.hand_back.is_expecting(ours));
     healed.hand_back.on_handed_over(rival.broker, ours);
     EXPECT_FALSE(healed.hand_back.is_expecting(ours));
@@ -261,6 +261,90 @@ TEST(HandBack, AnOwnerBindsItsAddressBesideTheHolderAndWaits) {
     EXPECT_EQ(back.hand_back.binding(), std::vector{ours});
     back.hand_back.on_handed_over(rival.broker, ours);
     EXPECT_TRUE(back.hand_back.binding().empty());
+}
+
+/// It has bound its address.
+struct BackAndWaiting : Back {
+    BackAndWaiting() {
+        EXPECT_EQ(bindings(), 1U);
+        on_address(true);
+    }
+    [[nodiscard]] bool is_expecting_after(Duration silence) {
+        hear_nothing_for(silence);
+        (void)handed_over();
+        return hand_back.is_expecting(ours);
+    }
+};
+
+// Its owner spoke some milliseconds before a view named the heir (simulator, seed 9728).
+TEST(HandBack, I5_AnOwnerWaitsForAViewWithoutTheDeadGiver) {
+    BackAndWaiting back;
+    back.hear_on_for(1900ms);
+    EXPECT_TRUE(back.is_expecting_after(400ms)) << "a living one would have been given up";
+    back.view.members = {self};
+    EXPECT_FALSE(back.is_expecting_after(10ms));
+}
+
+TEST(HandBack, AnOwnerGivesUpALivingGiverWhichHandsNothingOver) {
+    BackAndWaiting back;
+    back.hear_on_for(2050ms);
+    EXPECT_FALSE(back.is_expecting_after(0ms));
+}
+
+TEST(HandBack, AnOwnerWaitsForAViewForSomeTimeOnly) {
+    BackAndWaiting back;
+    EXPECT_TRUE(back.is_expecting_after(3900ms));
+    EXPECT_FALSE(back.is_expecting_after(200ms));
+}
+
+// The view has its former life, whose heir hands over (simulator, faults `relapse`, seeds 1271 and
+// 1709).
+TEST(HandBack, I5_AGiverInALaterLifeHasNotGivenWhatItHad) {
+    BackAndWaiting back;
+    back.membership.on_beacon(
+        back.now,
+        Beacon{.log = {rival.broker, rival.incarnation + 1}, .tick = 1, .hears = {self.broker}});
+    EXPECT_TRUE(back.is_expecting_after(200ms));
+    back.view.members = {self};
+    EXPECT_FALSE(back.is_expecting_after(10ms));
+}
+
+TEST(HandBack, I1_AnOwnerSpeaksToThoseWhoHaveComeFromItsOnlyRival) {
+    BackAndWaiting back;
+    EXPECT_TRUE(back.hand_back.is_expecting(ours)) << "strangers wait";
+    back.compare();
+    EXPECT_FALSE(back.hand_back.is_silent(ours));
+}
+
+// One was the heir of its former life, and one had stood still and taken the address alone: that
+// one spoke there still when the heir had handed over (simulator, faults `relapse`, seed 1041).
+TEST(HandBack, I1_AnOwnerWaitsForEachOfTwoRivals) {
+    Back back;
+    const LogId other = test::log_of("b3");
+    std::ranges::sort(back.view.members = {self, rival, other});
+    back.membership.on_beacon(
+        back.now, Beacon{.log = other, .tick = 1, .hears = {self.broker}, .serving = {ours}});
+    ASSERT_EQ(back.bindings(), 1U);
+    back.on_address(true);
+    back.compare();
+    EXPECT_TRUE(back.hand_back.is_silent(ours));
+    back.hand_back.on_handed_over(rival.broker, ours);
+    EXPECT_TRUE(back.hand_back.is_silent(ours));
+    back.hand_back.on_handed_over(other.broker, ours);
+    EXPECT_FALSE(back.hand_back.is_silent(ours));
+}
+
+TEST(HandBack, I1_ARivalsWordSaysNothingOfWhatAnotherRivalHas) {
+    AfterAHeal healed;
+    const LogId other = test::log_of("b3");
+    std::ranges::sort(healed.view.members = {self, rival, other});
+    healed.membership.on_beacon(
+        healed.now, Beacon{.log = other, .tick = 1, .hears = {self.broker}, .serving = {ours}});
+    healed.compare();
+    healed.hand_back.on_handed_over(rival.broker, ours);
+    EXPECT_TRUE(healed.hand_back.is_silent(ours));
+    healed.hand_back.on_handed_over(other.broker, ours);
+    EXPECT_FALSE(healed.hand_back.is_silent(ours));
 }
 
 TEST(HandBack, WhatCannotBeBoundIsTriedAgainInTime) {
