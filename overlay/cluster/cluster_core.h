@@ -93,6 +93,8 @@ public:
     void on_cpu_percent(std::uint32_t percent) { cpu_percent_ = percent; }
     /// Instant::min(): there is more to be done than fits one turn.
     [[nodiscard]] Instant next_wakeup() const;
+    /// What does not fit one turn are sessions that move, and nobody waits for them.
+    [[nodiscard]] bool may_rest() const;
 
     // --- the own log
     void append(Seq seq, const LogEventPtr& event);
@@ -238,6 +240,8 @@ private:
     /// Tries again for addresses that should be served here and are served by nobody.
     void seek_addresses(Effects& effects);
     void warn_when_leaderless(Effects& effects);
+    /// Somebody waits for what did not fit the last turn.
+    [[nodiscard]] bool is_behind() const;
     void warn_of_foreign_sessions(Effects& effects, const ViewAnnouncement& announcement);
     void trim(Effects& effects);
     void forget_old_lives(Effects& effects);

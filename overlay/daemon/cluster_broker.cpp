@@ -36,6 +36,7 @@ constexpr std::size_t most_actions_held = 4096;
 constexpr std::size_t most_octets_held = std::size_t{1} << 20U;
 
 constexpr auto look_every = 1s;
+constexpr int rest_per_turn = 2;
 constexpr std::size_t most_homes_of_peers = 1'000;
 
 constexpr const char* missing_right =
@@ -333,9 +334,19 @@ void ClusterBroker::on_link(const broker::LogId& process, election::Link link) {
 
 void ClusterBroker::on_core_wakeup() {
     const Instant now = net::now();
-    standstill_.look(now, member_->next_wakeup(), thread_processor_time());
+    standstill_.look(now, next_turn(), thread_processor_time());
     member_->on_tick(now, actions_);
-    carry_out();
+    act();
+    const Instant ended = net::now();
+    rests_until_ = ended + rest_per_turn * (ended - now);
+    timer_.arm(next_turn());
+}
+
+/// While many sessions move and nobody waits for them, two thirds of the processor are left to
+/// others: to whom somebody talks, and to those on this machine who read of the sessions.
+Instant ClusterBroker::next_turn() const {
+    const Instant wanted = member_->next_wakeup();
+    return member_->may_rest() ? std::max(wanted, rests_until_) : wanted;
 }
 
 void ClusterBroker::on_home_of_peer(const Endpoint& address) {
@@ -401,6 +412,11 @@ void ClusterBroker::read_rights_again() {
 }
 
 void ClusterBroker::carry_out() {
+    act();
+    timer_.arm(next_turn());
+}
+
+void ClusterBroker::act() {
     // An address that was taken or not is news for the member, which may want more done.
     for (;;) {
         carry_out_locally();
@@ -419,7 +435,6 @@ void ClusterBroker::carry_out() {
         answers_.clear();
     }
     member_->set_full(heap_limit_.is_reached());
-    timer_.arm(member_->next_wakeup());
 }
 
 void ClusterBroker::tell_packets() {

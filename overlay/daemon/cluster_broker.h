@@ -70,7 +70,9 @@ private:
     void look_around();
     void obey_rights();
 
-    void carry_out();
+    void carry_out();  // and arms the timer
+    void act();
+    [[nodiscard]] Instant next_turn() const;
     void tell_packets();
     void seal();
     [[nodiscard]] bool may_serve(const Endpoint& address) const;
@@ -99,6 +101,7 @@ private:
     std::unique_ptr<overlay::Member> member_;   // null until every address is accounted for
     overlay::MemberActions actions_;
     net::CoreTimer timer_;
+    Instant rests_until_ = Instant::min();
     net::CoreTimer look_timer_;
     std::optional<ConditionFile> condition_;
     ProcessorLoad processor_load_;

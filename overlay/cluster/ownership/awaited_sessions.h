@@ -22,6 +22,7 @@ public:
     void on_publish(std::string_view topic);
     /// So many of them at most: the others are left for the next call.
     [[nodiscard]] std::vector<broker::ClientId> take(std::size_t most);
+    [[nodiscard]] bool has_any() const { return !awaited_.empty(); }
     void clear() { *this = {}; }
 
 private:

@@ -167,6 +167,11 @@ bool HandBack::is_half_done(const Departures& departures) const {
     });
 }
 
+bool HandBack::is_awaited() const {
+    return std::ranges::any_of(giving_,
+                               [](const auto& entry) { return !entry.second.awaited.empty(); });
+}
+
 void HandBack::on_awaited(const broker::SessionHeader& client) {
     const auto giving = giving_.find(client.via);
     if (giving != giving_.end()) giving->second.awaited.insert(client.client_id);

@@ -60,6 +60,8 @@ public:
                   const View& view, ServiceAddresses& addresses, Departures& departures,
                   const NotYet& not_yet);
     [[nodiscard]] bool is_half_done(const Departures& departures) const;
+    /// Somebody waits for what is to be given.
+    [[nodiscard]] bool is_awaited() const;
     /// Something waits for the client, or it speaks to the owner: its session leaves first.
     void on_awaited(const broker::SessionHeader& client);
     /// Looks who else serves our addresses. Whoever did when it was heard last, and is a member

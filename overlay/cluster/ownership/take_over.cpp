@@ -193,8 +193,8 @@ bool TakeOver::list_some(Pending& pending, const PeerLog& log) {
     const std::size_t end = std::min(pending.listed + listed_per_turn, pending.clients.size());
     const bool are_any = pending.listed < end;
     for (; pending.listed < end; ++pending.listed) {
-        const broker::ClientId& client = pending.clients[pending.listed];
-        if (log.session(client) != nullptr) awaited_.list(*log.mirror().session(client));
+        const auto* session = log.mirror().session(pending.clients[pending.listed]);
+        if (session != nullptr) awaited_.list(*session);
     }
     return are_any;
 }
@@ -245,6 +245,14 @@ bool TakeOver::is_half_adopted(const Endpoint& address) const {
     return std::ranges::any_of(pending_, [&](const Pending& pending) {
         return pending.is_begun && pending.assignment.address == address;
     });
+}
+
+bool TakeOver::may_rest() const {
+    const auto is_begun_and_listed = [](const Pending& pending) {
+        return pending.is_begun && pending.listed == pending.clients.size();
+    };
+    return !awaited_.has_any() && !pending_.empty() &&
+           std::ranges::all_of(pending_, is_begun_and_listed);
 }
 
 bool TakeOver::is_adopted_from_several(const Endpoint& address) const {

@@ -50,6 +50,8 @@ public:
     /// Also those that are still to come.
     [[nodiscard]] std::set<Endpoint> inheriting() const;
     [[nodiscard]] bool is_half_adopted(const Endpoint& address) const;
+    /// Some are left to be adopted, and it is known that nobody waits for them.
+    [[nodiscard]] bool may_rest() const;
     /// They come from several logs: which copy of a session stays is known when all are here.
     [[nodiscard]] bool is_adopted_from_several(const Endpoint& address) const;
     /// Somebody waits for the sessions that want such messages, or for that client's.

@@ -76,12 +76,13 @@ TEST(AwaitedSessions, SoManyAtMostAreTaken) {
 }
 
 /// "self" is about to adopt all sessions of "peer", and has listed them.
-struct Heir : Cluster {
+template <typename Before>
+struct HeirFrom : Before {
     /// `hear_others` is called whenever "peer" is heard.
-    explicit Heir(const std::function<void(Heir&)>& hear_others = [](Heir&) {}) {
-        serve(ours);
+    explicit HeirFrom(const std::function<void(HeirFrom&)>& hear_others = [](HeirFrom&) {}) {
+        this->serve(ours);
         for (int i = 0; i < 10; ++i) {
-            hear(sessions);
+            this->hear(sessions);
             hear_others(*this);
         }
         for (std::size_t first = 0; first < sessions; first += 100) {
@@ -90,34 +91,69 @@ struct Heir : Cluster {
                 batch.events.push_back(
                     broker::LogEvent{broker::SessionPut{.image = subscriber(i, topic(i))}});
             }
-            take(std::move(batch));
-            while (core.peer_logs().at(peer).applied() < first + 100) tick();
+            this->take(std::move(batch));
+            while (this->core.peer_logs().at(peer).applied() < first + 100) this->tick();
         }
-        for (int i = 0; i < 100 && !core.take_over().is_half_adopted(theirs); ++i) pass();
-        serve(theirs);
-        tick();
-        EXPECT_EQ(broker.session_count(), 0U);
+        for (int i = 0; i < 100 && !this->core.take_over().is_half_adopted(theirs); ++i)
+            this->pass();
+        this->serve(theirs);
+        this->tick();
+        EXPECT_EQ(this->broker.session_count(), 0U);
     }
     [[nodiscard]] bool is_home_of(std::size_t number) const {
-        return broker.header(client(number)) != nullptr;
+        return this->broker.header(client(number)) != nullptr;
+    }
+    /// The client that is the last one but so many in its turn.
+    [[nodiscard]] std::size_t last_but(std::size_t others) const {
+        const auto left = this->core.peer_logs().at(peer).clients_left(theirs);
+        std::size_t number = 0;
+        while (client(number) != left.at(left.size() - 1 - others)) ++number;
+        return number;
     }
 };
+using Heir = HeirFrom<InAView>;
+using HeirOfAnOutdatedLog = HeirFrom<Cluster>;  // it was in no view with "peer"
 
 // P7: a client is answered soon, however many others its broker had.
 TEST(AwaitedSessions, P7_AnHeirAdoptsThoseFirstThatSpeakOrAreWrittenTo) {
     Heir heir;
     Effects acting = heir.effects();
-    EXPECT_TRUE(heir.waits_for_session(theirs, place(599)));
-    heir.core.hurry(acting, theirs, place(599), pingreq);
-    heir.broker.publish(heir.now, topic(598), {}, mqttsn::Qos::at_least_once, false, heir.clients);
+    const std::size_t speaks = heir.last_but(0);
+    const std::size_t is_written_to = heir.last_but(1);
+    const std::size_t later = heir.last_but(2);
+    EXPECT_TRUE(heir.waits_for_session(theirs, place(speaks)));
+    heir.core.hurry(acting, theirs, place(speaks), pingreq);
+    heir.broker.publish(heir.now, topic(is_written_to), {}, mqttsn::Qos::at_least_once, false,
+                        heir.clients);
     heir.keep_log();
     heir.tick();
-    ASSERT_LT(heir.broker.session_count(), sessions);
-    EXPECT_TRUE(heir.is_home_of(599) && heir.is_home_of(598));
-    EXPECT_FALSE(heir.waits_for_session(theirs, place(599)));
-    const std::size_t later = heir.is_home_of(597) ? 596 : 597;
+    EXPECT_TRUE(heir.is_home_of(speaks));
+    EXPECT_TRUE(heir.is_home_of(is_written_to));
+    EXPECT_FALSE(heir.waits_for_session(theirs, place(speaks)));
     ASSERT_FALSE(heir.is_home_of(later));
     EXPECT_TRUE(heir.waits_for_session(theirs, place(later)));
+}
+
+TEST(AwaitedSessions, P7_AlsoOfAnOutdatedLogThoseComeFirstThatAreWrittenTo) {
+    HeirOfAnOutdatedLog heir;
+    const std::size_t is_written_to = heir.last_but(0);
+    heir.broker.publish(heir.now, topic(is_written_to), {}, mqttsn::Qos::at_least_once, false,
+                        heir.clients);
+    heir.keep_log();
+    heir.tick();
+    EXPECT_TRUE(heir.is_home_of(is_written_to));
+}
+
+// P7: what rests leaves the processor to others.
+TEST(AwaitedSessions, P7_AnHeirMayRestWhileNobodyWaitsForThem) {
+    Heir heir;
+    EXPECT_TRUE(heir.core.may_rest());
+    heir.broker.publish(heir.now, topic(heir.last_but(0)), {}, mqttsn::Qos::at_least_once, false,
+                        heir.clients);
+    heir.keep_log();
+    EXPECT_FALSE(heir.core.may_rest());
+    heir.tick();
+    EXPECT_TRUE(heir.core.may_rest());
 }
 
 // I7: it would be taken for the other one.
@@ -139,7 +175,7 @@ TEST(AwaitedSessions, P3_NobodyIsServedWhileALaterCopyMayComeFromAnotherLog) {
         of_others.events.push_back(
             broker::LogEvent{broker::SessionPut{.image = subscriber(i, topic(i))}});
     }
-    Heir heir{[&](Heir& it) {
+    HeirOfAnOutdatedLog heir{[&](HeirOfAnOutdatedLog& it) {
         it.take(Beacon{.name = "other",
                        .log = other,
                        .last_seq = of_others.events.size(),

@@ -34,6 +34,7 @@ TEST(ManySessions, AnHeirAdoptsThemInPieces) {
     heir.serve(theirs);
     while (heir.broker.session_count() < sessions) {
         ASSERT_EQ(heir.core.next_wakeup(), Instant::min());
+        EXPECT_TRUE(heir.core.may_rest());
         EXPECT_TRUE(heir.waits_for_session(theirs, test::address(99))) << "no stranger yet";
         EXPECT_FALSE(heir.waits_for_session(ours, test::address(99)));
         const std::size_t before = heir.broker.session_count();
@@ -45,6 +46,7 @@ TEST(ManySessions, AnHeirAdoptsThemInPieces) {
     }
     heir.tick();
     EXPECT_GT(heir.core.next_wakeup(), heir.now);
+    EXPECT_FALSE(heir.core.may_rest());
     EXPECT_FALSE(heir.waits_for_session(theirs, test::address(99)));
 }
 
@@ -191,7 +193,9 @@ TEST(ManySessions, P7_OneThatIsWrittenToLeavesThoughManyAreOnTheirWay) {
     while (holder.broker.header(client(later)) == nullptr) ++later;
     holder.hand_back.on_awaited(*holder.broker.header(client(later)));
     EXPECT_TRUE(holder.hand_back.is_half_done(holder.departures));
+    EXPECT_TRUE(holder.hand_back.is_awaited());
     holder.carry_on();
+    EXPECT_FALSE(holder.hand_back.is_awaited());
     EXPECT_EQ(holder.broker.header(client(later)), nullptr);
     EXPECT_EQ(holder.departures.to(peer), 2 * per_turn + 1);
 }
