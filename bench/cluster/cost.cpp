@@ -92,7 +92,7 @@ std::vector<CostScenario> cost_scenarios(Duration measured) {
     qos0.qos = Qos::at_most_once;
     qos0.in_flight = 64;
     LoadPlan many = loop;
-    many.publishers = 2;  // at the brokers that live
+    many.publishers = 20;  // nobody has more than 1,500 topic names
     many.subscribers = many.topics = 30'000;
     many.rate_per_s = 2000;
     many.warm_up = 61s;  // brokers forget the turns in which so many connected
@@ -115,7 +115,8 @@ std::vector<CostScenario> cost_scenarios(Duration measured) {
          .broker_arguments = {"--max-sessions", "40000"},
          .fault = Fault::crash,
          .measures_turns = true,
-         .when_asked_for = true},
+         .when_asked_for = true,
+         .publishers_at = last},  // the brokers that live
     };
 }
 
@@ -133,9 +134,11 @@ CostRow run(const CostScenario& scenario, unsigned repetition, const Options& br
     Cluster cluster(options, options.output / "traces", fleet ? &*fleet : nullptr);
     await_whole(cluster);
 
-    experiments::MqttsnOptions mqttsn{.brokers = {},
-                                      .sockets = experiments::SocketUse::shared,
-                                      .timing = {.t_retry = 500ms, .t_wait = 1s, .n_retry = 20}};
+    experiments::MqttsnOptions mqttsn{
+        .brokers = {},
+        .publishers_at = scenario.publishers_at.value_or(scenario.homes.size()),
+        .sockets = experiments::SocketUse::shared,
+        .timing = {.t_retry = 500ms, .t_wait = 1s, .n_retry = 20}};
     for (const std::size_t home : scenario.homes) {
         mqttsn.brokers.push_back(*net::parse_endpoint(cluster.address_text(home)));
     }

@@ -25,11 +25,13 @@ client::OutputFor<OutputLimits>& shared_output() {
 
 /// By client. A message of a topic crosses brokers when there are as many topics as publishers and
 /// subscribers.
-std::vector<Endpoint> brokers_of(const LoadPlan& plan, const std::vector<Endpoint>& brokers) {
+std::vector<Endpoint> brokers_of(const LoadPlan& plan, const MqttsnOptions& options) {
+    const std::vector<Endpoint>& brokers = options.brokers;
     if (brokers.size() == 1) return brokers;
+    const std::size_t publishers_at = std::min(options.publishers_at, brokers.size());
     std::vector<Endpoint> of_clients;
     for (std::uint32_t i = 0; i < plan.publishers; ++i) {
-        of_clients.push_back(brokers[i % brokers.size()]);
+        of_clients.push_back(brokers[i % publishers_at]);
     }
     for (std::uint32_t i = 0; i < plan.subscribers; ++i) {
         of_clients.push_back(brokers[(i + 1) % brokers.size()]);
@@ -70,7 +72,7 @@ bool is_pingreq(Bytes datagram) {
 MqttsnClients::MqttsnClients(const LoadPlan& plan, const MqttsnOptions& options)
     : plan_(plan),
       options_(options),
-      sockets_(brokers_of(plan, options.brokers), plan.clients(), options.sockets, cell()),
+      sockets_(brokers_of(plan, options), plan.clients(), options.sockets, cell()),
       layout_(plan) {
     for (std::uint32_t topic = 0; topic < plan.topics; ++topic) {
         topic_names_.push_back(plan.topic_name(topic));
