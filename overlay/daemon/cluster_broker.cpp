@@ -334,11 +334,14 @@ void ClusterBroker::on_link(const broker::LogId& process, election::Link link) {
 
 void ClusterBroker::on_core_wakeup() {
     const Instant now = net::now();
-    standstill_.look(now, next_turn(), thread_processor_time());
+    const Duration worked_before = thread_processor_time();
+    standstill_.look(now, member_->next_wakeup(), worked_before);
     member_->on_tick(now, actions_);
     act();
-    const Instant ended = net::now();
-    rests_until_ = ended + rest_per_turn * (ended - now);
+    if (member_->may_rest()) {
+        const Duration rest = rest_per_turn * (thread_processor_time() - worked_before);
+        rests_until_ = net::now() + std::min(rest, options_.cluster.beacon_every / 5);
+    }
     timer_.arm(next_turn());
 }
 
