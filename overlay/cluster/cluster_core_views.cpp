@@ -152,8 +152,8 @@ void ClusterCore::on_view(Effects& effects, const ViewAnnouncement& announcement
         if (heir != nullptr && heir->is_home_of(address)) continue;
         const auto life = std::ranges::find(view().members, assignment.heir, &LogId::broker);
         if (life == view().members.end() || *life == own_.id()) continue;
-        if (addresses_.is_home(address) && addresses_.is_serving(address) &&
-            !effects.broker.is_home_of_any_via(address)) {
+        if (!addresses_.is_home(address) || !addresses_.is_serving(address)) continue;
+        if (hand_back_.is_expecting(address) || !effects.broker.is_home_of_any_via(address)) {
             givers[address].insert(*life);
         }
     }

@@ -49,12 +49,8 @@ void HandBack::compare(Effects& effects, const Membership& membership, const Vie
             if (!ended.empty() && ended.mapped().is_claimed) addresses.announce(effects, address);
             continue;
         }
-        Rivalry& rivalry = rivals_
-                               .try_emplace(address, Rivalry{.with = {},
-                                                             .since = effects.now,
-                                                             .together_since = effects.now})
-                               .first->second;
-        rivalry.with = std::move(rivals);
+        Rivalry& rivalry = rivals_[address];
+        rivalry.on_rivals(effects.now, std::move(rivals));
         if (!are_members) rivalry.together_since = effects.now;
         if (effects.now > rivalry.together_since + effects.times.rival_hands_over_within() ||
             effects.now > rivalry.since + effects.times.rival_joins_within()) {
@@ -75,6 +71,16 @@ bool HandBack::is_unsettled(const Endpoint& address) const {
     return rival != rivals_.end() && !rival->second.is_settled();
 }
 
+/// Whoever comes new was not waited for yet, and has handed nothing over.
+void HandBack::Rivalry::on_rivals(Instant now, std::set<BrokerId> rivals) {
+    if (!std::ranges::includes(with, rivals)) {
+        since = together_since = now;
+        is_in_vain = false;
+    }
+    with = std::move(rivals);
+    std::erase_if(handed_over, [this](BrokerId id) { return !with.contains(id); });
+}
+
 /// What one of several rivals had says nothing of what the others have (I1).
 bool HandBack::Rivalry::is_settled() const {
     return is_in_vain || std::ranges::includes(handed_over, with);
@@ -84,7 +90,9 @@ void HandBack::carry_on(Effects& effects, const Logs& logs, const Membership& me
                         const View& view, ServiceAddresses& addresses, Departures& departures,
                         const NotYet& not_yet) {
     std::erase_if(expected_, [&](const auto& entry) {
-        return is_in_vain(effects, entry.second, membership, view);
+        const auto& [address, expected] = entry;
+        const bool is_heir = not_yet.inheriting.contains(address);  // of a giver that died
+        return is_in_vain(effects, expected, is_heir, membership, view);
     });
     std::erase_if(giving_, [&](const auto& entry) {
         const auto& [address, giving] = entry;
@@ -129,7 +137,7 @@ void HandBack::carry_on(Effects& effects, const Logs& logs, const Membership& me
 
 /// Those who died are members until a view names who inherits, and hands them over: until then
 /// nobody knows whether anything comes (I5).
-bool HandBack::is_in_vain(const Effects& effects, const Expected& expected,
+bool HandBack::is_in_vain(const Effects& effects, const Expected& expected, bool is_heir,
                           const Membership& membership, const View& view) {
     const auto is_alive = [&](const LogId& life) { return membership.is_alive(life); };
     const auto is_member = [&](const LogId& life) { return view.contains(life); };
@@ -140,7 +148,8 @@ bool HandBack::is_in_vain(const Effects& effects, const Expected& expected,
         return true;
     }
     // It may not be heard yet.
-    if (effects.now <= expected.since + effects.times.giver_met_within()) return false;
+    const bool is_met = effects.now > expected.since + effects.times.giver_met_within();
+    if (!is_met || is_heir) return false;
     return std::ranges::none_of(
         expected.from, [&](const LogId& life) { return is_alive(life) || is_member(life); });
 }
@@ -276,19 +285,23 @@ std::vector<Endpoint> HandBack::binding() const {
 }
 
 void HandBack::expect(Instant now, const Endpoint& address, std::set<LogId> from) {
-    expected_.insert_or_assign(address, Expected{std::move(from), now});
+    Expected& expected = expected_[address];
+    expected.from.merge(std::move(from));
+    expected.since = now;
 }
 
 void HandBack::on_handed_over(BrokerId from, const Endpoint& address) {
+    // The former holder's next beacons may still name the address; it is silent there by now.
+    const auto rivalry = rivals_.find(address);
+    const bool is_rival = rivalry != rivals_.end() && rivalry->second.with.contains(from);
+    const bool is_news = !is_rival || rivalry->second.handed_over.insert(from).second;
     const auto expected = expected_.find(address);
     if (expected != expected_.end()) {
         const auto is_from = [&](const LogId& life) { return life.broker == from; };
         const bool was_meant = std::erase_if(expected->second.from, is_from) != 0;
-        if (!was_meant || expected->second.from.empty()) expected_.erase(expected);
+        const bool was_somebody_elses = !was_meant && is_news;  // whoever was meant passed it on
+        if (was_somebody_elses || expected->second.from.empty()) expected_.erase(expected);
     }
-    // The former holder's next beacons may still name the address; it is silent there by now.
-    const auto rivalry = rivals_.find(address);
-    if (rivalry != rivals_.end()) rivalry->second.handed_over.insert(from);
 }
 
 }  // namespace romano::cluster

@@ -131,7 +131,8 @@ private:
                    Departures& departures) const;
     [[nodiscard]] bool has_one_giver(const Endpoint& address) const;
     [[nodiscard]] static bool is_in_vain(const Effects& effects, const Expected& expected,
-                                         const Membership& membership, const View& view);
+                                         bool is_heir, const Membership& membership,
+                                         const View& view);
     [[nodiscard]] std::optional<LogId> owner_of(const Endpoint& address,
                                                 const Membership& membership,
                                                 const View& view) const;
@@ -141,12 +142,13 @@ private:
     std::map<Endpoint, BrokerId> contested_;  // served by another broker, to whom they belong
     std::map<Endpoint, Giving> giving_;
     struct Rivalry {
-        std::set<BrokerId> with;
-        Instant since;
-        Instant together_since;               // in one view with all of them
+        std::set<BrokerId> with = {};
+        Instant since = {};                   // with these, or fewer
+        Instant together_since = {};          // in one view with all of them
         std::set<BrokerId> handed_over = {};  // they did
         bool is_in_vain = false;              // the others were waited for long enough
         bool is_claimed = false;              // datagrams come here, and wait
+        void on_rivals(Instant now, std::set<BrokerId> rivals);
         [[nodiscard]] bool is_settled() const;
     };
     std::map<Endpoint, Rivalry> rivals_;  // for own addresses, that others serve as well

@@ -334,6 +334,56 @@ TEST(HandBack, I1_AnOwnerWaitsForEachOfTwoRivals) {
     EXPECT_FALSE(back.hand_back.is_silent(ours));
 }
 
+// It did not hear that the owner has it, called the hand-over off, and seals again.
+TEST(HandBack, I5_ARivalThatSaysItTwiceDoesNotSpeakForTheOther) {
+    Back back;
+    const LogId other = test::log_of("b3");
+    std::ranges::sort(back.view.members = {self, rival, other});
+    back.membership.on_beacon(
+        back.now, Beacon{.log = other, .tick = 1, .hears = {self.broker}, .serving = {ours}});
+    ASSERT_EQ(back.bindings(), 1U);
+    back.on_address(true);
+    back.compare();
+    back.hand_back.on_handed_over(rival.broker, ours);
+    back.hand_back.on_handed_over(rival.broker, ours);
+    EXPECT_EQ(back.hand_back.binding(), std::vector{ours});
+}
+
+TEST(HandBack, I5_AnOwnerWaitsForThoseWhomAnEarlierViewNamedToo) {
+    Back back;
+    const LogId other = test::log_of("b3");
+    back.hand_back.expect(back.now, ours, {rival});
+    back.hand_back.expect(back.now, ours, {other});
+    back.hand_back.on_handed_over(rival.broker, ours);
+    EXPECT_TRUE(back.hand_back.is_expecting(ours));
+    back.hand_back.on_handed_over(other.broker, ours);
+    EXPECT_FALSE(back.hand_back.is_expecting(ours));
+}
+
+// The heir is the owner itself, and lacks the log's last events yet.
+TEST(HandBack, I5_AnOwnerThatInheritsFromItsGiverWaitsUntilItHas) {
+    BackAndWaiting back;
+    back.hear_nothing_for(200ms);
+    back.view.members = {self};
+    back.compare();
+    Effects acting = back.effects();
+    back.hand_back.carry_on(acting, {back.logs, back.own}, back.membership, back.view,
+                            back.addresses, back.departures, {{}, {}, {ours}});
+    EXPECT_TRUE(back.hand_back.is_expecting(ours));
+    EXPECT_FALSE(back.is_expecting_after(10ms));
+}
+
+TEST(HandBack, I1_ARivalThatComesLaterWasNotWaitedForYet) {
+    AfterAHeal healed;
+    healed.hear_nothing_for(2100ms);
+    ASSERT_FALSE(healed.hand_back.is_silent(ours));
+    healed.membership.on_beacon(
+        healed.now,
+        Beacon{.log = test::log_of("b3"), .tick = 1, .hears = {self.broker}, .serving = {ours}});
+    healed.compare();
+    EXPECT_TRUE(healed.hand_back.is_silent(ours));
+}
+
 TEST(HandBack, I1_ARivalsWordSaysNothingOfWhatAnotherRivalHas) {
     AfterAHeal healed;
     const LogId other = test::log_of("b3");
