@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/overlay/cluster/events.h"
+#include "tests/overlay/cluster/two_brokers.h"
 
 namespace romano::cluster::hand_back_test {
 namespace {
@@ -395,6 +396,34 @@ TEST(HandBack, I1_ARivalsWordSaysNothingOfWhatAnotherRivalHas) {
     EXPECT_TRUE(healed.hand_back.is_silent(ours));
     healed.hand_back.on_handed_over(other.broker, ours);
     EXPECT_FALSE(healed.hand_back.is_silent(ours));
+}
+
+// Some of its sessions have come from the giver; the view gives the others to a third broker.
+TEST(HandBack, I5_AnOwnerWaitsForTheHeirOfAGiverThatGaveSome) {
+    two_brokers::InAView back;
+    const LogId giver = two_brokers::peer;
+    const LogId heir = test::log_of("b3");
+    const Endpoint home = two_brokers::ours;
+    back.now += 10ms;
+    back.take(Beacon{.name = "peer",
+                     .log = giver,
+                     .tick = ++back.ticks,
+                     .hears = {two_brokers::self.broker},
+                     .echoes = {{two_brokers::self, back.core.beacon(back.broker).tick}},
+                     .home_addresses = {two_brokers::theirs},
+                     .serving = {two_brokers::theirs, home}});
+    back.tick();
+    back.serve(home);
+    ASSERT_TRUE(back.core.speaking().is_unheard(home)) << "its sessions are to come";
+    (void)back.broker.adopt(back.now, two_brokers::image(1, home), {}, back.clients);
+    back.keep_log();
+    View view{.number = {200, two_brokers::self.broker, 1}, .members = {two_brokers::self, heir}};
+    std::ranges::sort(view.members);
+    back.take(ViewAnnouncement{
+        .view = view, .assignments = {{{giver, 0}, home, heir.broker}}, .ends = {{giver, 0}}});
+    ASSERT_EQ(back.core.view(), view);
+    for (int i = 0; i < 12; ++i) back.pass();
+    EXPECT_TRUE(back.core.speaking().is_unheard(home));
 }
 
 TEST(HandBack, WhatCannotBeBoundIsTriedAgainInTime) {
