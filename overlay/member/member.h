@@ -103,7 +103,9 @@ public:
     void on_tick(Instant now, MemberActions& out);
     [[nodiscard]] Instant next_wakeup() const;
     /// What is to be done at once is done for nobody in particular: it may give way to others.
-    [[nodiscard]] bool may_rest() const { return !begins_from_ && waiting_.empty() && cluster_.may_rest(); }
+    [[nodiscard]] bool may_rest() const {
+        return !begins_from_ && waiting_.empty() && cluster_.may_rest();
+    }
 
     /// To be called when `out.clients` is about to leave: without a lease it waits, for others may
     /// have gone on meanwhile.
