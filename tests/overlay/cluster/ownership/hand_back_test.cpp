@@ -12,6 +12,7 @@ using namespace std::chrono_literals;
 
 const LogId self = test::log_of("b1");
 const LogId rival = test::log_of("b2");
+const LogId other = test::log_of("b3");
 const Endpoint ours = test::address(1);
 const Endpoint theirs = test::address(2);
 
@@ -46,6 +47,13 @@ struct AfterAHeal {
                                          .hears = std::move(whom_it_hears),
                                          .home_addresses = {theirs},
                                          .serving = std::move(serving)});
+        compare();
+    }
+    /// A third broker serves our address, too.
+    void hear_other() {
+        std::ranges::sort(view.members = {self, rival, other});
+        membership.on_beacon(
+            now, Beacon{.log = other, .tick = 1, .hears = {self.broker}, .serving = {ours}});
         compare();
     }
     [[nodiscard]] std::size_t handed_over(const std::set<Endpoint>& pending_output = {}) {
@@ -121,7 +129,6 @@ TEST(HandBack, P2_AnOwnerWaitsForAllWhoInheritedFromIt) {
     AfterAHeal healed;
     healed.hear({self.broker}, {theirs});
     ASSERT_FALSE(healed.hand_back.is_expecting(ours));
-    const LogId other = test::log_of("b3");
     healed.hand_back.expect(healed.now, ours, {rival, other});
     healed.hand_back.on_handed_over(other.broker, ours);
     EXPECT_TRUE(healed.hand_back.is_expecting(ours));
@@ -321,10 +328,7 @@ TEST(HandBack, I1_AnOwnerSpeaksToThoseWhoHaveComeFromItsOnlyRival) {
 // one spoke there still when the heir had handed over (simulator, faults `relapse`, seed 1041).
 TEST(HandBack, I1_AnOwnerWaitsForEachOfTwoRivals) {
     Back back;
-    const LogId other = test::log_of("b3");
-    std::ranges::sort(back.view.members = {self, rival, other});
-    back.membership.on_beacon(
-        back.now, Beacon{.log = other, .tick = 1, .hears = {self.broker}, .serving = {ours}});
+    back.hear_other();
     ASSERT_EQ(back.bindings(), 1U);
     back.on_address(true);
     back.compare();
@@ -338,10 +342,7 @@ TEST(HandBack, I1_AnOwnerWaitsForEachOfTwoRivals) {
 // It did not hear that the owner has it, called the hand-over off, and seals again.
 TEST(HandBack, I5_ARivalThatSaysItTwiceDoesNotSpeakForTheOther) {
     Back back;
-    const LogId other = test::log_of("b3");
-    std::ranges::sort(back.view.members = {self, rival, other});
-    back.membership.on_beacon(
-        back.now, Beacon{.log = other, .tick = 1, .hears = {self.broker}, .serving = {ours}});
+    back.hear_other();
     ASSERT_EQ(back.bindings(), 1U);
     back.on_address(true);
     back.compare();
@@ -352,7 +353,6 @@ TEST(HandBack, I5_ARivalThatSaysItTwiceDoesNotSpeakForTheOther) {
 
 TEST(HandBack, I5_AnOwnerWaitsForThoseWhomAnEarlierViewNamedToo) {
     Back back;
-    const LogId other = test::log_of("b3");
     back.hand_back.expect(back.now, ours, {rival});
     back.hand_back.expect(back.now, ours, {other});
     back.hand_back.on_handed_over(rival.broker, ours);
@@ -387,11 +387,7 @@ TEST(HandBack, I1_ARivalThatComesLaterWasNotWaitedForYet) {
 
 TEST(HandBack, I1_ARivalsWordSaysNothingOfWhatAnotherRivalHas) {
     AfterAHeal healed;
-    const LogId other = test::log_of("b3");
-    std::ranges::sort(healed.view.members = {self, rival, other});
-    healed.membership.on_beacon(
-        healed.now, Beacon{.log = other, .tick = 1, .hears = {self.broker}, .serving = {ours}});
-    healed.compare();
+    healed.hear_other();
     healed.hand_back.on_handed_over(rival.broker, ours);
     EXPECT_TRUE(healed.hand_back.is_silent(ours));
     healed.hand_back.on_handed_over(other.broker, ours);
