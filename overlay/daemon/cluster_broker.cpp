@@ -345,8 +345,9 @@ void ClusterBroker::on_core_wakeup() {
     timer_.arm(next_turn());
 }
 
-/// While many sessions move and nobody waits for them, two thirds of the processor are left to
-/// others: to whom somebody talks, and to those on this machine who read of the sessions.
+/// While many sessions move and nobody waits for them, much of the processor is left to others: to
+/// whom somebody talks, and to those on this machine who read of the sessions. Beacons and what
+/// else is due wait for so long, so it is never long.
 Instant ClusterBroker::next_turn() const {
     const Instant wanted = member_->next_wakeup();
     return member_->may_rest() ? std::max(wanted, rests_until_) : wanted;
