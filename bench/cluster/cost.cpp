@@ -136,7 +136,7 @@ CostRow run(const CostScenario& scenario, unsigned repetition, const Options& br
 
     experiments::MqttsnOptions mqttsn{
         .brokers = {},
-        .publishers_at = scenario.publishers_at.value_or(scenario.homes.size()),
+        .publishers_at = scenario.publishers_at,
         .sockets = experiments::SocketUse::shared,
         .timing = {.t_retry = 500ms, .t_wait = 1s, .n_retry = 20}};
     for (const std::size_t home : scenario.homes) {

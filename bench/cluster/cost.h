@@ -21,7 +21,7 @@ struct CostScenario {
     bool brokers_prove_themselves = false;      // with --keys; the clients are plain nevertheless
     bool measures_turns = false;                // the last half minute, when all is measured
     bool when_asked_for = false;                // takes long: not without --only
-    std::optional<std::size_t> publishers_at = {};  // homes of publishers: the first so many
+    std::optional<std::size_t> publishers_at = {};  // publishers: at the first so many only
 };
 
 [[nodiscard]] std::vector<CostScenario> cost_scenarios(Duration measured);

@@ -28,7 +28,7 @@ client::OutputFor<OutputLimits>& shared_output() {
 std::vector<Endpoint> brokers_of(const LoadPlan& plan, const MqttsnOptions& options) {
     const std::vector<Endpoint>& brokers = options.brokers;
     if (brokers.size() == 1) return brokers;
-    const std::size_t publishers_at = std::min(options.publishers_at, brokers.size());
+    const std::size_t publishers_at = options.publishers_at.value_or(brokers.size());
     std::vector<Endpoint> of_clients;
     for (std::uint32_t i = 0; i < plan.publishers; ++i) {
         of_clients.push_back(brokers[i % publishers_at]);

@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <deque>
 #include <functional>
-#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -31,8 +30,8 @@ struct KeyedClient {
 struct MqttsnOptions {
     /// Publisher i lives at brokers[i mod N], subscriber i at brokers[i + 1 mod N].
     std::vector<Endpoint> brokers;
-    /// Publishers live at so many of the first ones only; at all when there are no more.
-    std::size_t publishers_at = std::numeric_limits<std::size_t>::max();
+    /// Publishers live at so many of the first brokers only; empty: at all.
+    std::optional<std::size_t> publishers_at = {};
     SocketUse sockets = SocketUse::one_each;
     client::Timing timing;
     std::chrono::seconds keep_alive{60};
