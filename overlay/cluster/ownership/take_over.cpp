@@ -207,14 +207,16 @@ bool TakeOver::adopt_some(Effects& effects, Pending& pending, PeerLog& log, cons
     }
     const bool are_many = pending.clients.size() > sessions_per_turn_;
     if (are_many && list_some(pending, log)) return false;
+    const bool are_any = pending.looked_at < pending.clients.size();
     const std::size_t end =
         std::min(pending.looked_at + sessions_per_turn_ - awaited.size(), pending.clients.size());
     for (; pending.looked_at < end; ++pending.looked_at) {
         adopt_one(effects, pending, log, logs, pending.clients[pending.looked_at], departures);
     }
     if (pending.looked_at < pending.clients.size()) return false;
-    if (are_many) {  // a tail may have brought more meanwhile
-        pending.clients = log.clients_left(address);
+    if (are_many) {
+        if (are_any) return false;                    // to find what is left takes a turn, too
+        pending.clients = log.clients_left(address);  // a tail may have brought more meanwhile
         pending.looked_at = pending.listed = 0;
         if (!pending.clients.empty()) return false;
     }

@@ -44,6 +44,7 @@ TEST(ManySessions, AnHeirAdoptsThemInPieces) {
         ASSERT_GT(heir.broker.session_count(), before);
         ASSERT_LE(heir.broker.session_count(), before + per_turn);
     }
+    EXPECT_TRUE(heir.core.take_over().is_half_adopted(theirs)) << "to look for more is a turn, too";
     heir.tick();
     EXPECT_GT(heir.core.next_wakeup(), heir.now);
     EXPECT_FALSE(heir.core.may_rest());
