@@ -134,11 +134,10 @@ CostRow run(const CostScenario& scenario, unsigned repetition, const Options& br
     Cluster cluster(options, options.output / "traces", fleet ? &*fleet : nullptr);
     await_whole(cluster);
 
-    experiments::MqttsnOptions mqttsn{
-        .brokers = {},
-        .publishers_at = scenario.publishers_at,
-        .sockets = experiments::SocketUse::shared,
-        .timing = {.t_retry = 500ms, .t_wait = 1s, .n_retry = 20}};
+    experiments::MqttsnOptions mqttsn{.brokers = {},
+                                      .publishers_at = scenario.publishers_at,
+                                      .sockets = experiments::SocketUse::shared,
+                                      .timing = {.t_retry = 500ms, .t_wait = 1s, .n_retry = 20}};
     for (const std::size_t home : scenario.homes) {
         mqttsn.brokers.push_back(*net::parse_endpoint(cluster.address_text(home)));
     }
