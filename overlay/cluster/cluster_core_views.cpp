@@ -153,7 +153,8 @@ void ClusterCore::on_view(Effects& effects, const ViewAnnouncement& announcement
         const auto life = std::ranges::find(view().members, assignment.heir, &LogId::broker);
         if (life == view().members.end() || *life == own_.id()) continue;
         if (!addresses_.is_home(address) || !addresses_.is_serving(address)) continue;
-        if (hand_back_.is_expecting(address) || !effects.broker.is_home_of_any_via(address)) {
+        // One with sessions of its own there may not say that it waits: a rival would speak (I1).
+        if (hand_back_.is_binding(address) || !effects.broker.is_home_of_any_via(address)) {
             givers[address].insert(*life);
         }
     }

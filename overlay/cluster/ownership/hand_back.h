@@ -88,7 +88,11 @@ public:
     [[nodiscard]] bool is_reclaiming(const Endpoint& address) const {
         return reclaiming_.contains(address);
     }
-    /// Bound, and silent until the sessions are here.
+    /// Bound, and silent until the sessions are here: so it says, and its giver speaks until it
+    /// moves them.
+    [[nodiscard]] bool is_binding(const Endpoint& address) const {
+        return expected_.contains(address);
+    }
     [[nodiscard]] std::vector<Endpoint> binding() const;
     /// The sessions of an own address are somewhere else and will come from there: from these lives
     /// of brokers, or from the heirs of those that die.
@@ -98,7 +102,7 @@ public:
     [[nodiscard]] bool is_unsettled(const Endpoint& address) const;
     /// Datagrams to the address shall wait.
     [[nodiscard]] bool is_expecting(const Endpoint& address) const {
-        return expected_.contains(address) || is_unsettled(address);
+        return is_binding(address) || is_unsettled(address);
     }
 
 private:

@@ -422,6 +422,35 @@ TEST(HandBack, I5_AnOwnerWaitsForTheHeirOfAGiverThatGaveSome) {
     EXPECT_TRUE(back.core.speaking().is_unheard(home));
 }
 
+// After a heal: the rival was an heir of its former life, and speaks as long as the owner says that
+// it waits (simulator, seeds 2758 and 15391).
+TEST(HandBack, I1_AnOwnerWithSessionsOfItsOwnDoesNotSayThatItWaits) {
+    two_brokers::InAView healed;
+    const LogId heir = two_brokers::peer;
+    const Endpoint home = two_brokers::ours;
+    healed.serve(home);
+    (void)healed.broker.adopt(healed.now, two_brokers::image(1, home), {}, healed.clients);
+    healed.keep_log();
+    healed.now += 10ms;
+    healed.take(Beacon{.name = "peer",
+                       .log = heir,
+                       .tick = ++healed.ticks,
+                       .hears = {two_brokers::self.broker},
+                       .echoes = {{two_brokers::self, healed.core.beacon(healed.broker).tick}},
+                       .home_addresses = {two_brokers::theirs},
+                       .serving = {two_brokers::theirs, home}});
+    healed.tick();
+    ASSERT_TRUE(healed.core.speaking().is_silent(home));
+    const LogId former{two_brokers::self.broker, two_brokers::self.incarnation - 1};
+    View view{.number = {200, two_brokers::self.broker, 1}, .members = {two_brokers::self, heir}};
+    std::ranges::sort(view.members);
+    healed.take(ViewAnnouncement{
+        .view = view, .assignments = {{{former, 0}, home, heir.broker}}, .ends = {{former, 0}}});
+    ASSERT_EQ(healed.core.view(), view);
+    EXPECT_TRUE(healed.core.speaking().is_silent(home));
+    EXPECT_TRUE(healed.core.beacon(healed.broker).binding.empty());
+}
+
 TEST(HandBack, WhatCannotBeBoundIsTriedAgainInTime) {
     Back back;
     ASSERT_EQ(back.bindings(), 1U);
