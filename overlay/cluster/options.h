@@ -31,7 +31,7 @@ struct ClusterOptions {
     std::string version;
     double phi_threshold = 8;  // phi-accrual: -log10 of the chance that a suspicion is wrong
     std::size_t log_events_kept = 200'000;  // for peers that lag; beyond it they need a snapshot
-    std::size_t events_per_turn = 256;      // of a log that is caught up with: half a millisecond
+    std::size_t events_per_turn = 256;      // of a log, or datagrams, that are caught up with
     std::size_t sessions_per_turn = 32;     // that move, or come by a log: half a millisecond
 
     /// With the detection time as of now.

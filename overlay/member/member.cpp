@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <limits>
 #include <optional>
 #include <span>
 #include <utility>
@@ -12,6 +13,7 @@ using broker::BrokerCore;
 using broker::LogId;
 using cluster::Effects;
 using cluster::HeldOutput;
+using cluster::WaitingInput;
 
 Member::Member(const MemberOptions& options, std::uint64_t seed)
     : options_(options),
@@ -138,6 +140,7 @@ void Member::on_tick(Instant now, MemberActions& out) {
     Effects acting = effects(now, out);
     cluster_.on_tick(acting, held_.addresses());
     status_.on_tick(now, cluster_, broker_, work_);
+    catch_up(now, out);
     carry_out(now, out);
     tend_uplink(now, out);
 }
@@ -147,13 +150,15 @@ Instant Member::next_wakeup() const {
     // The server's turns come with the beacons'. So does the moment in which a lost lease is back.
     const Instant cluster = cluster_.next_wakeup();
     if (broker_waits_) return cluster;
-    return begins_from_ ? Instant::min() : std::min(broker_.next_wakeup(), cluster);
+    const bool is_behind = begins_from_ || waiting_.is_behind() || held_.is_behind();
+    return is_behind ? Instant::min() : std::min(broker_.next_wakeup(), cluster);
 }
 
 void Member::leave(Instant now, MemberActions& out) {
     Effects acting = effects(now, out);
     cluster_.leave(acting);
     carry_out(now, out);
+    release_output(now, std::numeric_limits<std::size_t>::max(), out);  // there is no next turn
     has_left_ = true;  // whatever it said now would call it back
 }
 
@@ -218,7 +223,10 @@ void Member::restart(Instant now, MemberActions& out) {
 
 void Member::carry_out(Instant now, MemberActions& out) {
     absorb(now, out);
-    serve_waiting(now, out);
+    for (const auto& action : out.local) {
+        if (const auto* left = std::get_if<GiveUpAddress>(&action)) waiting_.drop(left->address);
+    }
+    if (!waiting_.is_behind()) serve_waiting(now, out);
     if (speaking().has_lost_lease(now)) return;
     broker_waits_ = stood_still_ = false;
     if (begins_from_) {
@@ -227,8 +235,19 @@ void Member::carry_out(Instant now, MemberActions& out) {
         absorb(now, out);
     }
     go_on_uplink(now, out);
+    if (!held_.is_behind()) release_output(now, options_.cluster.events_per_turn, out);
+}
+
+/// With what did not fit the last turn: thousands may have waited for a lease.
+void Member::catch_up(Instant now, MemberActions& out) {
+    if (waiting_.is_behind()) serve_waiting(now, out);
+    if (held_.is_behind()) release_output(now, options_.cluster.events_per_turn, out);
+}
+
+void Member::release_output(Instant now, std::size_t most, MemberActions& out) {
+    if (speaking().has_lost_lease(now)) return;
     const auto fate_of = [&](const Endpoint& via) { return speaking().said_from(now, via); };
-    held_.release(cluster_.safe(now), fate_of, out.clients);
+    held_.release(cluster_.safe(now), fate_of, most, out.clients);
 }
 
 void Member::absorb(Instant now, MemberActions& out) {
@@ -270,7 +289,7 @@ void Member::send(Instant now, const broker::Send& send, broker::Seq safe, Membe
     if (fate == HeldOutput::Fate::is_dropped) return;
     if (fate == HeldOutput::Fate::waits) held_.detain(send.to);
     const Bytes octets = work_.octets(send);
-    if (send.after > safe || held_.detains(send.to)) {
+    if (send.after > safe || held_.detains(send.to) || held_.is_behind()) {
         held_.hold(send, octets);
         return;
     }
@@ -283,13 +302,11 @@ void Member::send(Instant now, const broker::Send& send, broker::Seq safe, Membe
 
 void Member::serve_waiting(Instant now, MemberActions& out) {
     if (waiting_.empty()) return;
-    for (const auto& action : out.local) {
-        if (const auto* left = std::get_if<GiveUpAddress>(&action)) waiting_.drop(left->address);
-    }
-    const auto ready = waiting_.take_unless([&](const auto& datagram) {
+    const auto must_wait = [&](const WaitingInput::Datagram& datagram) {
         return speaking().must_wait(now, broker_, datagram.via, datagram.from, datagram.octets) ||
                cluster_.is_fetching(datagram.via, datagram.from);
-    });
+    };
+    const auto ready = waiting_.take_unless(must_wait, options_.cluster.events_per_turn);
     for (const auto& [via, from, octets, is_new] : ready) {
         if (is_new) {
             if (speaking().is_deaf(via)) continue;

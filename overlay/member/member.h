@@ -104,7 +104,7 @@ public:
     [[nodiscard]] Instant next_wakeup() const;
     /// What is to be done at once is done for nobody in particular: it may give way to others.
     [[nodiscard]] bool may_rest() const {
-        return !begins_from_ && waiting_.empty() && cluster_.may_rest();
+        return !begins_from_ && waiting_.empty() && !held_.is_behind() && cluster_.may_rest();
     }
 
     /// To be called when `out.clients` is about to leave: without a lease it waits, for others may
@@ -173,9 +173,11 @@ private:
 
     // --- the broker core's actions
     void carry_out(Instant now, MemberActions& out);
+    void catch_up(Instant now, MemberActions& out);
     void absorb(Instant now, MemberActions& out);
     void send(Instant now, const broker::Send& send, broker::Seq safe, MemberActions& out);
     void serve_waiting(Instant now, MemberActions& out);
+    void release_output(Instant now, std::size_t most, MemberActions& out);
 
     // --- the uplink
     void tend_uplink(Instant now, MemberActions& out);

@@ -36,6 +36,7 @@ void HeldOutput::clear() {
     waiting_.clear();
     detained_.clear();
     octets_ = 0;
+    is_behind_ = false;
 }
 
 std::set<Endpoint> HeldOutput::addresses() const {

@@ -4,6 +4,9 @@
 // Those of an address that is not served here yet wait for that, and so does what the same client
 // is sent from another one: it may have answered what waits already.
 //
+// So many leave in one turn at most (I8); whatever is sent before the others have left follows
+// them.
+//
 // Bounded by octets; beyond that new ones are dropped, as a network may do: clients ask again.
 #pragma once
 
@@ -32,19 +35,26 @@ public:
     /// What is to become of a datagram of that address, once its position is safe.
     enum class Fate : std::uint8_t { leaves, waits, is_dropped };
 
-    /// Moves all that may leave now to `out`; `fate_of(via)` says what may.
+    /// Moves what may leave now to `out`, so many at most; `fate_of(via)` says what may.
     template <typename FateOf>
-    void release(broker::Seq safe, FateOf&& fate_of, broker::Actions& out) {
+    void release(broker::Seq safe, FateOf&& fate_of, std::size_t most, broker::Actions& out) {
         detained_.clear();
-        for (auto next = waiting_.begin(); next != waiting_.end() && next->first <= safe;) {
+        auto next = waiting_.begin();
+        while (next != waiting_.end() && next->first <= safe && most > 0) {
             const broker::ClientAddress& client = next->second.to;
             Fate fate = fate_of(next->second.via);
             if (fate == Fate::leaves && detains(client)) fate = Fate::waits;
             if (fate == Fate::waits) detain(client);
-            if (fate == Fate::leaves) send(next->second, out);
+            if (fate == Fate::leaves) {
+                send(next->second, out);
+                --most;
+            }
             next = fate == Fate::waits ? std::next(next) : erase(next);
         }
+        is_behind_ = next != waiting_.end() && next->first <= safe;
     }
+    /// More may leave than the last release() let go.
+    [[nodiscard]] bool is_behind() const { return is_behind_; }
     void clear();
 
     [[nodiscard]] std::set<Endpoint> addresses() const;
@@ -68,6 +78,7 @@ private:
     std::unordered_set<broker::ClientAddress, broker::ClientAddressHash> detained_;
     std::size_t octets_ = 0;
     std::uint64_t dropped_ = 0;
+    bool is_behind_ = false;
 };
 
 }  // namespace romano::cluster

@@ -1,5 +1,6 @@
 // Clients' datagrams that cannot be answered yet: before the first view, without a lease, and while
-// sessions of their service address are on their way here.
+// sessions of their service address are on their way here. So many are served in one turn at most
+// (I8).
 //
 // Bounded by octets; beyond that new ones are dropped, as a network may do: clients ask again.
 #pragma once
@@ -35,38 +36,53 @@ public:
         ++clients_[from];
     }
 
-    /// Those that need not wait any more, in the order in which they came.
+    /// Those that need not wait any more, so many at most, in the order in which they came.
     template <typename MustWait>
-    [[nodiscard]] std::vector<Datagram> take_unless(MustWait&& must_wait) {
-        std::vector<Datagram> taken;
-        std::erase_if(waiting_, [&](Datagram& datagram) {
-            if (must_wait(datagram)) return false;
-            octets_ -= datagram.octets.size() + overhead;
-            const auto client = clients_.find(datagram.from);
-            if (--client->second == 0) clients_.erase(client);
-            taken.push_back(std::move(datagram));
-            return true;
+    [[nodiscard]] std::vector<Datagram> take_unless(MustWait&& must_wait, std::size_t most) {
+        is_behind_ = false;
+        return remove_if([&](const Datagram& datagram) {
+            if (is_behind_ || must_wait(datagram)) return false;
+            is_behind_ = most == 0;
+            if (!is_behind_) --most;
+            return !is_behind_;
         });
-        return taken;
     }
+    /// More could be served than the last take_unless() took.
+    [[nodiscard]] bool is_behind() const { return is_behind_; }
 
     /// Something of that client waits, or was not served yet: what comes now comes after it.
     [[nodiscard]] bool holds(const Endpoint& client) const { return clients_.contains(client); }
 
     /// All that came by that address: clients ask again, and somebody else answers there now.
     void drop(const Endpoint& via) {
-        (void)take_unless([&](const Datagram& datagram) { return datagram.via != via; });
+        (void)remove_if([&](const Datagram& datagram) { return datagram.via == via; });
+        is_behind_ = is_behind_ && !waiting_.empty();
     }
     void clear() {
         waiting_.clear();
         clients_.clear();
         octets_ = 0;
+        is_behind_ = false;
     }
     [[nodiscard]] bool empty() const { return waiting_.empty(); }
     [[nodiscard]] std::size_t size() const { return waiting_.size(); }
     [[nodiscard]] std::uint64_t dropped() const { return dropped_; }
 
 private:
+    template <typename IsRemoved>
+    std::vector<Datagram> remove_if(IsRemoved&& is_removed) {
+        std::vector<Datagram> removed;
+        std::erase_if(waiting_, [&](Datagram& datagram) {
+            if (!is_removed(datagram)) return false;
+            octets_ -= datagram.octets.size() + overhead;
+            const auto client = clients_.find(datagram.from);
+            if (--client->second == 0) clients_.erase(client);
+            removed.push_back(std::move(datagram));
+            return true;
+        });
+        return removed;
+    }
+
     static constexpr std::size_t octets_most = 8U << 20U;
     static constexpr std::size_t overhead = 128;  // of one datagram in the queue
 
@@ -74,6 +90,7 @@ private:
     std::map<Endpoint, std::size_t> clients_;  // how many of each wait
     std::size_t octets_ = 0;
     std::uint64_t dropped_ = 0;
+    bool is_behind_ = false;
 };
 
 }  // namespace romano::cluster

@@ -60,6 +60,89 @@ TEST(Member, P3_WhoHasNoLeaseBeginsNoExchange) {
     expect_unnoticed(robot);
 }
 
+/// A broker that does one thing a turn, and whose only peer is cut off for some milliseconds.
+struct ManyAtOnce {
+    Brokers brokers{one_event_a_turn()};
+    std::vector<Robot*> robots;
+
+    ManyAtOnce() {
+        start(brokers, {1, 3});
+        for (int i = 1; i <= 20; ++i) {
+            robots.push_back(&publisher(brokers, "robot" + std::to_string(i), 3));
+            robots.back()->publish("pose", "registered", Qos::at_most_once);
+        }
+        brokers.run_for(103ms);  // beacons have just come
+        brokers.cut(1, 3);
+    }
+    static cluster::ClusterOptions one_event_a_turn() {
+        cluster::ClusterOptions options;
+        options.events_per_turn = 1;
+        return options;
+    }
+    void publish() {
+        for (Robot* robot : robots) robot->publish("pose", "1", Qos::at_least_once);
+    }
+    [[nodiscard]] std::size_t acknowledged() const {
+        std::size_t sum = 0;
+        for (const Robot* robot : robots) sum += robot->acknowledged();
+        return sum;
+    }
+    void expect_acknowledged_in_pieces() {
+        const std::size_t before = acknowledged();
+        std::size_t last = before;
+        brokers.heal();
+        for (int ms = 0; ms < 200; ++ms) {
+            brokers.run_for(1ms);
+            EXPECT_LE(acknowledged(), last + 2) << "what is heard, and what waits";
+            last = acknowledged();
+        }
+        EXPECT_EQ(last, before + robots.size());
+        EXPECT_EQ(brokers.view_size(3), 2U) << "nobody was taken for dead";
+    }
+};
+
+// Thousands said goodbye while it had no lease; served all at once they were a turn of 70 ms, and
+// peers took it for dead.
+TEST(Member, I8_WhatWaitedForALeaseIsServedInPieces) {
+    ManyAtOnce many;
+    many.brokers.run_for(80ms);  // its lease is over, and nobody is dead
+    many.publish();
+    many.brokers.run_for(2ms);
+    EXPECT_EQ(many.brokers.member(3).facts().held_output, 0U) << "nothing was served";
+    many.expect_acknowledged_in_pieces();
+}
+
+TEST(Member, I8_WhatWasNotSafeLeavesInPieces) {
+    ManyAtOnce many;
+    many.publish();
+    many.brokers.run_for(40ms);
+    EXPECT_EQ(many.brokers.member(3).facts().held_output, many.robots.size());
+    many.expect_acknowledged_in_pieces();
+}
+
+// What it is sent follows its PUBACK, which waits for the peer.
+TEST(Member, P3_NothingOvertakesWhatLeavesInPieces) {
+    ManyAtOnce many;
+    many.brokers.heal();
+    Robot& robot = subscriber(many.brokers, "robot", 3, Qos::at_least_once);
+    robot.publish("pose", "registered", Qos::at_least_once);
+    many.brokers.run_for(103ms);
+    many.brokers.cut(1, 3);
+    robot.publish("pose", "0", Qos::at_least_once);
+    many.brokers.run_for(2ms);
+    many.publish();
+    many.brokers.run_for(40ms);
+    ASSERT_LT(robot.received().size(), 3U);
+    many.brokers.heal();
+    while (robot.received().size() < 3) many.brokers.run_for(1ms);
+    many.robots.front()->publish("pose", "2", Qos::at_most_once);
+    many.brokers.run_for(100ms);
+    std::vector<std::string> in_order{"registered", "0"};
+    in_order.resize(in_order.size() + many.robots.size(), "1");
+    in_order.push_back("2");
+    EXPECT_EQ(robot.received(), in_order);
+}
+
 // Those who made the view without it are gone; those who came later tell it (seeds 52 and 729).
 TEST(Member, P3_WhoWasAwayWhileAllOthersWereReplacedLearnsThatItWas) {
     Brokers brokers;

@@ -25,14 +25,15 @@ struct Output {
                   as_octets(text));
     }
     std::vector<std::string> release(broker::Seq safe,
-                                     HeldOutput::Fate of_port_2 = HeldOutput::Fate::leaves) {
+                                     HeldOutput::Fate of_port_2 = HeldOutput::Fate::leaves,
+                                     std::size_t most = 1000) {
         broker::Actions out;
         held.release(
             safe,
             [&](const Endpoint& from) {
                 return from == via(2) ? of_port_2 : HeldOutput::Fate::leaves;
             },
-            out);
+            most, out);
         std::vector<std::string> texts;
         for (const auto& action : out.list()) {
             texts.emplace_back(as_text(out.octets(std::get<broker::Send>(action))));
@@ -85,6 +86,24 @@ TEST(HeldOutput, IsDroppedWithItsAddress) {
     output.hold(1, "stale", 2);
     EXPECT_THAT(output.release(9, HeldOutput::Fate::is_dropped), IsEmpty());
     EXPECT_TRUE(output.held.empty());
+}
+
+TEST(HeldOutput, I8_SoManyLeaveAtATimeAndTheOthersAreNotForgotten) {
+    Output output;
+    for (const auto* text : {"first", "second", "third"}) output.hold(3, text);
+    output.hold(4, "not yet safe");
+    EXPECT_THAT(output.release(3, HeldOutput::Fate::leaves, 2), ElementsAre("first", "second"));
+    EXPECT_TRUE(output.held.is_behind());
+    EXPECT_THAT(output.release(3, HeldOutput::Fate::leaves, 2), ElementsAre("third"));
+    EXPECT_FALSE(output.held.is_behind());
+}
+
+TEST(HeldOutput, IsNotBehindWithWhatWaitsForItsAddress) {
+    Output output;
+    output.hold(3, "here");
+    output.hold(3, "elsewhere", 2);
+    (void)output.release(3, HeldOutput::Fate::waits, 2);
+    EXPECT_FALSE(output.held.is_behind());
 }
 
 TEST(HeldOutput, P8_BeyondItsBoundNewDatagramsAreDropped) {
