@@ -7,7 +7,7 @@
 namespace romano::cluster {
 namespace {
 
-constexpr std::size_t listed_per_turn = 4'000;  // about three milliseconds
+constexpr std::size_t listed_per_turn = 1'000;  // about a millisecond
 
 /// The member that answers on the address already: its own broker, when that is back, or an heir
 /// that an earlier life of it left the address to.
