@@ -96,7 +96,8 @@ struct Cluster : Owner {
         now += 10ms;
         tick();
     }
-    void hear(Seq last_seq = 0) {
+    /// The peer's beacon, which says that it serves `serving`.
+    void hear(Seq last_seq = 0, std::vector<Endpoint> serving = {theirs}) {
         now += 10ms;
         take(Beacon{.name = "peer",
                     .log = peer,
@@ -105,7 +106,7 @@ struct Cluster : Owner {
                     .hears = {self.broker},
                     .echoes = {{self, core.beacon(broker).tick}},
                     .home_addresses = {theirs},
-                    .serving = {theirs}});
+                    .serving = std::move(serving)});
         tick();
     }
 };

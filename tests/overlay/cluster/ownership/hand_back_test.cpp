@@ -400,15 +400,7 @@ TEST(HandBack, I5_AnOwnerWaitsForTheHeirOfAGiverThatGaveSome) {
     const LogId giver = two_brokers::peer;
     const LogId heir = test::log_of("b3");
     const Endpoint home = two_brokers::ours;
-    back.now += 10ms;
-    back.take(Beacon{.name = "peer",
-                     .log = giver,
-                     .tick = ++back.ticks,
-                     .hears = {two_brokers::self.broker},
-                     .echoes = {{two_brokers::self, back.core.beacon(back.broker).tick}},
-                     .home_addresses = {two_brokers::theirs},
-                     .serving = {two_brokers::theirs, home}});
-    back.tick();
+    back.hear(0, {two_brokers::theirs, home});
     back.serve(home);
     ASSERT_TRUE(back.core.speaking().is_unheard(home)) << "its sessions are to come";
     (void)back.broker.adopt(back.now, two_brokers::image(1, home), {}, back.clients);
@@ -431,15 +423,7 @@ TEST(HandBack, I1_AnOwnerWithSessionsOfItsOwnDoesNotSayThatItWaits) {
     healed.serve(home);
     (void)healed.broker.adopt(healed.now, two_brokers::image(1, home), {}, healed.clients);
     healed.keep_log();
-    healed.now += 10ms;
-    healed.take(Beacon{.name = "peer",
-                       .log = heir,
-                       .tick = ++healed.ticks,
-                       .hears = {two_brokers::self.broker},
-                       .echoes = {{two_brokers::self, healed.core.beacon(healed.broker).tick}},
-                       .home_addresses = {two_brokers::theirs},
-                       .serving = {two_brokers::theirs, home}});
-    healed.tick();
+    healed.hear(0, {two_brokers::theirs, home});
     ASSERT_TRUE(healed.core.speaking().is_silent(home));
     const LogId former{two_brokers::self.broker, two_brokers::self.incarnation - 1};
     View view{.number = {200, two_brokers::self.broker, 1}, .members = {two_brokers::self, heir}};
