@@ -131,12 +131,13 @@ void ViewChange::lead(Instant now, Surroundings around, Outbox& out) {
 
 /// Those of the present view that stay in it: what an earlier proposal froze of them lives on, for
 /// nobody may announce that one any more. And whoever is in the next view may take for safe what we
-/// hold of its log, before we have that view.
-void ViewChange::on_promise(const View& next, PeerLogs& logs) const {
-    for (auto& [id, log] : logs) {
+/// hold of its log, before we have that view; not so who was replaced, for it begins anew there.
+void ViewChange::on_promise(const View& next, Surroundings around) const {
+    for (auto& [id, log] : around.logs) {
         if (!next.contains(id)) continue;
         if (contains(id)) log.thaw();
-        log.promised_with_writer();
+        const bool was_replaced = std::ranges::count(around.ended, id, &LogPosition::log) > 0;
+        if (!was_replaced) log.promised_with_writer();
     }
 }
 
@@ -266,7 +267,7 @@ void ViewChange::propose(Instant now, std::vector<LogId> members, Surroundings a
                                .since = now,
                                .asked_at = now});
     const View& view = proposal_->message.view;
-    on_promise(view, around.logs);
+    on_promise(view, around);
     freeze_the_dead(view, around);
     for (const auto& [id, log] : around.logs) {
         if (!view.contains(id) && log.is_frozen()) proposal_->message.removed.push_back(id);
@@ -376,7 +377,7 @@ void ViewChange::on_proposal(Instant now, const ViewProposal& proposal, Surround
     proposal_.reset();
     promised_ = view.number;
     around.lease.on_promise(view);
-    on_promise(view, around.logs);
+    on_promise(view, around);
     freeze_the_dead(view, around);
     for (const LogId& id : proposal.removed) {
         const auto log = around.logs.find(id);

@@ -46,6 +46,7 @@ protected:
         leads.claim = {.rank = {.capability = 9, .id = node_of(peer.broker)},
                        .term = 5,
                        .leader = node_of(peer.broker)};
+        leads.ended = ended;
         cluster.take(leads);
         cluster.pass();
     }
@@ -65,6 +66,7 @@ protected:
     }
 
     Cluster cluster;
+    std::vector<LogPosition> ended;  // as the leader says
     std::uint64_t ticks = 0;
     std::uint32_t views = 0;
 };
@@ -92,6 +94,24 @@ TEST_F(Newcomer, P3_KnowsOfNothingThatIsLeftOfAWriterThatItMetInAViewWithoutThat
 TEST_F(Newcomer, P2_KnowsWhatIsLeftOfAWriterWithWhichItPromisedAView) {
     hear_the_dead();
     cluster.take(ViewProposal{.view = next_view({self, peer, dead})});
+    EXPECT_THAT(answer().outdated, IsEmpty());
+}
+
+// It stood still and did not know yet that it had been replaced; then its heir died (simulator,
+// faults `relapse`, seed 1971).
+TEST_F(Newcomer, P3_KnowsOfNothingThatIsLeftOfAWriterThatWasReplaced) {
+    hear_the_dead();
+    ended = {{dead, 0}};
+    hear_the_leader();
+    cluster.take(ViewProposal{.view = next_view({self, peer, dead})});
+    EXPECT_THAT(answer().outdated, ElementsAre(dead));
+}
+
+TEST_F(Newcomer, P2_KnowsWhatIsLeftOfAWriterThatLivedOnInItsView) {
+    hear_the_dead();
+    ended = {{dead, 0}};
+    hear_the_leader();
+    cluster.take(ViewAnnouncement{.view = next_view({self, peer, dead})});
     EXPECT_THAT(answer().outdated, IsEmpty());
 }
 
