@@ -19,22 +19,33 @@ void PeerLog::offer(Seq first_seq, const std::vector<LogEventPtr>& events) {
     if (events.empty() || first_seq == 0) return;
     const Seq last = first_seq + events.size() - 1;
     known_end_ = std::max(known_end_, last);
-    // Of a later view, whose announcement is on its way. It is fetched then.
-    if (const auto end = agreed_end(); end && last > end->seq) return;
-    const Seq expected = received() + 1;
-    if (first_seq > expected) {
+    if (is_beyond_agreed_end(last)) return;
+    if (first_seq > received() + 1) {
         if (early_events_ + events.size() > early_events_most || early_.contains(first_seq)) return;
         early_events_ += events.size();
         early_.emplace(first_seq, events);
         return;
     }
-    const Seq known = expected - first_seq;  // the first ones are here already
-    if (known >= events.size()) return;
+    take(first_seq, events);
+    take_early();
+}
+
+bool PeerLog::is_beyond_agreed_end(Seq seq) const {
+    const auto end = agreed_end();
+    return end && seq > end->seq;
+}
+
+void PeerLog::take(Seq first_seq, const std::vector<LogEventPtr>& events) {
+    const Seq known = received() + 1 - first_seq;  // the first ones are here already
+    if (known >= events.size() || is_beyond_agreed_end(first_seq + events.size() - 1)) return;
     ready_.insert(ready_.end(), events.begin() + static_cast<std::ptrdiff_t>(known), events.end());
-    if (const auto next = early_.begin(); next != early_.end() && next->first <= received() + 1) {
-        const auto follows = early_.extract(next);
-        early_events_ -= follows.mapped().size();
-        offer(follows.key(), follows.mapped());
+}
+
+void PeerLog::take_early() {
+    while (!early_.empty() && early_.begin()->first <= received() + 1) {
+        const auto next = early_.extract(early_.begin());
+        early_events_ -= next.mapped().size();
+        take(next.key(), next.mapped());
     }
 }
 
@@ -175,13 +186,7 @@ std::optional<LogPosition> PeerLog::restart() {
     ahead_.clear();
     std::erase_if(arrived_early_, [as_of](Seq seq) { return seq <= as_of; });
     known_end_ = std::max(known_end_, as_of);
-    while (!early_.empty()) {
-        const auto next = early_.extract(early_.begin());
-        early_events_ -= next.mapped().size();
-        const bool follows = next.key() <= received() + 1;
-        offer(next.key(), next.mapped());
-        if (!follows) break;
-    }
+    take_early();
     return LogPosition{id_, as_of};
 }
 

@@ -154,6 +154,11 @@ public:
     [[nodiscard]] std::vector<Endpoint> addresses_left(const View& view) const;
 
 private:
+    /// Of a later view, whose announcement is on its way. It is fetched then.
+    [[nodiscard]] bool is_beyond_agreed_end(Seq seq) const;
+    /// Those that follow what is here.
+    void take(Seq first_seq, const std::vector<LogEventPtr>& events);
+    void take_early();
     void follow_in_tail(const LogEvent& event);
     void follow_moves(const LogEvent& event);
     template <typename Look>

@@ -62,6 +62,23 @@ TEST(PeerLog, WhatComesEarlyWaitsForTheGap) {
     EXPECT_EQ(held.log.applied(), 4U);
 }
 
+TEST(PeerLog, WhatCameTwiceHoldsUpNothingThatFollowsIt) {
+    Held held;
+    held.take(3, {session("c"), session("d")});
+    held.take(5, {session("e")});
+    held.take(1, {session("a"), session("b"), session("c"), session("d")});
+    EXPECT_EQ(held.log.applied(), 5U);
+}
+
+// P8: each of them called for the next one, once.
+TEST(PeerLog, AGapBeforeManyBatchesCloses) {
+    Held held;
+    for (Seq seq = 2; seq <= 20'001; ++seq) held.take(seq, {session("a")});
+    EXPECT_EQ(held.log.received(), 0U);
+    held.take(1, {session("a")});
+    EXPECT_EQ(held.log.applied(), 20'001U);
+}
+
 TEST(PeerLog, ASnapshotInPartsReplacesEverything) {
     Held held;
     held.take(1, {session("old")});
