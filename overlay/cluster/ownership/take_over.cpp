@@ -28,9 +28,7 @@ std::optional<LogId> present_server(const Endpoint& address, BrokerId self,
 /// (hand_back.h), and call its clients away from where they are answered.
 bool is_still_serving(const Assignment& assignment, const Membership& membership) {
     const LogId& log = assignment.end.log;
-    if (!membership.is_heard(log.broker)) return false;
-    const Peer& peer = *membership.find(log.broker);
-    return peer.beacon.log == log && peer.is_serving(assignment.address);
+    return membership.is_heard(log) && membership.find(log.broker)->is_serving(assignment.address);
 }
 
 /// The dead broker had handed the session over, and died before its log said so; or its log is

@@ -99,6 +99,18 @@ TEST_F(TakeOverTest, I1_AnAddressThatSeveralInheritIsTheFirstHeirs) {
     EXPECT_TRUE(departures.all().contains("robot")) << "it goes there";
 }
 
+// P8: the peer was forgotten, for there are too many.
+TEST_F(TakeOverTest, ADeadBrokerOfWhichNothingIsKnownMayStillBeHeard) {
+    (void)membership.on_beacon(now, {.log = dead, .tick = 1});
+    for (int i = 0; membership.find(dead.broker) != nullptr; ++i) {
+        ASSERT_LT(i, 2'000);
+        const LogId another = test::log_of("another" + std::to_string(i));
+        (void)membership.on_beacon(now, {.log = another, .tick = 1});
+    }
+    ASSERT_TRUE(membership.is_heard(dead.broker));
+    EXPECT_EQ(inherit(), 1U);
+}
+
 // Its machine cannot.
 TEST_F(TakeOverTest, P2_WhatTheFirstHeirNeverServesIsAdoptedWithoutTheAddress) {
     peers.at(dead).freeze();
