@@ -74,6 +74,7 @@ Membership::Heard Membership::on_beacon(Instant now, const Beacon& beacon) {
     const bool is_new_tick = !is_same_life || beacon.tick > peer.beacon.tick;
     if (!is_same_life) {
         ++changes_;
+        peer.ended = false;
         heard_->on_restart(node_of(id));
         linked_->on_restart(node_of(id));
     }

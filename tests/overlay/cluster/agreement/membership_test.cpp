@@ -46,6 +46,17 @@ TEST(Membership, ALinkThatWorksOneWayIsNone) {
     EXPECT_TRUE(observer.membership.is_alive(peer));
 }
 
+// I1: the lease of its next life counts, also before that hears us.
+TEST(Membership, WhoSaidGoodbyeAndCameBackHasNotEnded) {
+    Observer observer;
+    observer.hear({self.broker}, peer, true);
+    EXPECT_TRUE(observer.membership.has_ended(peer));
+    const LogId next_life{peer.broker, peer.incarnation + 1};
+    observer.hear({}, next_life);
+    EXPECT_TRUE(observer.membership.has_ended(peer));
+    EXPECT_FALSE(observer.membership.has_ended(next_life));
+}
+
 TEST(Membership, APeerThatHearsUsNoMoreIsSuspected) {
     Observer observer;
     observer.hear({self.broker});
