@@ -100,6 +100,7 @@ void Member::on_peer_message(Instant now, const Envelope& envelope, MemberAction
 
 void Member::on_address(Instant now, const Endpoint& address, bool served, MemberActions& out) {
     if (has_left_) return;
+    notice_standstill(now, out);
     Effects acting = effects(now, out);
     cluster_.on_address(acting, address, served);
     carry_out(now, out);
@@ -345,7 +346,8 @@ void Member::go_on_uplink(Instant now, MemberActions& out) {
 }
 
 void Member::on_uplink_up(Instant now, bool resumed, MemberActions& out) {
-    if (!uplink_) return;
+    if (!uplink_ || has_left_) return;
+    notice_standstill(now, out);
     uplink_->on_up(resumed, broker_, out.uplink);
     carry_out(now, out);
 }

@@ -240,6 +240,28 @@ TEST(Member, WhatComesFromTheShellAfterAnOrderlyStopCallsNobodyBack) {
     EXPECT_EQ(member.next_wakeup(), never);
 }
 
+// Taking the address took long, and others may have gone on meanwhile.
+TEST(Member, P3_WhatCameWhileAnAddressWasTakenIsNotAnswered) {
+    const overlay::MemberOptions options{.broker = {},
+                                         .cluster = {},
+                                         .name = "b1",
+                                         .incarnation = 1,
+                                         .home_addresses = {broker_address(1)}};
+    overlay::Member member{options, 1};
+    overlay::MemberActions actions;
+    Instant now{1s};
+    member.on_tick(now, actions);
+    now += 1s;
+    member.on_address(now, broker_address(1), true, actions);
+    constexpr std::uint8_t connect[] = {7, 0x04, 0x04, 1, 0, 60, 'r'};
+    member.on_datagram(now, broker_address(1), broker_address(9), connect, actions);
+    for (int i = 0; i < 1'000 && !member.cluster().is_in_view(); ++i) {
+        member.on_tick(now += 10ms, actions);
+    }
+    ASSERT_TRUE(member.cluster().is_in_view());
+    EXPECT_EQ(member.broker().session_count(), 0U);
+}
+
 TEST(Member, FormerLivesOfABrokerAreForgotten) {  // P8
     Brokers brokers;
     start(brokers, {1, 2});
