@@ -290,7 +290,7 @@ void Member::send(Instant now, const broker::Send& send, broker::Seq safe, Membe
     if (fate == HeldOutput::Fate::is_dropped) return;
     if (fate == HeldOutput::Fate::waits) held_.detain(send.to);
     const Bytes octets = work_.octets(send);
-    if (send.after > safe || held_.detains(send.to) || held_.is_behind()) {
+    if (send.after > safe || held_.detains(send.to) || held_.holds_any_through(safe)) {
         held_.hold(send, octets);
         return;
     }

@@ -55,6 +55,10 @@ public:
     }
     /// More may leave than the last release() let go.
     [[nodiscard]] bool is_behind() const { return is_behind_; }
+    /// Some would leave before what is said now, were they released.
+    [[nodiscard]] bool holds_any_through(broker::Seq safe) const {
+        return !waiting_.empty() && waiting_.begin()->first <= safe;
+    }
     void clear();
 
     [[nodiscard]] std::set<Endpoint> addresses() const;

@@ -143,6 +143,26 @@ TEST(Member, P3_NothingOvertakesWhatLeavesInPieces) {
     EXPECT_EQ(robot.received(), in_order);
 }
 
+// When the lease is back its own message is safe already, and has not left yet.
+TEST(Member, P3_WhatWaitedForALeaseDoesNotOvertakeWhatWaitedForAPeer) {
+    Brokers brokers;
+    start(brokers, {1, 3});
+    Robot& robot = subscriber(brokers, "robot", 3, Qos::at_least_once);
+    Robot& other = publisher(brokers, "other", 3);
+    robot.publish("pose", "registered", Qos::at_least_once);
+    other.publish("pose", "registered", Qos::at_most_once);
+    brokers.run_for(103ms);
+    brokers.cut(1, 3);
+    robot.publish("pose", "1", Qos::at_least_once);
+    brokers.run_for(80ms);
+    other.publish("pose", "2", Qos::at_most_once);
+    brokers.run_for(2ms);
+    ASSERT_EQ(robot.received().size(), 2U);
+    brokers.heal();
+    brokers.run_for(100ms);
+    EXPECT_THAT(robot.received(), ElementsAre("registered", "registered", "1", "2"));
+}
+
 // Those who made the view without it are gone; those who came later tell it (seeds 52 and 729).
 TEST(Member, P3_WhoWasAwayWhileAllOthersWereReplacedLearnsThatItWas) {
     Brokers brokers;

@@ -52,6 +52,15 @@ TEST(HeldOutput, LeavesWhenItsPositionIsSafe) {
     EXPECT_TRUE(output.held.empty());
 }
 
+TEST(HeldOutput, TellsWhatWouldGoFirst) {
+    Output output;
+    output.hold(3, "three");
+    EXPECT_FALSE(output.held.holds_any_through(2));
+    EXPECT_TRUE(output.held.holds_any_through(3));
+    (void)output.release(3);
+    EXPECT_FALSE(output.held.holds_any_through(3));
+}
+
 TEST(HeldOutput, KeepsTheOrderWithinOnePosition) {
     Output output;
     output.hold(3, "first");
