@@ -307,19 +307,22 @@ void Member::serve_waiting(Instant now, MemberActions& out) {
         return speaking().must_wait(now, broker_, datagram.via, datagram.from, datagram.octets) ||
                cluster_.is_fetching(datagram.via, datagram.from);
     };
-    const auto ready = waiting_.take_unless(must_wait, options_.cluster.events_per_turn);
-    for (const auto& [via, from, octets, is_new] : ready) {
-        if (is_new) {
-            if (speaking().is_deaf(via)) continue;
+    auto ready = waiting_.take_unless(must_wait, options_.cluster.events_per_turn);
+    std::vector<WaitingInput::Datagram> wait_again;
+    for (auto& datagram : ready) {
+        if (datagram.is_new) {
+            if (speaking().is_deaf(datagram.via)) continue;
             Effects acting = effects(now, out);
-            if (cluster_.must_fetch(acting, via, from, octets)) {
-                waiting_.hold(via, from, octets, false);
+            if (cluster_.must_fetch(acting, datagram.via, datagram.from, datagram.octets)) {
+                datagram.is_new = false;
+                wait_again.push_back(std::move(datagram));
                 continue;
             }
         }
-        broker_.on_datagram(now, via, from, octets, work_);
+        broker_.on_datagram(now, datagram.via, datagram.from, datagram.octets, work_);
         absorb(now, out);
     }
+    waiting_.put_back(std::move(wait_again));
 }
 
 // --- the uplink

@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <deque>
+#include <iterator>
 #include <map>
 #include <utility>
 #include <vector>
@@ -46,6 +47,15 @@ public:
             if (!is_behind_) --most;
             return !is_behind_;
         });
+    }
+    /// These wait on, as they came, before all that came since.
+    void put_back(std::vector<Datagram> taken) {
+        for (const Datagram& datagram : taken) {
+            octets_ += datagram.octets.size() + overhead;
+            ++clients_[datagram.from];
+        }
+        waiting_.insert(waiting_.begin(), std::make_move_iterator(taken.begin()),
+                        std::make_move_iterator(taken.end()));
     }
     /// More could be served than the last take_unless() took.
     [[nodiscard]] bool is_behind() const { return is_behind_; }

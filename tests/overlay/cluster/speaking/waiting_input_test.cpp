@@ -51,6 +51,17 @@ TEST(WaitingInput, IsNotBehindWithWhatMustWaitOn) {
     EXPECT_EQ(input.waiting.size(), 2U);
 }
 
+// The cluster has to ask first whose client that is.
+TEST(WaitingInput, P3_WhatIsPutBackStaysBeforeWhatCameSince) {
+    Input input;
+    for (const auto* text : {"first", "second", "third"}) input.hold(text);
+    input.waiting.put_back(input.waiting.take_unless([](const auto&) { return false; }, 2));
+    EXPECT_EQ(input.waiting.size(), 3U);
+    EXPECT_TRUE(input.waiting.holds(test::address(9)));
+    EXPECT_THAT(input.take(9), ElementsAre("first", "second", "third"));
+    EXPECT_FALSE(input.waiting.holds(test::address(9)));
+}
+
 TEST(WaitingInput, IsNotBehindWithWhatIsDropped) {
     Input input;
     for (const auto* text : {"first", "second"}) input.hold(text);
