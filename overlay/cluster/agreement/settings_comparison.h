@@ -1,16 +1,25 @@
-// Settings that must agree and do not: people are told by name, at both brokers, once.
+// What all brokers of a cluster must be told alike, as people wrote it: compared by digest. Where
+// it differs, people are told by name, at both brokers, once.
 #pragma once
 
 #include <cstdint>
 #include <map>
-#include <set>
 #include <string>
 #include <vector>
 
-#include "overlay/cluster/agreement/agreed_settings.h"
 #include "overlay/cluster/effects.h"
+#include "overlay/cluster/messages.h"
+#include "overlay/cluster/options.h"
+#include "romano/mqttsn/types.h"
 
 namespace romano::cluster {
+
+using PredefinedTopics = std::map<mqttsn::TopicId, std::string>;
+
+[[nodiscard]] std::vector<Setting> agreed_settings(const ClusterOptions& options,
+                                                   const PredefinedTopics& predefined);
+/// What a topic id means to clients that never registered it.
+[[nodiscard]] std::uint32_t digest_of(const PredefinedTopics& predefined);
 
 struct Difference {
     std::string setting;
@@ -20,8 +29,7 @@ struct Difference {
 
 class SettingsComparison {
 public:
-    SettingsComparison(std::string name, std::vector<Setting> own)
-        : name_(std::move(name)), own_(std::move(own)), digest_(digest_of(own_)) {}
+    SettingsComparison(std::string name, std::vector<Setting> own);
 
     /// Peers learn of it by the next beacon; theirs are compared anew.
     void change(const std::string& name, const std::string& value);
@@ -42,13 +50,13 @@ private:
     struct Other {
         std::vector<Setting> settings{};
         std::vector<Difference> differences{};
+        bool is_compared = false;
     };
 
     std::string name_;
     std::vector<Setting> own_;
     std::uint32_t digest_;
     std::map<BrokerId, Other> others_;
-    std::set<BrokerId> not_compared_;  // of them
 };
 
 }  // namespace romano::cluster
