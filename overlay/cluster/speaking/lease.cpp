@@ -10,10 +10,6 @@ namespace {
 constexpr int most_terms_missed = 20;  // for whom we did not hear since a standstill
 constexpr int terms_to_meet = 10;
 
-bool is_in(const std::vector<LogId>& members, const LogId& log) {
-    return std::ranges::binary_search(members, log);
-}
-
 }  // namespace
 
 // Peers miss a member a beacon time before the detection timeout at the soonest, so that nobody
@@ -48,24 +44,18 @@ void Lease::on_echo(const LogId& by, std::uint64_t tick, const ViewNumber& insta
                     const std::vector<BrokerId>& vouched) {
     const auto beat = std::ranges::lower_bound(beats_, tick, {}, &Beat::tick);
     if (beat == beats_.end() || beat->tick != tick) return;
-    if (installed <= view_.number) return take(by, installed, beat->stamped_at, vouched);
+    if (installed <= view_.number) return take(by, beat->stamped_at, vouched);
     if (ahead_.size() < heard_most) {
         ahead_.insert_or_assign(by, {installed, beat->stamped_at, vouched});
     }
 }
 
-void Lease::take(const LogId& by, const ViewNumber& installed, Instant stamped_at,
-                 const std::vector<BrokerId>& vouched) {
-    const auto known = echoed_.find(by);
-    if (known == echoed_.end()) {
-        if (view_.contains(by)) echoed_.try_emplace(by, installed, stamped_at, vouched);
-        return;
-    }
-    Echoed& newest = known->second;
+void Lease::take(const LogId& by, Instant stamped_at, const std::vector<BrokerId>& vouched) {
+    if (!view_.contains(by)) return;
+    Echoed& newest = echoed_[by];
     if (stamped_at < newest.stamped_at) return;
-    newest.installed = installed;
     newest.stamped_at = stamped_at;
-    if (newest.vouched != vouched) newest.vouched = vouched;
+    newest.vouched = vouched;
 }
 
 bool Lease::is_held(Instant now) const {
@@ -199,7 +189,7 @@ Instant Lease::is_over_at(const View& next, const HasEnded& has_ended) const {
 bool Lease::keeps_less_than_half(const View& next) const {
     const auto is_less = [&](const View& view) {
         const auto kept = std::ranges::count_if(
-            view.members, [&](const LogId& member) { return is_in(next.members, member); });
+            view.members, [&](const LogId& member) { return next.contains(member); });
         return 2 * static_cast<std::size_t>(kept) < view.members.size();
     };
     return (view_.members.size() != 2 && is_less(view_)) || std::ranges::any_of(promised_, is_less);
@@ -226,15 +216,12 @@ void Lease::on_view(Instant now, const View& installed) {
     promised_.clear();
     refused_.clear();
     erase_if(echoed_, [this](const auto& echo) { return !view_.contains(echo.first); });
-    const auto is_here = [this](const auto& entry) {
-        return entry.second.installed <= view_.number;
-    };
-    for (const auto& entry : ahead_) {
-        if (!is_here(entry)) continue;
+    erase_if(ahead_, [this](const auto& entry) {
         const auto& [by, echo] = entry;
-        take(by, echo.installed, echo.stamped_at, echo.vouched);
-    }
-    erase_if(ahead_, is_here);
+        if (echo.installed > view_.number) return false;
+        take(by, echo.stamped_at, echo.vouched);
+        return true;
+    });
     held_until_ = Instant::min();
 }
 

@@ -83,8 +83,12 @@ private:
         bool is_promised = false;
     };
     struct Echoed {
-        ViewNumber installed{};
         Instant stamped_at = Instant::min();  // our tick
+        std::vector<BrokerId> vouched{};
+    };
+    struct EchoedAhead {
+        ViewNumber installed{};
+        Instant stamped_at{};
         std::vector<BrokerId> vouched{};
     };
 
@@ -98,8 +102,7 @@ private:
     [[nodiscard]] Instant stamped_at(const LogId& echoed_by) const;
     [[nodiscard]] Instant echoed_heard_at(const LogId& peer) const;
     [[nodiscard]] bool keeps_less_than_half(const View& next) const;
-    void take(const LogId& by, const ViewNumber& installed, Instant stamped_at,
-              const std::vector<BrokerId>& vouched);
+    void take(const LogId& by, Instant stamped_at, const std::vector<BrokerId>& vouched);
 
     LogId self_;
     Duration beacon_every_;
@@ -113,10 +116,10 @@ private:
         std::uint64_t tick = 0;
         Instant stamped_at{};
     };
-    std::deque<Beat> beats_;         // the own ones that may still be echoed in time
-    Instant acted_at_ = never;       // the last heartbeat, or the end of the last standstill
-    FlatMap<LogId, Echoed> echoed_;  // by members: the newest own tick
-    FlatMap<LogId, Echoed> ahead_;   // by those who are in a later view than we are
+    std::deque<Beat> beats_;             // the own ones that may still be echoed in time
+    Instant acted_at_ = never;           // the last heartbeat, or the end of the last standstill
+    FlatMap<LogId, Echoed> echoed_;      // by members: the newest own tick
+    FlatMap<LogId, EchoedAhead> ahead_;  // by those who are in a later view than we are
     FlatMap<LogId, Heard> heard_;
     FlatMap<LogId, Refusal> refused_;              // members that are not echoed
     Instant missed_until_ = Instant::min();        // after a standstill
