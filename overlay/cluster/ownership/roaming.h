@@ -12,6 +12,7 @@
 // stands still does not count.
 #pragma once
 
+#include <compare>
 #include <deque>
 #include <map>
 #include <optional>
@@ -21,10 +22,19 @@
 #include "overlay/cluster/ownership/arrivals.h"
 #include "overlay/cluster/ownership/departures.h"
 #include "overlay/cluster/ownership/homes.h"
-#include "overlay/cluster/speaking/way.h"
 #include "romano/base/bytes.h"
+#include "romano/base/endpoint.h"
 
 namespace romano::cluster {
+
+/// The way of a client's datagrams: where they come from, and to which service address. Two clients
+/// may be at one address, but on one way there is one (broker/core/session_table.h).
+struct Way {
+    Endpoint via;
+    Endpoint from;
+
+    friend auto operator<=>(const Way&, const Way&) = default;
+};
 
 class Roaming {
 public:
