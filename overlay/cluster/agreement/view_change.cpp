@@ -9,16 +9,6 @@
 namespace romano::cluster {
 namespace {
 
-/// Freezes what is left of brokers that are gone. One that is alive and not in the view, because it
-/// has just started or follows another leader, serves its clients itself. Of the later life of one
-/// that is in the view we may not have heard yet.
-void freeze_the_dead(const View& view, Surroundings around) {
-    for (auto& [id, log] : around.logs) {
-        if (view.contains(id)) continue;
-        if (!around.membership.is_alive(id) || view.has_later_life_of(id)) log.freeze();
-    }
-}
-
 /// Only who is dead to the leader, too, is taken over. Of one that it leaves out and hears still it
 /// may hold more than was frozen there: an end without that would cost what comes next.
 ViewHoldings without_the_living(ViewHoldings holdings, const PeerLogs& logs) {
@@ -132,12 +122,21 @@ void ViewChange::lead(Instant now, Surroundings around, Outbox& out) {
 /// Those of the present view that stay in it: what an earlier proposal froze of them lives on, for
 /// nobody may announce that one any more. And whoever is in the next view may take for safe what we
 /// hold of its log, before we have that view; not so who was replaced, for it begins anew there.
-void ViewChange::on_promise(const View& next, Surroundings around) const {
+///
+/// Of brokers that are gone, what is left is frozen. One that is alive and not in the view, because
+/// it has just started or follows another leader, serves its clients itself. Of the later life of
+/// one that is in the view we may not have heard yet.
+void ViewChange::promise(const View& next, Surroundings around) {
+    promised_ = next.number;
+    around.lease.on_promise(next);
     for (auto& [id, log] : around.logs) {
-        if (!next.contains(id)) continue;
-        if (contains(id)) log.thaw();
-        const bool was_replaced = std::ranges::count(around.ended, id, &LogPosition::log) > 0;
-        if (!was_replaced) log.promised_with_writer();
+        if (next.contains(id)) {
+            if (contains(id)) log.thaw();
+            const bool was_replaced = std::ranges::count(around.ended, id, &LogPosition::log) > 0;
+            if (!was_replaced) log.promised_with_writer();
+        } else if (!around.membership.is_alive(id) || next.has_later_life_of(id)) {
+            log.freeze();
+        }
     }
 }
 
@@ -259,16 +258,12 @@ void ViewChange::propose(Instant now, std::vector<LogId> members, Surroundings a
                          Outbox& out) {
     const ViewNumber number = next_number(around.membership);
     if (!may_promise(now, {number, members}, around)) return;
-    promised_ = number;
-    around.lease.on_promise({number, members});
-
     proposal_.emplace(Proposal{.message = {.view = {number, std::move(members)}, .removed = {}},
                                .answers = {},
                                .since = now,
                                .asked_at = now});
     const View& view = proposal_->message.view;
-    on_promise(view, around);
-    freeze_the_dead(view, around);
+    promise(view, around);
     for (const auto& [id, log] : around.logs) {
         if (!view.contains(id) && log.is_frozen()) proposal_->message.removed.push_back(id);
     }
@@ -375,10 +370,7 @@ void ViewChange::on_proposal(Instant now, const ViewProposal& proposal, Surround
     }
     early_.reset();
     proposal_.reset();
-    promised_ = view.number;
-    around.lease.on_promise(view);
-    on_promise(view, around);
-    freeze_the_dead(view, around);
+    promise(view, around);
     for (const LogId& id : proposal.removed) {
         const auto log = around.logs.find(id);
         if (log != around.logs.end()) log->second.freeze();

@@ -95,7 +95,7 @@ private:
     void ask(Instant now, Outbox& out);
     void lead(Instant now, Surroundings around, Outbox& out);
     [[nodiscard]] bool may_promise(Instant now, const View& next, Surroundings around);
-    void on_promise(const View& next, Surroundings around) const;
+    void promise(const View& next, Surroundings around);
     void give_up_on_silent(Instant now, const Membership& membership);
     void conclude(Instant now, Surroundings around, Outbox& out);
     [[nodiscard]] ViewHoldings holdings(const View& view, Surroundings around) const;
