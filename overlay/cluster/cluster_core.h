@@ -258,10 +258,7 @@ private:
     HeartbeatReader peers_beacons_;
     Membership membership_;
     ServiceAddresses addresses_;
-    std::vector<Endpoint> claimed_;       // addresses_.claimed(), for the surroundings
-    std::vector<Endpoint> cannot_take_;   // addresses_.cannot_take(), as well
-    std::set<LogId> without_heir_;        // nobody goes on for their clients, and people know
-    std::vector<LogPosition> told_ends_;  // ended_.list(), as well
+    std::set<LogId> without_heir_;  // nobody goes on for their clients, and people know
     PeerLogs logs_;
     Acknowledgements acknowledgements_;
     LogKeeping keeping_;

@@ -237,16 +237,11 @@ bool ClusterCore::notice_standstill(Instant now) {
 }
 
 Surroundings ClusterCore::surroundings(const Effects& effects) {
-    claimed_ = addresses_.claimed();
-    told_ends_ = ended_.list();
-    cannot_take_ = addresses_.cannot_take();
     return {.membership = membership_,
             .lease = lease_,
             .logs = logs_,
-            .serving = claimed_,
-            .home = addresses_.home(),
-            .cannot_take = cannot_take_,
-            .ended = told_ends_,
+            .addresses = addresses_,
+            .ended = ended_,
             .sessions = static_cast<std::uint32_t>(effects.broker.session_count())};
 }
 

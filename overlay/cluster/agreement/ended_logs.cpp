@@ -21,6 +21,11 @@ void EndedLogs::learn(const View& view, const std::vector<LogPosition>& ends) {
     }
 }
 
+bool EndedLogs::contains(const LogId& log) const {
+    const auto end = ends_.find(log.broker);
+    return end != ends_.end() && end->second.log == log;
+}
+
 std::vector<LogPosition> EndedLogs::list() const {
     std::vector<LogPosition> all;
     std::ranges::transform(ends_, std::back_inserter(all),

@@ -24,6 +24,7 @@ public:
     /// What somebody else knows.
     void learn(const View& view, const std::vector<LogPosition>& ends);
 
+    [[nodiscard]] bool contains(const LogId& log) const;
     [[nodiscard]] std::vector<LogPosition> list() const;
 
 private:

@@ -132,7 +132,7 @@ void ViewChange::promise(const View& next, Surroundings around) {
     for (auto& [id, log] : around.logs) {
         if (next.contains(id)) {
             if (contains(id)) log.thaw();
-            const bool was_replaced = std::ranges::count(around.ended, id, &LogPosition::log) > 0;
+            const bool was_replaced = around.ended.contains(id);
             if (!was_replaced) log.promised_with_writer();
         } else if (!around.membership.is_alive(id) || next.has_later_life_of(id)) {
             log.freeze();
@@ -330,12 +330,14 @@ void ViewChange::on_holdings(Instant now, const LogId& from, const ViewHoldings&
 void ViewChange::conclude(Instant now, Surroundings around, Outbox& out) {
     if (proposal_->answers.size() < proposal_->message.view.members.size()) return;
     const Proposal done = *std::exchange(proposal_, std::nullopt);
+    const auto serving = around.addresses.claimed();
+    const auto ended = around.ended.list();
     const Answers answers{.view = done.message.view,
                           .holdings = done.answers,
-                          .serving = around.serving,
-                          .home = around.home,
+                          .serving = serving,
+                          .home = around.addresses.home(),
                           .appointed = appointed_,
-                          .ended = around.ended,
+                          .ended = ended,
                           .leader = self_,
                           .leader_sessions = around.sessions};
     const auto ends = agreed_ends(answers);
@@ -420,7 +422,7 @@ bool ViewChange::is_newer(const View& view) const {
 
 ViewHoldings ViewChange::holdings(const View& view, Surroundings around) const {
     ViewHoldings answer{.number = view.number};
-    answer.cannot_take = around.cannot_take;
+    answer.cannot_take = around.addresses.cannot_take();
     for (const auto& [id, log] : around.logs) {
         if (view.contains(id) || !log.is_frozen()) continue;
         answer.holds.push_back({id, log.end()});

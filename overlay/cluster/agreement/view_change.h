@@ -19,8 +19,10 @@
 #include <set>
 #include <vector>
 
+#include "overlay/cluster/agreement/ended_logs.h"
 #include "overlay/cluster/agreement/membership.h"
 #include "overlay/cluster/ownership/heirs.h"
+#include "overlay/cluster/ownership/service_addresses.h"
 #include "overlay/cluster/replication/peer_log.h"
 #include "overlay/cluster/speaking/lease.h"
 
@@ -31,11 +33,9 @@ struct Surroundings {
     const Membership& membership;
     Lease& lease;
     PeerLogs& logs;
-    const std::vector<Endpoint>& serving;      // by this broker
-    const std::vector<Endpoint>& home;         // of this broker
-    const std::vector<Endpoint>& cannot_take;  // by this broker's machine
-    const std::vector<LogPosition>& ended;     // as it was told
-    std::uint32_t sessions = 0;                // the own ones
+    const ServiceAddresses& addresses;
+    const EndedLogs& ended;
+    std::uint32_t sessions = 0;  // the own ones
 };
 
 class ViewChange {

@@ -27,8 +27,8 @@ struct Leader {
     Lease lease{self, 10ms, 100ms};
     ViewChange change{self};
     PeerLogs logs;
-    std::vector<Endpoint> none;
-    std::vector<LogPosition> told;
+    ServiceAddresses addresses{{}};
+    EndedLogs ended;
     Outbox out;
     Instant now{1s};
     std::uint64_t ticks = 0;
@@ -37,10 +37,8 @@ struct Leader {
         return {.membership = membership,
                 .lease = lease,
                 .logs = logs,
-                .serving = none,
-                .home = none,
-                .cannot_take = none,
-                .ended = told};
+                .addresses = addresses,
+                .ended = ended};
     }
     void hear(const LogId& from, const LogId& follows, election::Term term, std::uint32_t rank) {
         hear(from, follows, term, rank, change.view());
