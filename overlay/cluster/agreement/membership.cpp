@@ -28,10 +28,6 @@ bool Peer::is_serving(const Endpoint& address) const {
     return std::ranges::count(beacon.serving, address) > 0;
 }
 
-bool Peer::hears(BrokerId broker) const {
-    return beacon.hears_from(broker);
-}
-
 Membership::Membership(const ClusterOptions& options, BrokerId self, std::uint64_t seed)
     : options_(options), self_(self), seed_(seed) {
     const election::DetectorOptions times{.beacon_every = options.beacon_every,
@@ -69,8 +65,7 @@ Membership::Heard Membership::on_beacon(Instant now, const Beacon& beacon) {
     if (beacon.log.incarnation < peer.beacon.log.incarnation) return Heard::nothing;
     const bool is_same_life = beacon.log == peer.beacon.log;
     if (is_same_life && beacon.tick < peer.beacon.tick) return Heard::nothing;
-    const News before = news_of(peer);
-    bool has_news = is_news(peer.beacon, beacon);
+    const bool has_news = is_news(peer.beacon, beacon) || news_of(peer.beacon) != news_of(beacon);
     const bool is_new_tick = !is_same_life || beacon.tick > peer.beacon.tick;
     if (!is_same_life) {
         ++changes_;
@@ -80,8 +75,6 @@ Membership::Heard Membership::on_beacon(Instant now, const Beacon& beacon) {
     }
     peer.beacon = beacon;
     unknown_.erase(beacon.log);
-    peer.hears_us = beacon.hears_from(self_);
-    has_news = has_news || news_of(peer) != before;
     // Its particulars came after its heartbeat, and may have waited.
     if (!is_new_tick) return heard(has_news);
     return on_tick_of(now, peer, has_news);
@@ -97,10 +90,9 @@ Membership::Heard Membership::on_heartbeat(Instant now, const LogId& log, const 
         return Heard::nothing;
     }
     Peer& peer = known->second;
-    const News before = news_of(peer);
+    const News before = news_of(peer.beacon);
     if (!join(&peer.beacon)) return Heard::nothing;
-    peer.hears_us = peer.beacon.hears_from(self_);
-    return on_tick_of(now, peer, news_of(peer) != before);
+    return on_tick_of(now, peer, news_of(peer.beacon) != before);
 }
 
 Membership::Heard Membership::on_tick_of(Instant now, Peer& peer, bool has_news) {
@@ -117,7 +109,7 @@ Membership::Heard Membership::on_tick_of(Instant now, Peer& peer, bool has_news)
         return heard(true);
     }
     heard_->on_beacon(now, node);
-    if (peer.hears_us) {
+    if (beacon.hears_from(self_)) {
         linked_->on_beacon(now, node);
         peer.alive = linked_->is_alive(node);
         if (peer.alive != was_alive) ++changes_;
@@ -135,11 +127,11 @@ Membership::Heard Membership::heard(bool has_news) {
     return has_news ? Heard::news : Heard::life;
 }
 
-Membership::News Membership::news_of(const Peer& peer) {
-    return {.view = peer.beacon.view.number,
-            .claim = peer.beacon.claim,
-            .leaving = peer.beacon.leaving,
-            .hears_us = peer.hears_us};
+Membership::News Membership::news_of(const Beacon& beacon) const {
+    return {.view = beacon.view.number,
+            .claim = beacon.claim,
+            .leaving = beacon.leaving,
+            .hears_us = beacon.hears_from(self_)};
 }
 
 bool Membership::is_news(const Beacon& before, const Beacon& beacon) {
@@ -159,7 +151,7 @@ void Membership::on_pulse(Instant now, const Pulse& pulse) {
     if (!heard_->is_alive(node)) return;
     peer.heard_at = now;
     heard_->on_beacon(now, node);
-    if (peer.hears_us && linked_->is_alive(node)) linked_->on_beacon(now, node);
+    if (peer.beacon.hears_from(self_) && linked_->is_alive(node)) linked_->on_beacon(now, node);
 }
 
 void Membership::on_leader(Instant now, BrokerId leader, election::Term term) {

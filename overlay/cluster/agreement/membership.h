@@ -33,9 +33,8 @@ namespace romano::cluster {
 struct Peer {
     Beacon beacon;
     bool alive = false;
-    Instant heard_at{};     // its last beacon or pulse
-    bool ended = false;     // it said goodbye, or its process is gone; it did not just fall silent
-    bool hears_us = false;  // as that beacon says
+    Instant heard_at{};  // its last beacon or pulse
+    bool ended = false;  // it said goodbye, or its process is gone; it did not just fall silent
     [[nodiscard]] bool is_home_of(const Endpoint& address) const;
     [[nodiscard]] bool is_serving(const Endpoint& address) const;
     /// Its own address, served by another one yet: it waits there for the sessions.
@@ -45,8 +44,6 @@ struct Peer {
     [[nodiscard]] bool follows(const broker::LogPosition& end) const {
         return end.seq == 0 || beacon.applied_through(end.log) > 0;
     }
-    /// It says so, and in this life: what is sent to it arrives.
-    [[nodiscard]] bool hears(BrokerId broker) const;
 };
 
 class Membership {
@@ -129,7 +126,7 @@ private:
 
         friend bool operator==(const News&, const News&) = default;
     };
-    [[nodiscard]] static News news_of(const Peer& peer);
+    [[nodiscard]] News news_of(const Beacon& beacon) const;
     [[nodiscard]] static bool is_news(const Beacon& before, const Beacon& beacon);
     Heard on_tick_of(Instant now, Peer& peer, bool has_news);
     Heard heard(bool has_news);

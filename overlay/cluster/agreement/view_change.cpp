@@ -228,7 +228,8 @@ bool ViewChange::must_meet_others(Instant now, const Peer& newcomer, const Membe
     if (now >= since + membership.times().unmet_peer_waited_for()) return false;
     return std::ranges::any_of(view_.members, [&](const LogId& member) {
         if (member == self_ || !membership.is_alive(member)) return false;
-        return !newcomer.hears(member.broker) || !membership.find(member.broker)->hears(log.broker);
+        return !newcomer.beacon.hears_from(member.broker) ||
+               !membership.find(member.broker)->beacon.hears_from(log.broker);
     });
 }
 

@@ -58,7 +58,7 @@ void HandBack::compare(Effects& effects, const Membership& membership, const Vie
         }
         const bool is_ours =
             rivalry.is_settled() || std::ranges::any_of(rivalry.with, [&](BrokerId id) {
-                return membership.find(id)->hears(self_);
+                return membership.find(id)->beacon.hears_from(self_);
             });
         if (is_ours && !std::exchange(rivalry.is_claimed, true)) {
             addresses.take_anew(effects, address);
@@ -191,7 +191,7 @@ void HandBack::begin(Effects& effects, const Endpoint& address, const Logs& logs
     const auto owner = owner_of(address, membership, view);
     if (!owner) return;
     const Peer& peer = *membership.find(owner->broker);
-    if (!peer.hears(self_) || !peer.is_serving(address)) return;
+    if (!peer.beacon.hears_from(self_) || !peer.is_serving(address)) return;
     if (!peer.follows({logs.own.id(), effects.broker.last_seq()})) return;
     giving_.emplace(
         address,
@@ -254,9 +254,10 @@ void HandBack::reclaim(Effects& effects, const Membership& membership, const Vie
         if (addresses.is_serving(address) || addresses.is_taking(address)) continue;
         std::set<LogId> from;
         for (const LogId& member : view.members) {
-            const Peer* peer = membership.find(member.broker);
-            if (peer == nullptr || !membership.is_alive(member) || !peer->hears(self_)) continue;
-            if (peer->is_serving(address) && !peer->is_home_of(address)) from.insert(member);
+            if (!membership.is_alive(member)) continue;
+            const Peer& peer = *membership.find(member.broker);
+            if (!peer.beacon.hears_from(self_)) continue;
+            if (peer.is_serving(address) && !peer.is_home_of(address)) from.insert(member);
         }
         const auto tried = tried_.find(address);
         const bool is_too_soon = tried != tried_.end() &&

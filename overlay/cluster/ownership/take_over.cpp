@@ -107,7 +107,7 @@ void TakeOver::carry_on(Effects& effects, const Logs& logs, const Membership& me
         if (owner) {
             const Peer& server = *membership.find(owner->broker);
             const LogPosition end{logs.own.id(), effects.broker.last_seq()};
-            if (!server.hears(self_) || !server.follows(end)) return false;
+            if (!server.beacon.hears_from(self_) || !server.follows(end)) return false;
         }
         if ((!are_known || !is_complete(effects, log->second, logs, owner.has_value())) &&
             !is_out_of_patience(effects, pending)) {
