@@ -139,8 +139,7 @@ bool ClusterCore::may_rest() const {
 
 /// While nobody else serves them, only news change that.
 void ClusterCore::compare_addresses(Effects& effects) {
-    const Compared now{membership_.news(), view().number, view().members.size(),
-                       addresses_.serving()};
+    const std::tuple now{membership_.news(), view().number, addresses_.serving()};
     if (!hand_back_.has_rivals() && now == compared_) return;
     compared_ = now;
     hand_back_.compare(effects, membership_, view(), addresses_);

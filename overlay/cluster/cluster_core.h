@@ -19,6 +19,7 @@
 #include <set>
 #include <span>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -288,16 +289,9 @@ private:
     /// Back from a standstill: others may have gone on for us, and what we are asked or told may be
     /// as old. Zero while there was a lease since.
     Duration stood_still_for_{};
-    /// What the own addresses were compared with last.
-    struct Compared {
-        std::uint64_t news = 0;
-        ViewNumber view{};
-        std::size_t members = 0;
-        std::set<Endpoint> serving{};
-
-        friend bool operator==(const Compared&, const Compared&) = default;
-    };
-    std::optional<Compared> compared_;
+    /// What the own addresses were compared with last: the peers' news, the view, and what was
+    /// served.
+    std::optional<std::tuple<std::uint64_t, ViewNumber, std::set<Endpoint>>> compared_;
     SmallerSide smaller_side_;
     Namesake namesake_;
     Leaderless leaderless_;
