@@ -138,7 +138,6 @@ public:
     /// How far this broker says that it holds the log.
     [[nodiscard]] Seq held_of(const LogId& id, const PeerLog& log) const;
     [[nodiscard]] election::Leadership leadership() const { return membership_.leadership(); }
-    [[nodiscard]] Duration detection_time() const { return membership_.detection_time(); }
     [[nodiscard]] Times times() const { return membership_.times(); }
     /// The rights of this broker's clients are these now: compared with the peers'.
     void on_rights(const std::string& digest) { settings_.change("rights", digest); }
@@ -193,20 +192,6 @@ private:
     [[nodiscard]] bool is_for_later(Instant now, const ClusterMessage& message) const;
     /// Who is there has changed, perhaps.
     void heed_news_of_peers(Effects& effects);
-    /// The leader's claim counts from its messages too: they may come before its beacon.
-    void heed_leader(Instant now, const ViewNumber& number);
-    PeerLog& log_of(const LogId& id) {
-        const auto [at, is_new] = logs_.try_emplace(id, id, options_.log_events_kept);
-        if (!is_new) return at->second;
-        // A leader may have put it into the view before we hear it. Else it may be the log of one
-        // who was replaced before we came, of whose sessions others took care.
-        if (view_change_.contains(id)) {
-            peer_sessions_.reset(id, at->second.mirror());
-        } else {
-            at->second.become_outdated();
-        }
-        return at->second;
-    }
     enum class Answer : std::uint8_t { at_once, with_the_beacon };
     /// Up to `most` events that are here, and as many sessions as one turn may bring; the rest at
     /// the next ticks.

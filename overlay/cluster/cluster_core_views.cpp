@@ -61,7 +61,15 @@ void ClusterCore::heed_news_of_peers(Effects& effects) {
 }
 
 void ClusterCore::heed_log_of(const Beacon& beacon) {
-    PeerLog& log = log_of(beacon.log);
+    const auto [at, is_new] = logs_.try_emplace(beacon.log, beacon.log, options_.log_events_kept);
+    PeerLog& log = at->second;
+    // A leader may have put it into the view before we hear it. Else it may be the log of one who
+    // was replaced before we came, of whose sessions others took care.
+    if (is_new && view_change_.contains(beacon.log)) {
+        peer_sessions_.reset(beacon.log, log.mirror());
+    } else if (is_new) {
+        log.become_outdated();
+    }
     acquaintance_.meet(beacon.log, beacon.last_seq);
     log.heard_end(beacon.last_seq, beacon.view.number);
     log.heard_serving(beacon.serving);
@@ -79,12 +87,8 @@ void ClusterCore::on(Effects& effects, BrokerId from, const ElectionMessage& mes
     heed_news_of_peers(effects);
 }
 
-void ClusterCore::heed_leader(Instant now, const ViewNumber& number) {
-    membership_.on_leader(now, number.leader, number.term);
-}
-
 void ClusterCore::on(Effects& effects, BrokerId, const ViewProposal& message) {
-    heed_leader(effects.now, message.view.number);
+    membership_.on_leader(effects.now, message.view.number.leader, message.view.number.term);
     view_change_.on_proposal(effects.now, message, surroundings(effects), effects.peers);
 }
 
@@ -96,7 +100,7 @@ void ClusterCore::on(Effects& effects, BrokerId from, const ViewHoldings& messag
 }
 
 void ClusterCore::on(Effects& effects, BrokerId, const ViewAnnouncement& message) {
-    heed_leader(effects.now, message.view.number);
+    membership_.on_leader(effects.now, message.view.number.leader, message.view.number.term);
     view_change_.on_announcement(effects.now, message, surroundings(effects));
 }
 
