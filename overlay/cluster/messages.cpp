@@ -23,10 +23,6 @@ bool Beacon::hears_from(BrokerId broker) const {
     return std::ranges::binary_search(hears, broker);
 }
 
-bool Beacon::knows(const LogId& other) const {
-    return held_of(other).has_value();
-}
-
 std::optional<Seq> Beacon::end_of(const LogId& of) const {
     const auto found = std::ranges::find(ended, of, &LogPosition::log);
     if (found == ended.end()) return std::nullopt;

@@ -109,7 +109,6 @@ struct Beacon {
     [[nodiscard]] Seq applied_through(const LogId& of) const { return held_of(of).value_or(0); }
     /// And in this life: what is sent to it arrives.
     [[nodiscard]] bool hears_from(BrokerId broker) const;
-    [[nodiscard]] bool knows(const LogId& other) const;
     [[nodiscard]] std::optional<Seq> end_of(const LogId& of) const;
 };
 

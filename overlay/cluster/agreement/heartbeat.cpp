@@ -139,7 +139,7 @@ Heartbeat HeartbeatWriter::write(const Beacon& beacon) {
             out.held_others.push_back(position);
         }
     };
-    erase_if(held_, [&](const auto& entry) { return !beacon.knows(entry.first); });
+    erase_if(held_, [&](const auto& entry) { return !beacon.held_of(entry.first); });
     std::vector<LogPosition> unchanged;
     for (const LogPosition& position : beacon.applied) {
         const auto [at, is_new] = held_.try_emplace(position.log, Said{position.seq, beacon.tick});

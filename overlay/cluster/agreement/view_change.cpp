@@ -32,10 +32,6 @@ bool is_below_a_promise(const ViewNumber& number, const std::vector<LogId>& memb
 
 }  // namespace
 
-bool ViewChange::contains(const LogId& log) const {
-    return view_.contains(log);
-}
-
 bool ViewChange::is_stranded(const Membership& membership, const PeerLogs& logs) const {
     bool has_met_all = true;
     for (const LogId& member : view_.members) {

@@ -55,7 +55,7 @@ public:
     [[nodiscard]] bool has_view() const { return !view_.members.empty(); }
     /// The highest number that was promised: what is below it is never entered.
     [[nodiscard]] const ViewNumber& promised() const { return promised_; }
-    [[nodiscard]] bool contains(const LogId& log) const;
+    [[nodiscard]] bool contains(const LogId& log) const { return view_.contains(log); }
     /// Of the others in the view nobody is left whom we reach, and some were never met here: they
     /// may be about to go on without us.
     [[nodiscard]] bool is_stranded(const Membership& membership, const PeerLogs& logs) const;

@@ -98,8 +98,9 @@ void LogKeeping::forget_passed(Instant now, const Times& times, Logs logs,
 }
 
 bool is_over(const LogId& log, Logs logs, const Membership& members) {
-    const bool is_held = std::ranges::any_of(
-        members.peers(), [&log](const auto& entry) { return entry.second.beacon.knows(log); });
+    const bool is_held = std::ranges::any_of(members.peers(), [&log](const auto& entry) {
+        return entry.second.beacon.held_of(log).has_value();
+    });
     if (is_held || logs.peers.contains(log)) return false;
     if (log.broker == logs.own.id().broker) return log.incarnation < logs.own.id().incarnation;
     const Peer* peer = members.find(log.broker);
