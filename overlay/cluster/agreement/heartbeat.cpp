@@ -170,16 +170,10 @@ bool HeartbeatReader::Peer::lacks_something() const {
 }
 
 HeartbeatReader::Peer* HeartbeatReader::find_or_add(const LogId& log) {
-    const auto found = peers_.find(log.broker);
-    if (found != peers_.end()) {
-        Peer& peer = found->second;
-        if (log.incarnation < peer.heartbeat.log.incarnation) return nullptr;
-        if (log != peer.heartbeat.log) peer = Peer{};
-        peer.heartbeat.log = log;
-        return &peer;
-    }
-    if (peers_.size() >= peers_most) peers_.clear();
+    if (peers_.size() >= peers_most && !peers_.contains(log.broker)) peers_.clear();
     Peer& peer = peers_[log.broker];
+    if (log.incarnation < peer.heartbeat.log.incarnation) return nullptr;
+    if (log != peer.heartbeat.log) peer = Peer{};
     peer.heartbeat.log = log;
     return &peer;
 }
