@@ -95,7 +95,7 @@ private:
 
     std::vector<Endpoint> home_;
     std::set<Endpoint> serving_;
-    std::set<Endpoint> taking_;
+    std::set<Endpoint> taking_;  // none of those that are served
     std::set<Endpoint> inherited_;
     std::set<Endpoint> cannot_take_;
 };

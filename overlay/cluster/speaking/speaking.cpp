@@ -8,11 +8,6 @@ HeldOutput::Fate Speaking::said_from(Instant now, const Endpoint& address) const
     return waits ? HeldOutput::Fate::waits : HeldOutput::Fate::leaves;
 }
 
-bool Speaking::is_open(const Endpoint& address) const {
-    return by_.addresses.is_serving(address) && !is_unheard(address) &&
-           !by_.addresses.is_taking(address);
-}
-
 bool Speaking::waits_for_session(const broker::BrokerCore& broker, const Endpoint& via,
                                  const Endpoint& from, Bytes datagram) const {
     if (!by_.views.has_view() || !by_.acquaintance.has_met_all()) return true;

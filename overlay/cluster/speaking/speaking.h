@@ -68,7 +68,9 @@ public:
     }
     /// Clients are served there: neither does anything wait that they say, nor what is said to
     /// them.
-    [[nodiscard]] bool is_open(const Endpoint& address) const;
+    [[nodiscard]] bool is_open(const Endpoint& address) const {
+        return by_.addresses.is_serving(address) && !is_unheard(address);
+    }
 
     // --- a client
     /// A datagram from there to `via` waits for the lease, or for its session.
