@@ -50,7 +50,7 @@ bool ClusterCore::is_for_later(Instant now, const ClusterMessage& message) const
            std::holds_alternative<SessionRequest>(message);
 }
 
-void ClusterCore::on_message(Effects& effects, const Envelope& envelope) {
+void ClusterCore::on_message(Effects effects, const Envelope& envelope) {
     const BrokerId from = envelope.from.broker;
     if (from == own_.id().broker) {
         if (auto notice = namesake_.on_message(name_, link_.process, envelope.from.incarnation)) {
@@ -63,7 +63,7 @@ void ClusterCore::on_message(Effects& effects, const Envelope& envelope) {
     after_input(effects);
 }
 
-void ClusterCore::on_tick(Effects& effects, const std::set<Endpoint>& pending_output) {
+void ClusterCore::on_tick(Effects effects, const std::set<Endpoint>& pending_output) {
     // Before the broker writes more events.
     log_sender_.carry_on(effects, logs(), membership_, departures_);
     peer_sessions_.on_turn();
@@ -157,7 +157,7 @@ void ClusterCore::seek_addresses(Effects& effects) {
     }
 }
 
-void ClusterCore::hurry(Effects& effects, const Endpoint& via, const Endpoint& from,
+void ClusterCore::hurry(Effects effects, const Endpoint& via, const Endpoint& from,
                         Bytes datagram) {
     if (!speaking_.may_speak(effects.now) || !is_in_view() || !acquaintance_.has_met_all()) return;
     if (take_over_.is_half_adopted(via)) {
@@ -169,27 +169,27 @@ void ClusterCore::hurry(Effects& effects, const Endpoint& via, const Endpoint& f
     }
 }
 
-bool ClusterCore::must_fetch(Effects& effects, const Endpoint& via, const Endpoint& from,
+bool ClusterCore::must_fetch(Effects effects, const Endpoint& via, const Endpoint& from,
                              Bytes datagram) {
     return is_fetching(via, from) ||
            roaming_.on_datagram(effects, {via, from}, datagram, peer_sessions_.homes(), departures_,
                                 membership_, view());
 }
 
-void ClusterCore::on_address(Effects& effects, const Endpoint& address, bool served) {
+void ClusterCore::on_address(Effects effects, const Endpoint& address, bool served) {
     addresses_.on_address(address, served);
     hand_back_.on_address(effects.now, address, served);
     compare_addresses(effects);  // before anything is said there
     after_input(effects);
 }
 
-void ClusterCore::on_link(Effects& effects, const LogId& process, election::Link link) {
+void ClusterCore::on_link(Effects effects, const LogId& process, election::Link link) {
     if (!membership_.on_link(effects.now, process, link)) return;
     heed_news_of_peers(effects);
     after_input(effects);
 }
 
-void ClusterCore::on_condition(Effects& effects, std::uint32_t reading) {
+void ClusterCore::on_condition(Effects effects, std::uint32_t reading) {
     membership_.on_condition(effects.now, reading);
     after_input(effects);
 }

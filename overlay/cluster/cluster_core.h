@@ -71,13 +71,13 @@ public:
     ClusterCore& operator=(const ClusterCore&) = delete;
 
     // --- inputs
-    void on_message(Effects& effects, const Envelope& envelope);
+    void on_message(Effects effects, const Envelope& envelope);
     /// `pending_output`: addresses that held-back answers wait to leave from.
-    void on_tick(Effects& effects, const std::set<Endpoint>& pending_output);
-    void on_address(Effects& effects, const Endpoint& address, bool served);
-    void on_link(Effects& effects, const LogId& process, election::Link link);
+    void on_tick(Effects effects, const std::set<Endpoint>& pending_output);
+    void on_address(Effects effects, const Endpoint& address, bool served);
+    void on_link(Effects effects, const LogId& process, election::Link link);
     /// Battery or load, from 0 to 100.
-    void on_condition(Effects& effects, std::uint32_t reading);
+    void on_condition(Effects effects, std::uint32_t reading);
     /// Whether the shell could serve a peer's address here, should that peer die.
     void on_ability(const Endpoint& address, bool can_take) {
         addresses_.on_ability(address, can_take);
@@ -111,11 +111,11 @@ public:
     [[nodiscard]] bool is_in_view() const { return view_change_.has_view(); }
     [[nodiscard]] const Speaking& speaking() const { return speaking_; }
     /// The datagram waits for a session that is on its way here with many others: it comes first.
-    void hurry(Effects& effects, const Endpoint& via, const Endpoint& from, Bytes datagram);
+    void hurry(Effects effects, const Endpoint& via, const Endpoint& from, Bytes datagram);
     /// A message waits for the client, whose address is silent: the session leaves first.
     void on_awaited(const broker::SessionHeader& client) { hand_back_.on_awaited(client); }
     /// The datagram's session is at a peer, who is asked for it: it shall wait for that.
-    bool must_fetch(Effects& effects, const Endpoint& via, const Endpoint& from, Bytes datagram);
+    bool must_fetch(Effects effects, const Endpoint& via, const Endpoint& from, Bytes datagram);
     [[nodiscard]] bool is_fetching(const Endpoint& via, const Endpoint& from) const {
         return roaming_.is_fetching({via, from});
     }
@@ -159,8 +159,8 @@ public:
     // --- beginnings and ends
     /// Begins a new log: all sessions and addresses are gone to others. The effects' broker core is
     /// already the new, empty one.
-    void restart(Effects& effects, LogId log);
-    void leave(Effects& effects);
+    void restart(Effects effects, LogId log);
+    void leave(Effects effects);
     /// To be asked before each input: nothing was done for so long that others may have gone on
     /// meanwhile. True once for each standstill.
     bool notice_standstill(Instant now);

@@ -308,7 +308,7 @@ void ClusterCore::say(Effects& effects, const Beacon& beacon) {
     effects.peers.push_back({std::nullopt, heartbeat});
 }
 
-void ClusterCore::leave(Effects& effects) {
+void ClusterCore::leave(Effects effects) {
     ++beacons_sent_;
     own_.accompany_beacon();
     Beacon last = beacon(effects.broker);
@@ -316,7 +316,7 @@ void ClusterCore::leave(Effects& effects) {
     say(effects, last);
 }
 
-void ClusterCore::restart(Effects& effects, LogId log) {
+void ClusterCore::restart(Effects effects, LogId log) {
     own_ = OwnLog(log, options_.log_events_kept);
     stood_still_for_ = {};
     membership_.restart();

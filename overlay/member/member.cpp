@@ -11,7 +11,6 @@ namespace romano::overlay {
 
 using broker::BrokerCore;
 using broker::LogId;
-using cluster::Effects;
 using cluster::HeldOutput;
 using cluster::WaitingInput;
 
@@ -71,16 +70,14 @@ void Member::on_datagram(Instant now, const Endpoint& via, const Endpoint& from,
     if (speaking().is_deaf(via)) return;  // its sessions are with another broker by now
     if (!cluster_.is_in_view() && now < fresh_from_) return;
     if (speaking().must_wait(now, broker_, via, from, datagram)) {
-        Effects acting = effects(now, out);
-        cluster_.hurry(acting, via, from, datagram);
+        cluster_.hurry(effects(now, out), via, from, datagram);
         return waiting_.hold(via, from, datagram, true);
     }
     if (waiting_.holds(from)) {
         waiting_.hold(via, from, datagram, true);
         return carry_out(now, out);
     }
-    Effects acting = effects(now, out);
-    if (cluster_.must_fetch(acting, via, from, datagram)) {
+    if (cluster_.must_fetch(effects(now, out), via, from, datagram)) {
         return waiting_.hold(via, from, datagram, false);
     }
     broker_.on_datagram(now, via, from, datagram, work_);
@@ -90,9 +87,8 @@ void Member::on_datagram(Instant now, const Endpoint& via, const Endpoint& from,
 void Member::on_peer_message(Instant now, const Envelope& envelope, MemberActions& out) {
     if (has_left_) return;
     notice_standstill(now, out);
-    Effects acting = effects(now, out);
     const cluster::ViewNumber before = cluster_.view().number;
-    cluster_.on_message(acting, envelope);
+    cluster_.on_message(effects(now, out), envelope);
     if (stood_still_ && cluster_.view().number != before) waiting_.clear();
     if (cluster_.was_replaced(now)) restart(now, out);
     carry_out(now, out);
@@ -101,24 +97,21 @@ void Member::on_peer_message(Instant now, const Envelope& envelope, MemberAction
 void Member::on_address(Instant now, const Endpoint& address, bool served, MemberActions& out) {
     if (has_left_) return;
     notice_standstill(now, out);
-    Effects acting = effects(now, out);
-    cluster_.on_address(acting, address, served);
+    cluster_.on_address(effects(now, out), address, served);
     carry_out(now, out);
 }
 
 void Member::on_link(Instant now, const LogId& process, election::Link link, MemberActions& out) {
     if (has_left_) return;
     notice_standstill(now, out);
-    Effects acting = effects(now, out);
-    cluster_.on_link(acting, process, link);
+    cluster_.on_link(effects(now, out), process, link);
     carry_out(now, out);
 }
 
 void Member::on_condition(Instant now, std::uint32_t reading, MemberActions& out) {
     if (has_left_) return;
     notice_standstill(now, out);
-    Effects acting = effects(now, out);
-    cluster_.on_condition(acting, reading);
+    cluster_.on_condition(effects(now, out), reading);
     carry_out(now, out);
 }
 
@@ -138,8 +131,7 @@ void Member::on_tick(Instant now, MemberActions& out) {
         server_.on_tick(now, broker_, led_members(), work_);
     }
     absorb(now, out);  // what it appended stands in the log before the cluster looks at it
-    Effects acting = effects(now, out);
-    cluster_.on_tick(acting, held_.addresses());
+    cluster_.on_tick(effects(now, out), held_.addresses());
     status_.on_tick(now, cluster_, broker_, work_);
     catch_up(now, out);
     carry_out(now, out);
@@ -156,8 +148,7 @@ Instant Member::next_wakeup() const {
 }
 
 void Member::leave(Instant now, MemberActions& out) {
-    Effects acting = effects(now, out);
-    cluster_.leave(acting);
+    cluster_.leave(effects(now, out));
     carry_out(now, out);
     release_output(now, std::numeric_limits<std::size_t>::max(), out);  // there is no next turn
     has_left_ = true;  // whatever it said now would call it back
@@ -216,8 +207,7 @@ void Member::restart(Instant now, MemberActions& out) {
     late_message_.reset();
     for (const auto& message : retained) broker_.put_retained(message);
     status_.forget();
-    Effects acting = effects(now, out);
-    cluster_.restart(acting, log_);
+    cluster_.restart(effects(now, out), log_);
 }
 
 // --- the broker core's actions
@@ -312,8 +302,8 @@ void Member::serve_waiting(Instant now, MemberActions& out) {
     for (auto& datagram : ready) {
         if (datagram.is_new) {
             if (speaking().is_deaf(datagram.via)) continue;
-            Effects acting = effects(now, out);
-            if (cluster_.must_fetch(acting, datagram.via, datagram.from, datagram.octets)) {
+            if (cluster_.must_fetch(effects(now, out), datagram.via, datagram.from,
+                                    datagram.octets)) {
                 datagram.is_new = false;
                 wait_again.push_back(std::move(datagram));
                 continue;
