@@ -4,11 +4,6 @@
 
 namespace romano::cluster {
 
-void LogSender::send(const LogId& to, Snapshot snapshot) {
-    const LogId log = snapshot.log();
-    underway_.insert_or_assign({to, log}, std::move(snapshot));
-}
-
 /// Who holds nothing of a log is sent a snapshot, though its first events may be kept.
 void LogSender::on_fetch(Effects& effects, const Fetch& fetch, const Logs& logs,
                          const Membership& membership, const Departures& departures) {
@@ -21,17 +16,18 @@ void LogSender::on_fetch(Effects& effects, const Fetch& fetch, const Logs& logs,
         return;
     }
     const Peer* peer = membership.find(fetch.to);
-    if (peer == nullptr || is_sending(peer->beacon.log, id)) return;
+    if (peer == nullptr) return;
+    const std::pair key{peer->beacon.log, id};
     if (is_own) {
-        send(peer->beacon.log, Snapshot(effects.broker, logs, departures));
+        underway_.try_emplace(key, effects.broker, logs, departures);
     } else if (log->second.is_frozen()) {
-        send(peer->beacon.log, Snapshot(*log, after));
+        underway_.try_emplace(key, *log, after);
     }
 }
 
 void LogSender::on_own_event(const LogId& own, const broker::LogEvent& event) {
     for (auto& [key, snapshot] : underway_) {
-        if (snapshot.log() == own) snapshot.on_event(event);
+        if (key.second == own) snapshot.on_event(event);
     }
 }
 

@@ -14,11 +14,6 @@ namespace romano::cluster {
 
 class LogSender {
 public:
-    /// That peer is being sent one of that log.
-    [[nodiscard]] bool is_sending(const LogId& to, const LogId& log) const {
-        return underway_.contains({to, log});
-    }
-    void send(const LogId& to, Snapshot snapshot);
     void on_fetch(Effects& effects, const Fetch& fetch, const Logs& logs,
                   const Membership& membership, const Departures& departures);
     /// The next event of the own log.

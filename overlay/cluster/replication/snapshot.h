@@ -28,7 +28,6 @@ public:
     /// Of a removed broker's log: the publishes after `after` that are kept.
     Snapshot(const PeerLogs::value_type& removed, Seq after);
 
-    [[nodiscard]] const LogId& log() const { return log_; }
     /// The next one of the own log.
     void on_event(const broker::LogEvent& event);
     /// The next part; the last one says so, and none follows it. What was forgotten since is not in
