@@ -374,18 +374,6 @@ std::span<const LogId> Member::led_members() const {
     return view.members;
 }
 
-MemberFacts Member::facts() const {
-    MemberFacts out = facts_of(cluster_);
-    if (out.leads) out.leader = options_.name;
-    out.replacements = replacements_;
-    out.held_output = held_.size();
-    out.held_output_dropped = held_.dropped();
-    out.waiting_input = waiting_.size();
-    out.waiting_input_dropped = waiting_.dropped();
-    if (uplink_) out.uplink = uplink_->facts();
-    return out;
-}
-
 void Member::check_invariants() const {
 #ifndef NDEBUG  // all sessions and logs are looked at
     broker_.check_invariants();

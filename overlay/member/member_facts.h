@@ -10,10 +10,6 @@
 #include "broker/uplink/uplink_core.h"
 #include "overlay/cluster/messages.h"
 
-namespace romano::cluster {
-class ClusterCore;
-}
-
 namespace romano::overlay {
 
 struct PeerFacts {
@@ -47,8 +43,5 @@ struct MemberFacts {
     std::vector<PeerFacts> peers;  // by name
     std::optional<UplinkFacts> uplink;
 };
-
-/// All but what only the member itself knows: replacements, and what waits.
-[[nodiscard]] MemberFacts facts_of(const cluster::ClusterCore& cluster);
 
 }  // namespace romano::overlay
