@@ -34,13 +34,13 @@ void Homes::forget(BrokerId peer) {
     }
 }
 
-std::optional<Home> Homes::of(const broker::ClientId& client) const {
+std::optional<BrokerId> Homes::of(const broker::ClientId& client) const {
     const auto [first, end] = by_client_.equal_range(client);
     if (first == end) return std::nullopt;
     const auto newest = std::max_element(first, end, [this](const Entry& a, const Entry& b) {
         return place_in_time(a.second) < place_in_time(b.second);
     });
-    return Home{client, newest->second.broker};
+    return newest->second.broker;
 }
 
 std::uint64_t Homes::place_in_time(const Claim& claim) const {
@@ -48,15 +48,15 @@ std::uint64_t Homes::place_in_time(const Claim& claim) const {
     return ended != ended_.end() && claim.number <= ended->second ? 0 : claim.number;
 }
 
-std::optional<Home> Homes::at(const broker::Origin& place) const {
+std::optional<broker::ClientId> Homes::at(const broker::Origin& place) const {
     const Entry* there = nullptr;
     visit(place.from, [&](const Entry& entry) {
         if (entry.second.is_there && entry.second.place.via == place.via) there = &entry;
     });
-    return there == nullptr ? std::nullopt : of(there->first);
+    return there == nullptr ? std::nullopt : std::optional{there->first};
 }
 
-std::optional<Home> Homes::only_one_at(const broker::ClientAddress& address) const {
+std::optional<broker::ClientId> Homes::only_one_at(const broker::ClientAddress& address) const {
     const Entry* only = nullptr;
     bool are_several = false;
     visit(address, [&](const Entry& entry) {
@@ -64,7 +64,7 @@ std::optional<Home> Homes::only_one_at(const broker::ClientAddress& address) con
         are_several = are_several || (only != nullptr && only->first != entry.first);
         only = &entry;
     });
-    return only == nullptr || are_several ? std::nullopt : of(only->first);
+    return only == nullptr || are_several ? std::nullopt : std::optional{only->first};
 }
 
 bool Homes::share_address_with(const broker::SessionHeader& client) const {

@@ -18,11 +18,6 @@
 
 namespace romano::cluster {
 
-struct Home {
-    broker::ClientId client_id;
-    BrokerId broker;
-};
-
 class Homes {
 public:
     void on_event(BrokerId peer, const broker::LogEvent& event);
@@ -35,12 +30,13 @@ public:
     void forget(BrokerId peer);
     void forget(BrokerId peer, const broker::ClientId& client);
 
-    [[nodiscard]] std::optional<Home> of(const broker::ClientId& client) const;
-    /// Of the client that was heard last there.
-    [[nodiscard]] std::optional<Home> at(const broker::Origin& place) const;
-    /// Of the one that is connected from that address, to whichever service address; none when
+    [[nodiscard]] std::optional<BrokerId> of(const broker::ClientId& client) const;
+    /// The client that was heard last there.
+    [[nodiscard]] std::optional<broker::ClientId> at(const broker::Origin& place) const;
+    /// The one that is connected from that address, to whichever service address; none when
     /// there are several.
-    [[nodiscard]] std::optional<Home> only_one_at(const broker::ClientAddress& address) const;
+    [[nodiscard]] std::optional<broker::ClientId> only_one_at(
+        const broker::ClientAddress& address) const;
     /// Another client than this one is connected from its address.
     [[nodiscard]] bool share_address_with(const broker::SessionHeader& client) const;
 

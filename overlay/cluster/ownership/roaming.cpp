@@ -92,12 +92,12 @@ std::optional<broker::ClientId> Roaming::client_of(const Way& way, Bytes datagra
 std::optional<broker::ClientId> Roaming::client_at(const broker::Origin& place,
                                                    const broker::BrokerCore& own,
                                                    const Homes& homes) const {
-    if (const auto home = homes.at(place)) return home->client_id;
+    if (auto last = homes.at(place)) return last;
     if (own.has_client_at(place.from)) return std::nullopt;
-    const auto left = let_go(place.from);
-    const auto home = homes.only_one_at(place.from);
-    if (left && home && home->client_id != *left) return std::nullopt;
-    return home ? std::optional{home->client_id} : left;
+    auto left = let_go(place.from);
+    auto only = homes.only_one_at(place.from);
+    if (left && only && *only != *left) return std::nullopt;
+    return only ? std::move(only) : std::move(left);
 }
 
 std::optional<broker::ClientId> Roaming::let_go(const broker::ClientAddress& from) const {
@@ -108,7 +108,7 @@ std::optional<broker::ClientId> Roaming::let_go(const broker::ClientAddress& fro
 bool Roaming::is_foreign(const broker::ClientId& client, const Homes& homes,
                          const Membership& membership) const {
     const auto home = homes.of(client);
-    const Peer* peer = home ? membership.find(home->broker) : nullptr;
+    const Peer* peer = home ? membership.find(*home) : nullptr;
     return peer != nullptr && peer->beacon.predefined != predefined_;
 }
 
@@ -158,7 +158,7 @@ void Roaming::adopt_copy(Effects& effects, const Logs& logs, const broker::Clien
     const auto home = homes.of(client);
     if (!home) return;
     for (auto& [id, log] : logs.peers) {
-        if (id.broker != home->broker || log.is_foreign()) continue;
+        if (id.broker != *home || log.is_foreign()) continue;
         if (log.session(client) == nullptr) continue;
         if (auto image = log.mirror().image(client)) {
             departures.adopt(effects, logs, *std::move(image));
@@ -171,19 +171,19 @@ void Roaming::ask(Effects& effects, Fetching& fetching, const Homes& homes,
                   const Membership& membership, const View& view) const {
     const auto home = homes.of(fetching.client);
     if (!home) return;
-    const Peer* peer = membership.find(home->broker);
+    const Peer* peer = membership.find(*home);
     if (peer == nullptr || !view.contains(peer->beacon.log)) return;
     // A home that has just stood still listens only: it is asked again. One that cannot answer may
     // hear us, and falls silent.
-    const bool is_asked = home->broker == fetching.asked;
+    const bool is_asked = *home == fetching.asked;
     const Instant again_at = fetching.asked_at + effects.times.session_asked_again_after();
     if ((is_asked || !peer->alive) && effects.now < again_at) return;
     if (peer->alive && !is_asked) {
-        fetching.asked = home->broker;
+        fetching.asked = *home;
         fetching.since = effects.now;
     }
     fetching.asked_at = effects.now;
-    effects.peers.push_back({home->broker, SessionRequest{fetching.client, fetching.at}});
+    effects.peers.push_back({*home, SessionRequest{fetching.client, fetching.at}});
 }
 
 }  // namespace romano::cluster
