@@ -8,6 +8,8 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <optional>
+#include <span>
 #include <string_view>
 
 #include "romano/base/fnv1a.h"
@@ -40,6 +42,14 @@ struct LogPosition {
     friend bool operator==(const LogPosition&, const LogPosition&) = default;
     friend auto operator<=>(const LogPosition&, const LogPosition&) = default;
 };
+
+/// How far into that log; none when no position names it.
+inline std::optional<Seq> seq_of(std::span<const LogPosition> positions, const LogId& log) {
+    for (const LogPosition& position : positions) {
+        if (position.log == log) return position.seq;
+    }
+    return std::nullopt;
+}
 
 struct LogPositionHash {
     std::size_t operator()(const LogPosition& p) const {

@@ -13,8 +13,7 @@ bool same_delivery(const Delivery& a, const Delivery& b) {
 }  // namespace
 
 Seq worked_through(const SessionImage& image, const LogId& log) {
-    const auto found = std::ranges::find(image.worked_through, log, &LogPosition::log);
-    return found == image.worked_through.end() ? 0 : found->seq;
+    return seq_of(image.worked_through, log).value_or(0);
 }
 
 bool same_state(const SessionImage& a, const SessionImage& b) {

@@ -24,9 +24,7 @@ bool Beacon::hears_from(BrokerId broker) const {
 }
 
 std::optional<Seq> Beacon::end_of(const LogId& of) const {
-    const auto found = std::ranges::find(ended, of, &LogPosition::log);
-    if (found == ended.end()) return std::nullopt;
-    return found->seq;
+    return broker::seq_of(ended, of);
 }
 
 Delivery delivery_of(const ClusterMessage& message) {

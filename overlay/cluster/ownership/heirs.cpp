@@ -12,10 +12,7 @@ namespace romano::cluster {
 namespace {
 
 std::optional<Seq> held_of(const ViewHoldings& holdings, const LogId& log) {
-    for (const LogPosition& position : holdings.holds) {
-        if (position.log == log) return position.seq;
-    }
-    return std::nullopt;
+    return broker::seq_of(holdings.holds, log);
 }
 
 /// Who answered so can send the log's events after `seq`.
@@ -46,11 +43,6 @@ bool holds(const ViewHoldings& holdings, const LogId& log, Seq end) {
 
 bool is_outdated(const ViewHoldings& holdings, const LogId& log) {
     return std::ranges::count(holdings.outdated, log) > 0;
-}
-
-std::optional<Seq> told_end(const Answers& answers, const LogId& log) {
-    const auto told = std::ranges::find(answers.ended, log, &LogPosition::log);
-    return told == answers.ended.end() ? std::nullopt : std::optional{told->seq};
 }
 
 /// A later life of its broker is known: others went on for this one.
@@ -167,7 +159,8 @@ std::map<LogId, Seq> agreed_ends(const Answers& answers) {
             if (is_outdated(holdings, log) || !holds(holdings, log, seq)) continue;
             known = std::max(known, held_of(holdings, log));
         }
-        ends.emplace(log, known ? *known : std::min(seq, told_end(answers, log).value_or(seq)));
+        ends.emplace(
+            log, known ? *known : std::min(seq, broker::seq_of(answers.ended, log).value_or(seq)));
     }
     return ends;
 }
@@ -185,9 +178,7 @@ std::vector<Assignment> assign(const Answers& answers, const std::map<LogId, Seq
     auto load = loads(answers, membership);
     std::map<Endpoint, BrokerId> chosen;  // one heir an address, however many logs named it
     std::multimap<std::ptrdiff_t, Assignment> assignments;  // who has the address comes first
-    for (const auto& log_and_address : left) {
-        const LogId& log = std::get<LogId>(log_and_address);
-        const Endpoint& address = std::get<Endpoint>(log_and_address);
+    for (const auto& [comes_last, log, address] : left) {
         const auto end = ends.find(log);
         if (end == ends.end()) continue;
         std::vector<BrokerId> wanted = present_servers(answers, membership, address);
@@ -219,9 +210,7 @@ std::vector<Assignment> assign(const Answers& answers, const std::map<LogId, Seq
 std::vector<std::pair<BrokerId, Fetch>> missing_tails(const Answers& answers,
                                                       const std::map<LogId, Seq>& ends) {
     std::vector<std::pair<BrokerId, Fetch>> requests;
-    for (const auto& log_and_end : ends) {
-        const LogId& log = log_and_end.first;
-        const Seq end = log_and_end.second;
+    for (const auto& [log, end] : ends) {
         for (const auto& [member, holdings] : answers.holdings) {
             const auto held = held_of(holdings, log);
             if (held.value_or(0) == 0 || *held >= end) continue;

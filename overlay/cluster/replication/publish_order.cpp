@@ -7,16 +7,6 @@
 #include "broker/core/cursors.h"
 
 namespace romano::cluster {
-namespace {
-
-/// How far the writer had worked through `log` for that session.
-Seq worked_through(const PeerLog& writer, const broker::SessionImage& image, const LogId& log) {
-    const auto ahead = std::ranges::find(image.worked_through, log, &LogPosition::log);
-    return std::max(writer.mirror().cursor(log),
-                    ahead == image.worked_through.end() ? 0 : ahead->seq);
-}
-
-}  // namespace
 
 void PublishOrder::on_session(const Effects& effects, const PeerLog& writer,
                               const broker::SessionImage& image, const PeerLogs& logs,
@@ -24,7 +14,9 @@ void PublishOrder::on_session(const Effects& effects, const PeerLog& writer,
     std::vector<LogPosition> lacking;
     const auto look_at = [&](const LogId& id) {
         if (id == writer.mirror().log()) return;
-        const LogPosition position{id, worked_through(writer, image, id)};
+        // The writer had worked through so much of it for that session.
+        const LogPosition position{
+            id, std::max(writer.mirror().cursor(id), broker::worked_through(image, id))};
         if (!is_worked_through(effects, position, logs, view)) lacking.push_back(position);
     };
     for (const auto& [id, log] : logs) look_at(id);
