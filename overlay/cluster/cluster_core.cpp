@@ -146,7 +146,7 @@ void ClusterCore::compare_addresses(Effects& effects) {
 }
 
 void ClusterCore::seek_addresses(Effects& effects) {
-    for (const Endpoint& address : addresses_.missing()) addresses_.take(effects, address);
+    addresses_.seek(effects);
     // Whom we have not met may serve it.
     if (!is_in_view() || !acquaintance_.has_met_all()) return;
     for (const Endpoint& address : addresses_.home()) {

@@ -67,13 +67,9 @@ public:
         inherited_.insert(address);
         take(effects, address);
     }
-    /// Inherited, but not served yet.
-    [[nodiscard]] std::vector<Endpoint> missing() const {
-        std::vector<Endpoint> found;
-        for (const Endpoint& address : inherited_) {
-            if (!is_serving(address) && !is_taking(address)) found.push_back(address);
-        }
-        return found;
+    /// Tries again for what was inherited, but is not served yet.
+    void seek(Effects& effects) {
+        for (const Endpoint& address : inherited_) take(effects, address);
     }
     void give_up(Effects& effects, const Endpoint& address) {
         taking_.erase(address);
