@@ -6,6 +6,7 @@
 // full.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -100,6 +101,15 @@ public:
     template <typename A>
     A& push(A action) {
         return std::get<A>(list_.emplace_back(std::move(action)));
+    }
+
+    /// Sends a copy of these octets.
+    template <typename A>
+    void push(A action, Bytes octets) {
+        std::ranges::copy(octets, reserve(octets.size()).begin());
+        action.offset = commit(octets.size());
+        action.size = static_cast<std::uint32_t>(octets.size());
+        push(std::move(action));
     }
 
     /// Room for up to `most` octets at the arena's end; commit() keeps the first of them.

@@ -32,16 +32,11 @@ store::SessionStore open(const StoreSettings& settings) {
 /// Leaves out what waits for an event after `kept`, and the events themselves.
 broker::Actions only_what_is_safe(const broker::Actions& actions, broker::Seq kept) {
     broker::Actions safe;
-    const auto copy = [&safe](auto action, Bytes octets) {
-        std::ranges::copy(octets, safe.reserve(octets.size()).begin());
-        action.offset = safe.commit(octets.size());
-        safe.push(std::move(action));
-    };
     for (const broker::Action& action : actions.list()) {
         if (const auto* send = std::get_if<broker::Send>(&action)) {
-            if (send->after <= kept) copy(*send, actions.octets(*send));
+            if (send->after <= kept) safe.push(*send, actions.octets(*send));
         } else if (const auto* multicast = std::get_if<broker::Multicast>(&action)) {
-            copy(*multicast, actions.octets(*multicast));
+            safe.push(*multicast, actions.octets(*multicast));
         }
     }
     return safe;

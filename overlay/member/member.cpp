@@ -264,11 +264,7 @@ void Member::absorb(Instant now, MemberActions& out) {
             send(now, *datagram, safe, out);
         } else if (const auto* multicast = std::get_if<broker::Multicast>(&action)) {
             if (speaking().has_lost_lease(now)) continue;
-            const Bytes octets = work_.octets(*multicast);
-            std::ranges::copy(octets, out.clients.reserve(octets.size()).begin());
-            out.clients.push(broker::Multicast{.radius = multicast->radius,
-                                               .offset = out.clients.commit(octets.size()),
-                                               .size = multicast->size});
+            out.clients.push(*multicast, work_.octets(*multicast));
         }
     }
     work_.clear();
@@ -284,11 +280,7 @@ void Member::send(Instant now, const broker::Send& send, broker::Seq safe, Membe
         held_.hold(send, octets);
         return;
     }
-    std::ranges::copy(octets, out.clients.reserve(octets.size()).begin());
-    out.clients.push(broker::Send{.via = send.via,
-                                  .to = send.to,
-                                  .offset = out.clients.commit(octets.size()),
-                                  .size = send.size});
+    out.clients.push(broker::Send{.via = send.via, .to = send.to}, octets);
 }
 
 void Member::serve_waiting(Instant now, MemberActions& out) {

@@ -145,10 +145,7 @@ void DtlsBrokerEnd::on_question(const dtls::Path& path, Bytes body, broker::Acti
         dtls::put_be64(answer, 8, static_cast<std::uint64_t>(id));
         world_.on_answered(question, id, keys, handshake_record(answer));
     }
-    const Octets& answer = *world_.answered(question);
-    std::copy(answer.begin(), answer.end(), out.reserve(answer.size()).begin());
-    const auto size = static_cast<std::uint32_t>(answer.size());
-    out.push(broker::Send{path.via, {path.from, {}}, 0, out.commit(answer.size()), size});
+    out.push(broker::Send{.via = path.via, .to = {path.from, {}}}, *world_.answered(question));
 }
 
 void DtlsBrokerEnd::seal(broker::Actions& actions) {

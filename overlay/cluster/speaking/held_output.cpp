@@ -1,7 +1,5 @@
 #include "overlay/cluster/speaking/held_output.h"
 
-#include <algorithm>
-
 namespace romano::cluster {
 namespace {
 
@@ -20,11 +18,7 @@ void HeldOutput::hold(const broker::Send& send, Bytes octets) {
 }
 
 void HeldOutput::send(const Datagram& datagram, broker::Actions& out) {
-    std::ranges::copy(datagram.octets, out.reserve(datagram.octets.size()).begin());
-    out.push(broker::Send{.via = datagram.via,
-                          .to = datagram.to,
-                          .offset = out.commit(datagram.octets.size()),
-                          .size = static_cast<std::uint32_t>(datagram.octets.size())});
+    out.push(broker::Send{.via = datagram.via, .to = datagram.to}, datagram.octets);
 }
 
 HeldOutput::Waiting::iterator HeldOutput::erase(Waiting::iterator datagram) {
