@@ -128,7 +128,10 @@ void Member::on_tick(Instant now, MemberActions& out) {
         });
     }
     if (options_.romano && cluster_.is_in_view()) {
-        server_.on_tick(now, broker_, led_members(), work_);
+        const cluster::View& view = cluster_.view();
+        const bool leads = view.number.leader == log_.broker;
+        const auto led = leads ? std::span{view.members} : std::span<const LogId>{};
+        server_.on_tick(now, broker_, led, work_);
     }
     absorb(now, out);  // what it appended stands in the log before the cluster looks at it
     cluster_.on_tick(effects(now, out), held_.addresses());
@@ -360,12 +363,6 @@ void Member::on_uplink_message(Instant now, const uplink::FromRemote& message, s
 
 // --- for robots and for people
 
-std::span<const LogId> Member::led_members() const {
-    const cluster::View& view = cluster_.view();
-    if (view.number.leader != log_.broker) return {};
-    return view.members;
-}
-
 void Member::check_invariants() const {
 #ifndef NDEBUG  // all sessions and logs are looked at
     broker_.check_invariants();
@@ -378,11 +375,6 @@ const broker::Mirror* Member::mirror(const broker::LogId& log) const {
     const auto& logs = cluster_.peer_logs();
     const auto found = logs.find(log);
     return found == logs.end() ? nullptr : &found->second.mirror();
-}
-
-std::vector<Endpoint> Member::serving() const {
-    const auto& serving = cluster_.addresses().serving();
-    return {serving.begin(), serving.end()};
 }
 
 }  // namespace romano::overlay

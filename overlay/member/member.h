@@ -10,7 +10,6 @@
 #include <chrono>
 #include <cstdint>
 #include <optional>
-#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -138,8 +137,6 @@ public:
     [[nodiscard]] MemberFacts facts() const;
     /// The copy of a peer's sessions, up to mirror()->applied(); null when there is none.
     [[nodiscard]] const broker::Mirror* mirror(const broker::LogId& log) const;
-    /// The service addresses that are answered on now.
-    [[nodiscard]] std::vector<Endpoint> serving() const;
     /// What is said to clients would leave now, if it may_speak_from() there.
     [[nodiscard]] bool may_speak(Instant now) const {
         return !has_left_ && cluster_.is_in_view() && speaking().may_speak(now);
@@ -182,9 +179,6 @@ private:
     // --- the uplink
     void tend_uplink(Instant now, MemberActions& out);
     void go_on_uplink(Instant now, MemberActions& out);
-
-    /// Of the view that this broker leads; none when it leads none.
-    [[nodiscard]] std::span<const broker::LogId> led_members() const;
 
     MemberOptions options_;
     std::uint64_t seed_;

@@ -98,8 +98,8 @@ TEST(AddressesAfterACut, I7_TheSmallerSideDoesNotCallItsClientsAgain) {
     brokers.cut(1, 3);
     brokers.cut(2, 3);
     brokers.run_for(settling);
-    ASSERT_EQ(brokers.member(3).serving().size(), 3U);
-    const int heir = brokers.member(1).serving().size() > 1 ? 1 : 2;
+    ASSERT_EQ(brokers.member(3).cluster().addresses().serving().size(), 3U);
+    const int heir = brokers.member(1).cluster().addresses().serving().size() > 1 ? 1 : 2;
     for (const int address : {1, 2, 3}) {
         EXPECT_FALSE(brokers.member(3).may_announce(broker_address(address)));
         EXPECT_TRUE(brokers.member(heir).may_announce(broker_address(address)));
@@ -116,7 +116,7 @@ TEST(AddressesAfterACut, WhoOutlivedAllOthersCallsTheirClientsAgain) {
     brokers.leave(1);
     brokers.leave(2);
     brokers.run_for(settling);
-    ASSERT_EQ(brokers.member(3).serving().size(), 3U);
+    ASSERT_EQ(brokers.member(3).cluster().addresses().serving().size(), 3U);
     EXPECT_TRUE(brokers.member(3).may_announce(broker_address(1)));
 }
 

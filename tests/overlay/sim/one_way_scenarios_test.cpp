@@ -27,8 +27,8 @@ protected:
     [[nodiscard]] std::size_t servers_of(const Endpoint& address) {
         std::size_t count = 0;
         for (std::size_t i = 0; i < world.broker_count(); ++i) {
-            count += static_cast<std::size_t>(
-                std::ranges::count(world.broker(i).member().serving(), address));
+            count += static_cast<std::size_t>(std::ranges::count(
+                world.broker(i).member().cluster().addresses().serving(), address));
         }
         return count;
     }
