@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
-#include <iterator>
 #include <utility>
 
 #include "romano/mqttsn/codec.h"
@@ -166,20 +165,16 @@ void CarriedUplink::go_on(Instant now, const broker::LogPosition& own, broker::B
 
 void CarriedUplink::take(Instant now, std::size_t first, broker::BrokerCore& broker,
                          broker::Actions& actions, std::vector<uplink::UplinkAction>& out) {
-    std::vector<uplink::UplinkAction> rest;
-    for (std::size_t i = first; i < out.size(); ++i) {
-        auto* message = std::get_if<uplink::PublishUp>(&out[i]);
-        if (message == nullptr || message->qos != mqttsn::Qos::exactly_once) {
-            rest.push_back(std::move(out[i]));
-            continue;
-        }
+    const auto is_taken = [&](uplink::UplinkAction& action) {
+        auto* message = std::get_if<uplink::PublishUp>(&action);
+        if (message == nullptr || message->qos != mqttsn::Qos::exactly_once) return false;
         broker.on_read(now, message->message->position, actions);
         confirmed_ = broker.last_seq();
         taken_.emplace_back(confirmed_, std::move(*message));
-    }
-    out.resize(first);
-    out.insert(out.end(), std::make_move_iterator(rest.begin()),
-               std::make_move_iterator(rest.end()));
+        return true;
+    };
+    const auto rest = out.begin() + static_cast<std::ptrdiff_t>(first);
+    out.erase(std::remove_if(rest, out.end(), is_taken), out.end());
 }
 
 }  // namespace romano::overlay
