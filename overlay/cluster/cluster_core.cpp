@@ -258,11 +258,11 @@ void ClusterCore::heed_arrivals(Effects& effects) {
     arrivals_.heed(effects.now, [&](const LogPosition& position) {
         return publish_order_.is_worked_through(effects, position, logs_, view());
     });
-    arrivals_.carry_on(
+    const auto settled = arrivals_.carry_on(
         effects, logs(),
         [this](const auto& comes) { return settlement_.home_of_higher(comes, logs_, membership_); },
         departures_);
-    for (const auto& [from, address] : arrivals_.take_settled()) {
+    for (const auto& [from, address] : settled) {
         hand_back_.on_handed_over(from, address);
         // It may have been handed on while they were on their way: they follow it.
         if (address.family != Endpoint::Family::none) addresses_.take(effects, address);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <set>
+#include <utility>
 
 namespace romano::cluster {
 
@@ -56,8 +57,10 @@ void Arrivals::heed(Instant now, const IsWorkedThrough& is_worked_through) {
     }
 }
 
-void Arrivals::carry_on(Effects& effects, const Logs& logs, const HomeOfHigher& home_of_higher,
-                        Departures& departures) {
+std::vector<Arrivals::Settled> Arrivals::carry_on(Effects& effects, const Logs& logs,
+                                                  const HomeOfHigher& home_of_higher,
+                                                  Departures& departures) {
+    std::vector<Settled> settled;
     std::set<LogId> unfinished;
     const auto is_over = [&](const Arrival& arrival) {
         const auto& [from, at] = arrival.moved;
@@ -65,7 +68,7 @@ void Arrivals::carry_on(Effects& effects, const Logs& logs, const HomeOfHigher& 
         if (log == logs.peers.end()) return true;
         if (arrival.client.empty()) {
             if (unfinished.contains(from)) return false;
-            settled_.push_back({from.broker, arrival.address});
+            settled.push_back({from.broker, arrival.address});
             return true;
         }
         if (!arrival.after.empty()) {
@@ -99,6 +102,7 @@ void Arrivals::carry_on(Effects& effects, const Logs& logs, const HomeOfHigher& 
     }
     is_half_done_ = next != arrivals_.end();
     arrivals_.erase(last_left, next);
+    return settled;
 }
 
 bool Arrivals::holds(const broker::ClientId& client) const {

@@ -8,7 +8,6 @@
 #include <functional>
 #include <map>
 #include <optional>
-#include <utility>
 #include <vector>
 
 #include "overlay/cluster/effects.h"
@@ -42,12 +41,12 @@ public:
     void heed(Instant now, const IsWorkedThrough& is_worked_through);
     /// A new turn: the next carry_on() may adopt many.
     void on_turn() { allowed_ = sessions_per_turn_; }
-    /// `home_of_higher`: of a copy that outranks the one that comes (settlement.h).
+    /// Returns what is settled now. `home_of_higher`: of a copy that outranks the one that comes
+    /// (settlement.h).
     using HomeOfHigher = std::function<std::optional<LogId>(const broker::SessionHeader&)>;
-    void carry_on(Effects& effects, const Logs& logs, const HomeOfHigher& home_of_higher,
-                  Departures& departures);
-    /// Since the last call.
-    [[nodiscard]] std::vector<Settled> take_settled() { return std::exchange(settled_, {}); }
+    [[nodiscard]] std::vector<Settled> carry_on(Effects& effects, const Logs& logs,
+                                                const HomeOfHigher& home_of_higher,
+                                                Departures& departures);
     /// The client's session is here, and waits to be adopted.
     [[nodiscard]] bool holds(const broker::ClientId& client) const;
     /// There is something for the next turn.
@@ -70,7 +69,6 @@ private:
     bool is_half_done_ = false;
     std::vector<Arrival> arrivals_;    // of each log in its order
     std::map<LogId, Seq> called_off_;  // what was moved by the events up to there
-    std::vector<Settled> settled_;
 };
 
 }  // namespace romano::cluster

@@ -64,7 +64,7 @@ TEST_F(RoamingTest, P2_IsNoStrangerWhileItsSessionWaitsToBeAdopted) {
     arriving.heed(now, [](const LogPosition&) { return true; });
     Effects acting = effects();
     arriving.on_turn();
-    arriving.carry_on(
+    (void)arriving.carry_on(
         acting, {logs, own}, [](const auto&) { return std::nullopt; }, departures);
     EXPECT_FALSE(is_waited_for_after(1ms));
     EXPECT_NE(broker.header("robot"), nullptr);
