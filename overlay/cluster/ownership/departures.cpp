@@ -69,8 +69,7 @@ void Departures::pass_on(Effects& effects, const Logs& logs, broker::SessionImag
 
 void Departures::put(Effects& effects, broker::SessionImage image, const LogId& to,
                      std::uint64_t epochs) {
-    const auto before = leaving_.find(image.header.client_id);
-    if (before != leaving_.end()) (void)take(before);
+    (void)call_off(image.header.client_id);
     ++speaking_from_[image.header.address.endpoint];
     ++via_[image.header.via];
     ++to_[to];

@@ -90,14 +90,13 @@ void TakeOver::carry_on(Effects& effects, const Logs& logs, const Membership& me
             return may_go_on &&
                    adopt_some(effects, pending, log->second, logs, awaited, departures);
         }
+        const bool is_ours = addresses.is_claimed(address);
         // It was done already, and the leader had not heard of it.
-        const bool may_be_done = are_known && addresses.is_claimed(address);
-        if (may_be_done && log->second.clients_left(address).empty()) return true;
+        if (are_known && is_ours && log->second.clients_left(address).empty()) return true;
         if (is_still_serving(pending.assignment, membership)) return false;
         if (log->second.is_foreign()) return true;  // its leader is of a version that knows no such
         if (log->second.is_outdated() && !holds_all(logs, membership, view)) return false;
         // What comes here is not passed on: it would be sealed, and then spoken from.
-        const bool is_ours = addresses.is_claimed(address);
         const auto owner =
             is_ours ? std::nullopt : present_server(address, self_, membership, view);
         if (!is_ours && !owner && others_.contains(address) &&

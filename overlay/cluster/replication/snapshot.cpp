@@ -79,12 +79,11 @@ bool Snapshot::put_publishes(const Logs& logs, SnapshotPart& part) {
     const LogHistory* history = logs.history_of(log_);
     if (history == nullptr) return true;
     part.publishes = history->publishes_after(published_, messages_per_part);
-    const bool all = part.publishes.size() < messages_per_part;
     while (!part.publishes.empty() && part.publishes.back()->position.seq > part.as_of.seq) {
         part.publishes.pop_back();
     }
     if (!part.publishes.empty()) published_ = part.publishes.back()->position.seq;
-    return all || part.publishes.size() < messages_per_part;
+    return part.publishes.size() < messages_per_part;
 }
 
 }  // namespace romano::cluster
