@@ -220,13 +220,16 @@ TEST(Member, AnOrderlyStopHandsOverAtOnce) {
     expect_unnoticed(robot);
 }
 
+overlay::MemberOptions b1_alone() {
+    return {.broker = {},
+            .cluster = {},
+            .name = "b1",
+            .incarnation = 1,
+            .home_addresses = {broker_address(1)}};
+}
+
 TEST(Member, WhatComesFromTheShellAfterAnOrderlyStopCallsNobodyBack) {
-    const overlay::MemberOptions options{.broker = {},
-                                         .cluster = {},
-                                         .name = "b1",
-                                         .incarnation = 1,
-                                         .home_addresses = {broker_address(1)}};
-    overlay::Member member{options, 1};
+    overlay::Member member{b1_alone(), 1};
     overlay::MemberActions actions;
     const Instant now{1s};
     member.on_tick(now, actions);
@@ -242,12 +245,7 @@ TEST(Member, WhatComesFromTheShellAfterAnOrderlyStopCallsNobodyBack) {
 
 // Taking the address took long, and others may have gone on meanwhile.
 TEST(Member, P3_WhatCameWhileAnAddressWasTakenIsNotAnswered) {
-    const overlay::MemberOptions options{.broker = {},
-                                         .cluster = {},
-                                         .name = "b1",
-                                         .incarnation = 1,
-                                         .home_addresses = {broker_address(1)}};
-    overlay::Member member{options, 1};
+    overlay::Member member{b1_alone(), 1};
     overlay::MemberActions actions;
     Instant now{1s};
     member.on_tick(now, actions);
