@@ -1,7 +1,8 @@
 // What brokers say to each other, as plain values. A transport turns them into octets and back.
 //
-// Heartbeats are best-effort and go to everybody, log batches are reliable and go to everybody; the
-// rest is addressed to one peer: reliable and in order, except QoS 0 forwards. Positions stand in
+// Heartbeats and pulses are best-effort and go to everybody. Log batches and what is told of sealed
+// packets are reliable and go to everybody, batches that fill a gap to one peer. The rest is
+// addressed to one peer: reliable and in order, except QoS 0 forwards. Positions stand in
 // everything that matters, so that a transport that loses silently is noticed.
 #pragma once
 

@@ -1,5 +1,5 @@
-// How long the cluster waits for what: every wait between brokers is a named multiple of one of
-// four times, and stands in this table.
+// How long the cluster waits for what: every wait between brokers, but the lease's
+// (speaking/lease.cpp), is a named multiple of one of four times, and stands in this table.
 //
 // The detection time is the detector's own, as of now: phi-accrual changes it. The times in which a
 // peer is found, and found again, belong to the transport (DDS) and the machines, and not to the

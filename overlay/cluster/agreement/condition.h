@@ -1,6 +1,5 @@
-// Battery or load in the rank (design section 3, "Election"): what is told of a reading from 0 to
-// 100, so coarse and so late that the lead does not swing between two brokers whose batteries
-// drain together.
+// Battery or load in the rank: what is told of a reading from 0 to 100, so coarse and so late that
+// the lead does not swing between two brokers whose batteries drain together.
 #pragma once
 
 #include <algorithm>

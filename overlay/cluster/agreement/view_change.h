@@ -1,4 +1,4 @@
-// From suspicion to an agreed view (design section 3, "View change").
+// From suspicion to an agreed view.
 //
 // The leader proposes; a member freezes the logs of brokers that the new view leaves out and
 // answers how far it holds them; the leader has missing tails sent to those that lack them and

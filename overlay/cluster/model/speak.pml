@@ -1,7 +1,7 @@
 /* Who may speak from one shard: views, promises, seals and the lease (mechanisms 1, 2 and 4).
  *
  * README.md says what is abstracted and why that loses no error. Every inline is one step of the
- * protocol, by the name that the code uses. A macro NO_... or ..._... leaves one sentence out, and
+ * protocol. A macro NO_... or ..._... leaves one sentence out, and
  * the search must find an error then; REACH_... asks whether something can happen at all.
  *
  *   N brokers, K view changes; view 0 has all of them, and broker 0 owns the shard.

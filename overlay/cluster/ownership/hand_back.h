@@ -1,5 +1,4 @@
-// An address goes back to its own broker, with its sessions, without its clients noticing (design
-// section 3, "Taking over the address").
+// An address goes back to its own broker, with its sessions, without its clients noticing.
 //
 //     holder                                owner (in the view, does not serve its home address)
 //       |                                      |  hears who serves it, and binds it, too
@@ -16,8 +15,9 @@
 // go first whose clients speak, and those for which a message waits.
 //
 // After a heal two brokers may serve an address: it belongs to the one whose home address it is,
-// else to the one with the higher id. Both fall silent as soon as they hear of each other; the home
-// claims the address, so that datagrams come to it and wait, as soon as the other one hears it.
+// else to the one with the higher id. Who does not own it falls silent as soon as it hears of the
+// other, and so does its home. The home claims the address, so that datagrams come to it and wait,
+// as soon as the other one hears it.
 // That one begins at "SessionMoved" when they are in one view; which copy of a session stays is
 // settled by their ranks (broker::outranks). A move that both want counts like being heard: it
 // raises the epoch, so that the holder's copy never wins again.

@@ -1,11 +1,10 @@
 // A client whose session is homed at a peer talks to us: fetch the session, one round trip, and let
-// its datagrams wait meanwhile (design section 3, "Roaming"). Has the home died, they wait for the
-// heir's word, and the session is fetched from there. Has the home just let it go to another
-// broker, because the client roams faster than a round trip, they wait for that one's word. Comes
-// none, because others hear the home and we do not, it is adopted from the copy that is held here;
-// settlement.h does the rest. What is on its way from here is waited for: it arrives, or comes
-// back. A home with other predefined topics is asked for nothing: its client
-// is a stranger here.
+// its datagrams wait meanwhile. Has the home died, they wait for the heir's word, and the session
+// is fetched from there. Has the home just let it go to another broker, because the client roams
+// faster than a round trip, they wait for that one's word. Comes none, because others hear the home
+// and we do not, it is adopted from the copy that is held here; settlement.h does the rest. What is
+// on its way from here is waited for: it arrives, or comes back. A home with other predefined
+// topics is asked for nothing: its client is a stranger here.
 //
 // Bounded: so many clients at a time, and each for so long, longer while the home lives; without an
 // answer of the home the datagram is handled as that of a stranger. Time in which this broker

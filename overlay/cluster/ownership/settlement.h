@@ -1,6 +1,6 @@
 // One client, two homes: after a heal, or when two brokers adopted it. The copy that outranks the
 // other stays (broker::outranks; the higher broker id at a full tie), the other home moves its copy
-// there (departures.h; design section 3, "Joining and healing").
+// there (departures.h).
 //
 // Each home compares its own copy with the mirror of the other home's log. A mirror knows when a
 // client was last heard only as of the last event, so a home that stays writes that into its log.

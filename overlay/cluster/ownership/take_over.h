@@ -1,5 +1,5 @@
 // An heir's work after a view change: adopt the sessions of the addresses that were assigned to it
-// and answer on these addresses (design section 3, "View change" and "Taking over the address").
+// and answer on these addresses.
 //
 // It waits until it holds the dead broker's log up to the agreed end (fetching.h); after some time
 // it goes on with what it has. When the address's own broker is back and serving by then, the

@@ -1,6 +1,5 @@
-// How far the own log is safe: held by `acks` peers of the view that are alive (design section 3,
-// "Replication"). With fewer peers than that, by all of them; with none, everything is safe at
-// once.
+// How far the own log is safe: held by `acks` peers of the view that are alive. With fewer peers
+// than that, by all of them; with none, everything is safe at once.
 #pragma once
 
 #include <algorithm>

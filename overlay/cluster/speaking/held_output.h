@@ -1,8 +1,8 @@
-// Datagrams to clients that wait until the log is safe up to their Send::after (design section 3,
-// "Replication"). They leave in the order of these positions, and as they came within one: a
-// client's later datagrams never have a lower position (broker::Send), so that its order is kept.
-// Those of an address that is not served here yet wait for that, and so does what the same client
-// is sent from another one: it may have answered what waits already.
+// Datagrams to clients that wait until the log is safe up to their Send::after. They leave in the
+// order of these positions, and as they came within one: a client's later datagrams never have a
+// lower position (broker::Send), so that its order is kept. Those of an address that is not served
+// here yet wait for that, and so does what the same client is sent from another one: it may have
+// answered what waits already.
 //
 // So many leave in one turn at most (I8); whatever is sent before the others have left follows
 // them.
