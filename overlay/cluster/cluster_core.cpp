@@ -146,14 +146,16 @@ void ClusterCore::compare_addresses(Effects& effects) {
 }
 
 void ClusterCore::seek_addresses(Effects& effects) {
-    addresses_.seek(effects);
+    const auto is_held = [&](const Endpoint& address) {
+        return std::ranges::any_of(membership_.peers(), [&](const auto& entry) {
+            return entry.second.alive && entry.second.is_serving(address);
+        });
+    };
+    addresses_.seek(effects, is_held);
     // Whom we have not met may serve it.
     if (!is_in_view() || !acquaintance_.has_met_all()) return;
     for (const Endpoint& address : addresses_.home()) {
-        const bool is_held = std::ranges::any_of(membership_.peers(), [&](const auto& entry) {
-            return entry.second.alive && entry.second.is_serving(address);
-        });
-        if (!is_held) addresses_.take(effects, address);
+        if (!is_held(address)) addresses_.take(effects, address);
     }
 }
 

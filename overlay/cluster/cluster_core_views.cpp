@@ -336,7 +336,7 @@ void ClusterCore::restart(Effects effects, LogId log) {
     settlement_ = Settlement(log.broker, options_.sessions_per_turn);
     roaming_ = Roaming(predefined_);
     log_sender_ = {};
-    for (const Endpoint& address : addresses_.claimed()) addresses_.give_up(effects, address);
+    addresses_.give_up_all(effects);
     publish_order_.release_all(effects);
     for (auto& [id, held] : logs_) {
         held.become_outdated();

@@ -67,8 +67,12 @@ public:
         inherited_.insert(address);
         take(effects, address);
     }
-    /// Tries again for what was inherited, but is not served yet.
-    void seek(Effects& effects) {
+    /// Tries again for what was inherited, but is not served yet: until somebody else serves it.
+    template <typename IsHeld>
+    void seek(Effects& effects, IsHeld&& is_held) {
+        std::erase_if(inherited_, [&](const Endpoint& address) {
+            return !is_claimed(address) && is_held(address);
+        });
         for (const Endpoint& address : inherited_) take(effects, address);
     }
     void give_up(Effects& effects, const Endpoint& address) {
@@ -76,6 +80,11 @@ public:
         serving_.erase(address);
         inherited_.erase(address);
         effects.local.push_back(GiveUpAddress{address});
+    }
+    /// And seeks none any more.
+    void give_up_all(Effects& effects) {
+        for (const Endpoint& address : claimed()) give_up(effects, address);
+        inherited_.clear();
     }
     void on_address(const Endpoint& address, bool served) {
         taking_.erase(address);
