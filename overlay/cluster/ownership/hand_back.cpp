@@ -128,7 +128,7 @@ void HandBack::carry_on(Effects& effects, const Logs& logs, const Membership& me
             giving.stage = Stage::sealed;
             giving.since = effects.now;
         } else if (giving.stage == Stage::sealed && !departures.has_any_via(address) &&
-                   owner != nullptr && owner->speaks_at(address)) {
+                   membership.is_alive(giving.owner) && owner->speaks_at(address)) {
             giving_.erase(under_way);
             addresses.give_up(effects, address);
         }
@@ -162,7 +162,7 @@ bool HandBack::is_called_off(const Effects& effects, const Endpoint& address, co
     if (giving.stage != Stage::sealed) {
         const bool has_begun = giving.stage == Stage::moving;
         if (has_begun && departures.has_late_ones(effects, giving.owner)) return true;
-        return !membership.is_alive(giving.owner);
+        return !membership.is_alive(giving.owner) || !view.contains(giving.owner);
     }
     if (effects.now > giving.since + effects.times.handover_acknowledged_within()) return true;
     return !view.contains(giving.owner) && !not_yet.inheriting.contains(address);

@@ -240,6 +240,38 @@ TEST(ManySessions, P3_ThoseThatTheOwnerMayHaveSpokenForAreSilentUntilItsHeirHasT
     EXPECT_FALSE(holder.hand_back.is_silent(theirs));
 }
 
+// It said last that it serves the address, and nobody would.
+TEST(ManySessions, P1_AnAddressIsNotLetGoToAnOwnerThatHasDied) {
+    Holder holder;
+    holder.move_all();
+    holder.arrive();
+    (void)holder.membership.on_beacon(
+        holder.now,
+        {.log = peer, .tick = 2, .home_addresses = {theirs}, .serving = {theirs}, .leaving = true});
+    holder.view.members = {self};
+    Effects acting = holder.effects();
+    holder.hand_back.compare(acting, holder.membership, holder.view, holder.addresses);
+    holder.carry_on({theirs}, {theirs});
+    EXPECT_TRUE(holder.addresses.is_serving(theirs)) << "its heir, we, adopt still";
+    holder.carry_on();
+    EXPECT_TRUE(holder.addresses.is_serving(theirs));
+    EXPECT_FALSE(holder.hand_back.is_silent(theirs));
+}
+
+// Those that move are taken back as those of one that is gone, and would be moved again.
+TEST(ManySessions, I8_WhoIsNoMemberAnyMoreIsGivenNoMoreThoughItIsHeard) {
+    Holder holder{{theirs}, per_turn};
+    holder.carry_on();
+    holder.now += 5ms;
+    holder.carry_on();
+    ASSERT_FALSE(holder.take_written<broker::SessionMoved>().empty());
+    ASSERT_TRUE(holder.hand_back.is_half_done(holder.departures));
+    holder.view.members = {self};
+    holder.carry_on();
+    EXPECT_FALSE(holder.hand_back.is_half_done(holder.departures));
+    EXPECT_TRUE(holder.take_written<broker::SessionMoved>().empty());
+}
+
 // P3: what the owner had said is in its log, and its heir goes on from there (simulator, faults
 // `relapse`, seed 9872321).
 TEST(ManySessions, P3_OnlyThoseThatDidNotArriveComeBack) {
