@@ -19,7 +19,7 @@ void Homes::on_event(BrokerId peer, const broker::LogEvent& event) {
 }
 
 void Homes::reset(BrokerId peer, const broker::Mirror& sessions) {
-    forget(peer);
+    erase_claims(peer, [this](const Claim& claim) { return place_in_time(claim) != 0; });
     sessions.visit([&](const broker::SessionImage& image) { put(peer, image.header); });
 }
 
@@ -29,8 +29,23 @@ void Homes::on_end(BrokerId peer) {
 
 void Homes::forget(BrokerId peer) {
     ended_.erase(peer);
+    erase_claims(peer, [](const Claim&) { return true; });
+}
+
+void Homes::forget_ended(BrokerId peer) {
+    erase_claims(peer, [this](const Claim& claim) { return place_in_time(claim) == 0; });
+}
+
+void Homes::forget_ended(BrokerId peer, const broker::ClientId& client) {
+    const auto found = find(peer, client);
+    if (found != by_client_.end() && place_in_time(found->second) == 0) erase(found);
+}
+
+template <typename IsOne>
+void Homes::erase_claims(BrokerId peer, IsOne&& is_one) {
     for (auto at = by_client_.begin(); at != by_client_.end();) {
-        at = at->second.broker == peer ? erase(at) : std::next(at);
+        const Claim& claim = at->second;
+        at = claim.broker == peer && is_one(claim) ? erase(at) : std::next(at);
     }
 }
 

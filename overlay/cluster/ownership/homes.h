@@ -21,7 +21,7 @@ namespace romano::cluster {
 class Homes {
 public:
     void on_event(BrokerId peer, const broker::LogEvent& event);
-    /// Replaces all that is known of the peer.
+    /// Replaces all that the peer has said since its last log ended.
     void reset(BrokerId peer, const broker::Mirror& sessions);
     /// A session of the peer as it is now.
     void put(BrokerId peer, const broker::SessionHeader& header);
@@ -29,6 +29,9 @@ public:
     void on_end(BrokerId peer);
     void forget(BrokerId peer);
     void forget(BrokerId peer, const broker::ClientId& client);
+    /// What its log that has ended said.
+    void forget_ended(BrokerId peer);
+    void forget_ended(BrokerId peer, const broker::ClientId& client);
 
     [[nodiscard]] std::optional<BrokerId> of(const broker::ClientId& client) const;
     /// The client that was heard last there.
@@ -53,6 +56,8 @@ private:
     using Claims = std::unordered_multimap<broker::ClientId, Claim>;  // one a peer
     using Entry = Claims::value_type;
 
+    template <typename IsOne>
+    void erase_claims(BrokerId peer, IsOne&& is_one);
     /// Its number; 0 when the broker's log has ended since.
     [[nodiscard]] std::uint64_t place_in_time(const Claim& claim) const;
     [[nodiscard]] Claims::iterator find(BrokerId peer, const broker::ClientId& client);

@@ -15,7 +15,9 @@ void PeerSessions::on_late_event(const LogId& log) {
 
 /// I7: a client that roams is fetched from its home in the view, and not from one beyond it.
 void PeerSessions::unfollow(const LogId& log) {
-    if (followed_.erase(log.broker) != 0) homes_.on_end(log.broker);
+    if (followed_.erase(log.broker) == 0) return;
+    homes_.on_end(log.broker);
+    ended_.insert_or_assign(log.broker, log);
 }
 
 void PeerSessions::on_first_snapshot(const SnapshotPart& part,
@@ -31,6 +33,11 @@ void PeerSessions::on_first_snapshot(const SnapshotPart& part,
 }
 
 void PeerSessions::reset(const LogId& log, const broker::Mirror& sessions) {
+    const auto former = followed_.find(log.broker);
+    if (former != followed_.end() && former->second != log) unfollow(LogId{former->second});
+    const auto ended = ended_.find(log.broker);
+    if (ended != ended_.end() && ended->second == log)
+        homes_.forget_ended(log.broker);  // it goes on
     interest_.reset(sessions);
     homes_.reset(log.broker, sessions);
     slow_.forget(log.broker);
@@ -50,7 +57,12 @@ void PeerSessions::on_end(const LogId& log) {
 
 void PeerSessions::forget(const LogId& log) {
     on_end(log);
-    if (followed_.contains(log.broker)) return;
+    const bool ended_last =
+        std::erase_if(ended_, [&](const auto& entry) { return entry.second == log; }) != 0;
+    if (followed_.contains(log.broker)) {
+        if (ended_last) homes_.forget_ended(log.broker);
+        return;
+    }
     homes_.forget(log.broker);
     slow_.forget(log.broker);
 }
@@ -62,7 +74,11 @@ void PeerSessions::on_own_session(const broker::ClientId& client, const PeerLogs
 
 void PeerSessions::on_living_home(const broker::ClientId& client, const PeerLogs& logs) {
     for (const auto& [id, log] : logs) {
-        if (!followed_.contains(id.broker)) homes_.forget(id.broker, client);
+        if (followed_.contains(id.broker)) {
+            homes_.forget_ended(id.broker, client);
+        } else {
+            homes_.forget(id.broker, client);
+        }
     }
 }
 

@@ -39,7 +39,8 @@ public:
     /// said of its sessions.
     void on_first_snapshot(const SnapshotPart& part,
                            const std::vector<broker::SessionImage>& replaced);
-    /// Replaces all that is known of the log's broker.
+    /// Replaces all that is known of this life of the log's broker. Where the clients of a former
+    /// one were stays.
     void reset(const LogId& log, const broker::Mirror& sessions);
     /// The tables have all sessions of that log.
     [[nodiscard]] bool follow(const LogId& log) const;
@@ -60,6 +61,7 @@ private:
     Homes homes_;
     SlowReceivers slow_;
     std::map<BrokerId, LogId> followed_;
+    std::map<BrokerId, LogId> ended_;  // last, of those where homes_ has what it said
 };
 
 }  // namespace romano::cluster

@@ -58,7 +58,6 @@ TEST(Homes, WhenTheLastOfTwoTakesItBackTheOtherIsHome) {
     EXPECT_FALSE(homes.at(place(1)));
 }
 
-// A NAT that keeps source ports; or a client that was started again under another id.
 // The member that had the client all the time was not asked for it (simulator, as shipped, seed
 // 20945).
 TEST(Homes, I7_WhatAHomeSaidWhoseLogHasEndedCountsOnlyWhereNobodyElseSaysSo) {
@@ -73,6 +72,7 @@ TEST(Homes, I7_WhatAHomeSaidWhoseLogHasEndedCountsOnlyWhereNobodyElseSaysSo) {
     EXPECT_EQ(homes.of("a"), b2) << "it goes on";
 }
 
+// A NAT that keeps source ports; or a client that was started again under another id.
 TEST(Homes, OfTwoClientsAtOneAddressEachIsFoundByTheServiceAddressThatItTalksTo) {
     Homes homes;
     homes.on_event(b1, session_from("a", 1, 101));

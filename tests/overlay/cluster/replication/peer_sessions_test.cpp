@@ -60,6 +60,34 @@ TEST_F(PeerSessionsTest, I7_AHomeWhoseLogHasEndedYieldsToALivingOne) {
     }
 }
 
+// A client that roams before an heir has it would be a stranger, and begin another session.
+TEST_F(PeerSessionsTest, P2_WhereAFormerLifesClientsWereStaysUntilAnotherHomeHasThem) {
+    const LogId later = test::log_of("peer", 2);
+    for (const bool is_told_of_its_end : {true, false}) {
+        sessions.reset(peer, broker::Mirror{peer});
+        sessions.on_event({}, mirror, test::session("robot"), 10);
+        if (is_told_of_its_end) sessions.on_end(peer);
+        sessions.reset(later, broker::Mirror{later});
+        EXPECT_EQ(sessions.homes().of("robot"), peer.broker);
+        logs.try_emplace(later, later, 100);
+        sessions.on_living_home("robot", logs);
+        EXPECT_FALSE(is_homed());
+        sessions.on_end(later);
+    }
+}
+
+TEST_F(PeerSessionsTest, WhatAFormerLifeSaidIsForgottenWithItsLog) {
+    const LogId later = test::log_of("peer", 2);
+    sessions.reset(later, broker::Mirror{later});
+    ASSERT_TRUE(is_homed());
+    sessions.on_event({}, broker::Mirror{later}, test::session("another"), 10);
+    sessions.forget(test::log_of("peer", 0));
+    EXPECT_TRUE(is_homed());
+    sessions.forget(peer);
+    EXPECT_FALSE(is_homed());
+    EXPECT_TRUE(sessions.homes().of("another"));
+}
+
 TEST_F(PeerSessionsTest, ALogThatIsHeldNoMoreIsForgotten) {
     sessions.reset(heir, broker::Mirror{heir});
     sessions.forget(peer);
