@@ -207,7 +207,7 @@ private:
     void reclaim(Effects& effects);
     void compare_addresses(Effects& effects);
     void apply_event(Effects& effects, const LogId& id, PeerLog& log);
-    void take_last_publishes(Effects& effects, const SnapshotPart& part);
+    void take_last_publishes(Effects& effects, BrokerId from, const SnapshotPart& part);
     void learn(const MessagePtr& message);
     /// The log's deliveries changed.
     void note_lacking(const LogId& id, const PeerLog& log);

@@ -88,7 +88,7 @@ void ClusterCore::on(Effects& effects, BrokerId, const Fetch& fetch) {
 
 void ClusterCore::on(Effects& effects, BrokerId from, const SnapshotPart& part) {
     const LogId id = part.as_of.log;
-    if (id.broker != from) return take_last_publishes(effects, part);
+    if (id.broker != from) return take_last_publishes(effects, from, part);
     const auto found = logs_.find(id);
     if (found == logs_.end() || found->second.is_frozen()) return;
     PeerLog& log = found->second;
@@ -125,8 +125,8 @@ void ClusterCore::on(Effects& effects, BrokerId from, const SnapshotPart& part) 
 }
 
 /// Of a removed broker's log. Sessions that are on their way to us may lack them, too.
-void ClusterCore::take_last_publishes(Effects& effects, const SnapshotPart& part) {
-    if (fetching_.on_last_publishes(effects.now, part)) {
+void ClusterCore::take_last_publishes(Effects& effects, BrokerId from, const SnapshotPart& part) {
+    if (fetching_.on_last_publishes(effects.now, from, part)) {
         const auto log = logs_.find(part.as_of.log);
         if (log != logs_.end()) log->second.offer_ahead(part.publishes);
         for (const auto& message : part.publishes) publish_order_.on_publish(effects, message);

@@ -132,7 +132,9 @@ void Fetching::ask_for_messages(Effects& effects, const PeerLogs::value_type& lo
     }
 }
 
-bool Fetching::on_last_publishes(Instant now, const SnapshotPart& part) {
+bool Fetching::on_last_publishes(Instant now, BrokerId from, const SnapshotPart& part) {
+    const auto wait = waits_.find(part.as_of.log);
+    if (wait == waits_.end() || wait->second.asked != from) return false;
     const auto at = removed_.find(part.as_of.log);
     if (at == removed_.end() || part.part != at->second.next_part) return false;
     Removed& removed = at->second;

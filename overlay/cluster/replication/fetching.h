@@ -41,8 +41,9 @@ public:
                    std::size_t events);
     /// The next part of a snapshot of a living peer's log is here.
     void on_part(Instant now, const LogId& log) { waits_[log].since = now; }
-    /// Of a removed one's. False when it was not asked for, or does not follow what came.
-    bool on_last_publishes(Instant now, const SnapshotPart& part);
+    /// Of a removed one's. False when that member was not asked for it last, or it does not follow
+    /// what came: two members may hold different ones.
+    bool on_last_publishes(Instant now, BrokerId from, const SnapshotPart& part);
     /// That event lies before the end of a removed log, and its publish is not here.
     [[nodiscard]] bool awaits(const LogPosition& event) const;
 

@@ -404,6 +404,14 @@ TEST_F(CatchingUp, P2_ASessionThatComesAfterTheLastWordsOfADeadBrokerGetsThem) {
         .view = {.number = {100, self.broker, 1}, .members = {self, peer}}, .ends = {{dead, 10}}};
     std::ranges::sort(announcement.view.members);
     take(announcement);
+    now += 10ms;
+    take(Beacon{.name = "peer",
+                .log = peer,
+                .tick = ++ticks,
+                .hears = {self.broker},
+                .applied = {{dead, 10}}});
+    tick();
+    ASSERT_EQ(take_sent<Fetch>().size(), 1U);
     SnapshotPart part{.as_of = {dead, 10}, .last = true};
     for (Seq seq = 1; seq <= 10; ++seq) {
         part.publishes.push_back(std::get<broker::Published>(test::published(dead, seq)).message);

@@ -204,7 +204,7 @@ TEST_F(FetchingTest, P2_PublishesAreEnoughForWhoInheritsNothing) {
     remove(9);
     (void)asked();
     ASSERT_EQ(asked_after(20ms).size(), 1U);
-    EXPECT_TRUE(fetching.on_last_publishes(now, {.as_of = {dead, 9}, .last = true}));
+    EXPECT_TRUE(fetching.on_last_publishes(now, b1.broker, {.as_of = {dead, 9}, .last = true}));
     EXPECT_FALSE(fetching.awaits({dead, 9}));
     inherits = true;
     EXPECT_THAT(asked_after(20ms), ElementsAre(Asks(b1, LogPosition{dead, 5})));
@@ -216,11 +216,31 @@ TEST_F(FetchingTest, P2_PublishesBehindAHoleAreNotTaken) {
     says(b1, {{dead, 9}});
     remove(9);
     ASSERT_EQ(asked().size(), 1U);
-    EXPECT_TRUE(fetching.on_last_publishes(now, {.as_of = {dead, 9}, .part = 0}));
-    EXPECT_FALSE(fetching.on_last_publishes(now, {.as_of = {dead, 9}, .part = 2, .last = true}));
+    const auto takes = [&](const SnapshotPart& part) {
+        return fetching.on_last_publishes(now, b1.broker, part);
+    };
+    EXPECT_TRUE(takes({.as_of = {dead, 9}, .part = 0}));
+    EXPECT_FALSE(takes({.as_of = {dead, 9}, .part = 2, .last = true}));
     EXPECT_TRUE(fetching.awaits({dead, 9}));
     EXPECT_EQ(asked_after(20ms).size(), 1U);
-    EXPECT_TRUE(fetching.on_last_publishes(now, {.as_of = {dead, 9}, .part = 0}));
+    EXPECT_TRUE(takes({.as_of = {dead, 9}, .part = 0}));
+}
+
+// They let different ones go: the parts of one say nothing of what the other's lack.
+TEST_F(FetchingTest, P2_PublishesOfTwoHoldersAreNotMixed) {
+    says(b1, {{dead, 9}});
+    says(b2, {{dead, 9}});
+    remove(9);
+    const auto first = asked();
+    ASSERT_EQ(first.size(), 1U);
+    const BrokerId asked_first = first[0].to.value();
+    EXPECT_TRUE(fetching.on_last_publishes(now, asked_first, {.as_of = {dead, 9}, .part = 0}));
+    const auto second = asked_after(60ms);
+    ASSERT_EQ(second.size(), 1U);
+    ASSERT_NE(second[0].to, asked_first);
+    EXPECT_FALSE(fetching.on_last_publishes(now, asked_first, {.as_of = {dead, 9}, .part = 0}));
+    EXPECT_TRUE(
+        fetching.on_last_publishes(now, second[0].to.value(), {.as_of = {dead, 9}, .part = 0}));
 }
 
 // --- messages that came from nowhere
