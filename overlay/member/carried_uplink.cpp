@@ -17,6 +17,7 @@ constexpr Duration connect_again_after = 500ms;
 // A home that died is replaced sooner: then the session is somewhere, or there never was one.
 constexpr Duration settled_after = 1s;
 constexpr Duration warn_again_after = 10s;
+constexpr Duration taken_is_safe_within = 1s;
 
 std::vector<std::uint8_t> encoded(const mqttsn::Message& message) {
     std::vector<std::uint8_t> octets(512);
@@ -34,15 +35,17 @@ Datagrams CarriedUplink::requests(Instant now, const broker::BrokerCore& broker,
                                   const cluster::ClusterCore& cluster,
                                   std::vector<uplink::UplinkAction>& out) {
     if (std::exchange(view_, cluster.view().number) != cluster.view().number) view_since_ = now;
-    const bool leads = cluster.is_in_view() && view_.leader == cluster.own_log().id().broker;
+    leads_ = cluster.is_in_view() && view_.leader == cluster.own_log().id().broker;
     const broker::SessionHeader* header = broker.header(client_id_);
     const bool is_here = header != nullptr && header->state == broker::SessionState::active &&
                          !header->provisional && header->address.endpoint == broker::owner_endpoint;
-    if (!leads) {
-        let_go(out);
+    if (!leads_) {
         is_subscribed_ = false;
+        // The next leader does not have it.
+        if (taken_.empty() || now >= led_at_ + taken_is_safe_within) let_go(out);
         return {};
     }
+    led_at_ = now;
     if (!is_here) {
         is_subscribed_ = false;
         subscribe_again_at_ = Instant::min();
@@ -153,7 +156,7 @@ void CarriedUplink::go_on(Instant now, const broker::LogPosition& own, broker::B
         out.emplace_back(std::move(taken_.front().second));
         taken_.pop_front();
     }
-    if (!core_.is_up()) return;
+    if (!leads_ || !core_.is_up()) return;
     const std::size_t before = out.size();
     core_.send(broker.unread(), own, out);
     if (takes_before_sending_) take(now, before, broker, actions, out);

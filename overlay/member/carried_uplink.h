@@ -29,6 +29,8 @@ public:
           core_(options, unique) {}
 
     [[nodiscard]] const uplink::UplinkCore& core() const { return core_; }
+    /// What comes over the link is for us.
+    [[nodiscard]] bool takes_in() const { return leads_ && core_.holds_link(); }
     [[nodiscard]] UplinkFacts facts() const {
         return {.is_up = core_.is_up(), .counters = core_.counters(), .too_long = too_long_};
     }
@@ -94,6 +96,8 @@ private:
     uplink::UplinkCore core_;
     cluster::ViewNumber view_;
     Instant view_since_{};
+    bool leads_ = false;
+    Instant led_at_ = Instant::min();  // last
     Instant connect_again_at_ = Instant::min();
     bool is_subscribed_ = false;
     Instant subscribe_again_at_ = Instant::min();

@@ -352,7 +352,7 @@ void Member::on_uplink_message(Instant now, const uplink::FromRemote& message, s
                                MemberActions& out) {
     if (!uplink_ || has_left_) return;
     notice_standstill(now, out);
-    if (!uplink_->core().holds_link()) return;
+    if (!uplink_->takes_in()) return;
     if (speaking().has_lost_lease(now)) {  // another one may lead by now
         if (token != 0) late_message_.emplace(message, token);
         return;

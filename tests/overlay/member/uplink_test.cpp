@@ -172,6 +172,16 @@ protected:
                              .session = "romano-other",
                              .takes_before_sending = true});
     }
+    /// The link's other end has all that was sent.
+    void answer(int rank) {
+        const auto all = sent(rank);
+        for (std::size_t& next = answered_[rank]; next < all.size(); ++next) {
+            brokers.uplink_answers(rank, all[next].message->position, uplink::Answer::done);
+        }
+    }
+
+private:
+    std::map<int, std::size_t> answered_;
 };
 
 TEST_F(MemberThatTakesFirst, HasAnotherSession) {
@@ -203,6 +213,36 @@ TEST_F(MemberThatTakesFirst, NeverSendsAMessageOfQos2Twice) {
     brokers.uplink_up(2, false);
     brokers.run_for(100ms);
     EXPECT_THAT(texts(2), ElementsAre("c"));
+}
+
+// It has left its session, so that the next leader does not have it.
+TEST_F(MemberThatTakesFirst, SendsWhatItTookThoughAnotherOneLeads) {
+    start({1, 2});
+    brokers.uplink_up(2, false);
+    std::vector<Robot*> robots;
+    for (int i = 0; i < 10; ++i) {
+        robots.push_back(&brokers.robot("publisher" + std::to_string(i), 1));
+        robots.back()->connect();
+    }
+    brokers.run_for(200ms);
+    brokers.start(3);
+    std::vector<std::string> said;
+    for (int ms = 0; ms < 3000 && !holds(3); ++ms) {
+        said.push_back(std::to_string(ms));
+        robots[said.size() % robots.size()]->publish("fleet/x", said.back(), Qos::exactly_once);
+        brokers.run_for(1ms);
+        answer(2);
+    }
+    ASSERT_TRUE(holds(3));
+    brokers.uplink_up(3, false);
+    for (int i = 0; i < 300; ++i) {
+        brokers.run_for(10ms);
+        answer(3);
+    }
+    EXPECT_FALSE(holds(2));
+    std::vector<std::string> all = texts(2);
+    for (const auto& text : texts(3)) all.push_back(text);
+    EXPECT_THAT(all, testing::UnorderedElementsAreArray(said));
 }
 
 TEST_F(MemberThatTakesFirst, SendsAMessageOfQos1AgainRatherThanLosingIt) {
