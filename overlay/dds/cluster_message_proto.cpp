@@ -1,6 +1,7 @@
 #include "overlay/dds/cluster_message_proto.h"
 
 #include <algorithm>
+#include <functional>
 
 #include "overlay/dds/log_event_proto.h"
 #include "overlay/dds/session_proto.h"
@@ -9,6 +10,9 @@ namespace romano::overlay::proto {
 namespace {
 
 using MaybeMessage = std::optional<cluster::ClusterMessage>;
+
+// Each is one more than those before it: nobody gets there, and one more than this is higher.
+constexpr std::uint64_t counted_most = std::uint64_t{1} << 62U;
 
 void to_proto(const cluster::ViewNumber& in, ViewNumber& out) {
     out.set_term(in.term);
@@ -25,9 +29,16 @@ void to_proto(const cluster::View& in, View& out) {
     all_to_proto(in.members, *out.mutable_members());
 }
 
+bool is_in_reach(const cluster::ViewNumber& number) {
+    return number.term <= counted_most && number.count <= counted_most;
+}
+
 std::optional<cluster::View> from_proto(const View& in) {
     cluster::View out{number_from(in.number()), {}};
+    if (!is_in_reach(out.number)) return std::nullopt;
     if (!all_from_proto(in.members(), out.members)) return std::nullopt;
+    const auto unsorted = std::ranges::adjacent_find(out.members, std::greater_equal{});
+    if (unsorted != out.members.end()) return std::nullopt;
     return out;
 }
 
@@ -267,6 +278,8 @@ MaybeMessage read_heartbeat(const Heartbeat& in) {
     out.view = number_from(in.view());
     out.promised = in.has_promised() ? number_from(in.promised()) : out.view;
     out.claim = claim_from(in.claim());
+    if (!is_in_reach(out.view) || !is_in_reach(out.promised)) return std::nullopt;
+    if (out.claim.term > counted_most) return std::nullopt;
     out.members = in.members();
     out.hears_members.assign(in.hears_members().begin(), in.hears_members().end());
     out.echoes.assign(in.echoes().begin(), in.echoes().end());
@@ -299,12 +312,14 @@ MaybeMessage read_particulars(const Particulars& all) {
     out.link = {.endpoint = *link, .process = in.link_process()};
     std::ranges::copy(secret, out.link.secret.begin());
     out.name = in.name();
+    if (broker::broker_id_of(out.name) != log->broker) return std::nullopt;
     out.log = *log;
     out.last_seq = in.last_seq();
     out.tick = in.tick();
     out.view = std::move(*view);
     out.promised = in.has_promised() ? number_from(in.promised()) : out.view.number;
     out.claim = claim_from(in.claim());
+    if (!is_in_reach(out.promised) || out.claim.term > counted_most) return std::nullopt;
     out.sessions = in.sessions();
     out.connected = in.connected();
     out.cannot_take = in.cannot_take();
@@ -349,7 +364,7 @@ MaybeMessage read_forward_batch(const ForwardBatch& in) {
 
 MaybeMessage read_ballot(const Ballot& in) {
     const auto kind = narrow<std::uint8_t>(in.kind());
-    if (!kind) return std::nullopt;
+    if (!kind || in.term() > counted_most) return std::nullopt;
     return cluster::ElectionMessage{{*kind, in.term()}};
 }
 

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
+
 #include "overlay/dds/cluster_message_proto.h"
 #include "tests/overlay/dds/field_count.h"
 #include "tests/overlay/dds/random_message.h"
@@ -116,6 +118,49 @@ TEST(BodyCodec, WantedParticularsSayNothingElse) {
     const auto decoded = codec.decode(copy(codec.encode(cluster::Particulars{.wanted = true})));
     ASSERT_TRUE(decoded);
     EXPECT_TRUE(std::get<cluster::Particulars>(*decoded).wanted);
+}
+
+// A leader adds one to the highest that it has heard; and who counts members counts on their order.
+TEST(BodyCodec, AViewThatNobodyCanHaveMadeIsMalformed) {
+    const auto is_taken = [](const cluster::View& view) {
+        BodyCodec codec;
+        return codec.decode(copy(codec.encode(cluster::ViewProposal{view, {}}))).has_value();
+    };
+    const broker::LogId b1{broker::BrokerId{1}, 1};
+    const broker::LogId b2{broker::BrokerId{2}, 1};
+    const cluster::ViewNumber number{1, b1.broker, 1};
+    EXPECT_TRUE(is_taken({number, {b1, b2}}));
+    EXPECT_FALSE(is_taken({number, {b2, b1}}));
+    EXPECT_FALSE(is_taken({number, {b1, b1}}));
+    constexpr auto highest = std::numeric_limits<std::uint64_t>::max();
+    EXPECT_FALSE(is_taken({{highest, b1.broker, 1}, {b1, b2}}));
+    EXPECT_FALSE(is_taken({{1, b1.broker, highest}, {b1, b2}}));
+}
+
+TEST(BodyCodec, ATermThatNobodyCanHaveReachedIsMalformed) {
+    constexpr auto highest = std::numeric_limits<std::uint64_t>::max();
+    BodyCodec codec;
+    const auto is_taken = [&](const cluster::ClusterMessage& message) {
+        return codec.decode(copy(codec.encode(message))).has_value();
+    };
+    EXPECT_TRUE(is_taken(cluster::Heartbeat{}));
+    EXPECT_FALSE(is_taken(cluster::Heartbeat{.promised = {highest, {}, 1}}));
+    cluster::Heartbeat claims;
+    claims.claim.term = highest;
+    EXPECT_FALSE(is_taken(claims));
+    EXPECT_TRUE(is_taken(cluster::ElectionMessage{}));
+    EXPECT_FALSE(is_taken(cluster::ElectionMessage{{0, highest}}));
+}
+
+// Another name each time would be another topic each time (overlay/member/status_teller.h).
+TEST(BodyCodec, ABrokerHasTheIdOfItsName) {
+    BodyCodec codec;
+    const auto is_taken = [&](const std::string& name, broker::BrokerId id) {
+        const cluster::Beacon beacon{.name = name, .log = {id, 1}};
+        return codec.decode(copy(codec.encode(cluster::Particulars{beacon, {}}))).has_value();
+    };
+    EXPECT_TRUE(is_taken("b1", broker::broker_id_of("b1")));
+    EXPECT_FALSE(is_taken("b2", broker::broker_id_of("b1")));
 }
 
 TEST(BodyCodec, ParticularsKeepTheirFields) {

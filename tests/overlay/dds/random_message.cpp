@@ -1,5 +1,6 @@
 #include "tests/overlay/dds/random_message.h"
 
+#include <set>
 #include <utility>
 
 namespace romano::dds {
@@ -7,6 +8,10 @@ namespace {
 
 std::uint64_t wide(Random& r) {
     return (std::uint64_t{r.next()} << 32U) | r.next();
+}
+/// A number that is one more than the one before it.
+std::uint64_t counted(Random& r) {
+    return wide(r) >> 2U;
 }
 bool flag(Random& r) {
     return r.below(2) == 1;
@@ -187,14 +192,16 @@ std::vector<broker::LogEventPtr> one_event_of_each_kind(Random& r) {
 }
 
 cluster::ViewNumber view_number(Random& r) {
-    return {wide(r), broker_id(r), wide(r)};
+    return {counted(r), broker_id(r), counted(r)};
 }
 cluster::View view(Random& r) {
-    return {view_number(r), some(r, log_id)};
+    const auto members = some(r, log_id);
+    const std::set<broker::LogId> sorted(members.begin(), members.end());
+    return {view_number(r), {sorted.begin(), sorted.end()}};
 }
 
 election::Claim claim(Random& r) {
-    election::Claim out{{r.next(), r.next(), election::NodeId{wide(r)}}, wide(r), std::nullopt};
+    election::Claim out{{r.next(), r.next(), election::NodeId{wide(r)}}, counted(r), std::nullopt};
     if (flag(r)) out.leader = election::NodeId{wide(r)};
     return out;
 }
@@ -213,7 +220,7 @@ cluster::Setting setting(Random& r) {
 cluster::Beacon beacon(Random& r) {
     cluster::Beacon out;
     out.name = text(r);
-    out.log = log_id(r);
+    out.log = {broker::broker_id_of(out.name), wide(r)};
     out.last_seq = wide(r);
     out.tick = wide(r);
     out.view = view(r);
@@ -285,7 +292,7 @@ cluster::ClusterMessage random_message(std::size_t kind, Random& r) {
         case 3:
             return cluster::ForwardBatch{some(r, message)};
         case 4:
-            return cluster::ElectionMessage{{static_cast<std::uint8_t>(r.below(256)), wide(r)}};
+            return cluster::ElectionMessage{{static_cast<std::uint8_t>(r.below(256)), counted(r)}};
         case 5:
             return cluster::ViewProposal{view(r), some(r, log_id)};
         case 6:
