@@ -480,6 +480,8 @@ void ClusterBroker::carry_out_locally() {
             if (!error && std::erase(held_, take->address) > 0) on_home_address_returned();
         } else if (const auto* give_up = std::get_if<overlay::GiveUpAddress>(&action)) {
             udp_.close(give_up->address);
+            std::erase_if(answers_,
+                          [&](const Answer& answer) { return answer.address == give_up->address; });
             moved_.remove(give_up->address);
             spdlog::info("no longer serving {}", net::to_text(give_up->address));
         } else if (const auto* announced = std::get_if<overlay::AnnounceAddress>(&action)) {

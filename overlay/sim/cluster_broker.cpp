@@ -156,6 +156,7 @@ void ClusterBroker::hear_of_rights() {
 }
 
 void ClusterBroker::destroy_core() {
+    wanted_.clear();
     protection_.reset();
     dtls_.reset();
     pulses_.end();
@@ -256,7 +257,9 @@ void ClusterBroker::answer_address(const Endpoint& address, bool served) {
 }
 
 void ClusterBroker::take_address(const Endpoint& address) {
+    wanted_.insert(address);
     later(random_.between(0ns, options_.binding_takes_max), [this, address] {
+        if (!wanted_.contains(address)) return;  // it was given up before
         bind(address);
         answer_address(address, true);
     });
@@ -270,6 +273,7 @@ void ClusterBroker::carry_out() {
         if (const auto* wanted = std::get_if<overlay::TakeAddress>(&action)) {
             take_address(plain(wanted->address));
         } else if (const auto* given = std::get_if<overlay::GiveUpAddress>(&action)) {
+            wanted_.erase(plain(given->address));
             unbind(plain(given->address));
         } else if (const auto* notice = std::get_if<overlay::Notice>(&action)) {
             trace_.note(events_.now(), name(), notice->text);

@@ -103,6 +103,7 @@ private:
     std::unique_ptr<overlay::Member> member_;
     std::unique_ptr<overlay::Transport> transport_;
     overlay::MemberActions actions_;
+    std::set<Endpoint> wanted_;  // the service addresses that the member has taken
     overlay::Pulses pulses_;
     cluster::Pulse pulse_;
     bool is_pulsing_ = false;
