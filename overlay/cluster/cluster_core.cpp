@@ -118,17 +118,18 @@ void ClusterCore::warn_when_leaderless(Effects& effects) {
 }
 
 Instant ClusterCore::next_wakeup() const {
-    const bool is_half_done =
-        is_behind() || hand_back_.is_half_done(departures_) || !take_over_.half_adopted().empty();
+    const bool is_half_done = is_behind() || (hand_back_.is_half_done(departures_) && !is_back()) ||
+                              !take_over_.half_adopted().empty();
     if (is_half_done) return Instant::min();
     return std::min({next_tick_, membership_.next_wakeup(), log_sender_.next_wakeup(),
                      view_change_.next_wakeup()});
 }
 
 bool ClusterCore::is_behind() const {
-    return publish_order_.is_behind() || (arrivals_.is_half_done() && !is_back()) ||
-           departures_.is_half_done() || (settlement_.is_half_done() && !is_back()) ||
-           !said_again_.empty() || !behind_.empty();
+    const bool are_half_done =
+        arrivals_.is_half_done() || departures_.is_half_done() || settlement_.is_half_done();
+    return publish_order_.is_behind() || (are_half_done && !is_back()) || !said_again_.empty() ||
+           !behind_.empty();
 }
 
 bool ClusterCore::may_rest() const {

@@ -59,6 +59,7 @@ void ViewChange::restart(LogId self) {
 /// Whoever waited for company has heard none meanwhile; and nobody refused an answer.
 void ViewChange::on_standstill() {
     led_since_ = never;
+    waits_until_ = never;
     proposal_.reset();
     refusing_.clear();
     promised_before_ = promised_;
