@@ -1,5 +1,6 @@
 #include "broker/daemon/broker_options.h"
 
+#include <algorithm>
 #include <random>
 
 #include "broker/net/clock.h"
@@ -11,7 +12,8 @@ namespace romano::daemon {
 broker::BrokerOptions broker_options(const Settings& settings) {
     broker::BrokerOptions out;
     out.log.broker = broker::broker_id_of(settings.name);
-    out.log.incarnation = static_cast<std::uint64_t>(net::unix_time().count());
+    out.log.incarnation =
+        std::max(static_cast<std::uint64_t>(net::unix_time().count()), settings.least_incarnation);
     out.unix_time_at_zero = net::unix_time_at_zero();
     out.gateway_id = settings.gateway_id;
     out.advertise_every = settings.advertise_period;

@@ -6,7 +6,7 @@
 
 namespace romano::daemon {
 
-/// The log's incarnation is the wall clock: higher at each start.
+/// The log's incarnation is the wall clock, or the least of the settings: higher at each start.
 [[nodiscard]] broker::BrokerOptions broker_options(const Settings& settings);
 
 /// A number that differs from run to run.

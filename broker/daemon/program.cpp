@@ -26,10 +26,7 @@ namespace {
 struct Interrupted {};
 
 void run(const Settings& settings, const Program& program) {
-    program.prepare(settings);
     boost::asio::io_context io{1};  // one thread: no locks within Asio
-    start_trace(settings.log_level);
-    if (settings.realtime) become_realtime();  // before other threads begin: they inherit it
     net::ServiceManager manager(io);
     std::unique_ptr<RunningBroker> broker;
     // Before the broker says that it serves, so that whoever waits for that may stop it.
@@ -55,6 +52,19 @@ void run(const Settings& settings, const Program& program) {
     net::run_in_turns(io);
 }
 
+void run_lives(Settings settings, const Program& program) {
+    program.prepare(settings);
+    start_trace(settings.log_level);
+    if (settings.realtime) become_realtime();  // before other threads begin: they inherit it
+    for (;;) {
+        try {
+            return run(settings, program);
+        } catch (const BeginsAgain& again) {
+            settings.least_incarnation = again.least_incarnation;
+        }
+    }
+}
+
 }  // namespace
 
 int run_program(int argc, const char* const* argv, const Program& program) {
@@ -66,7 +76,7 @@ int run_program(int argc, const char* const* argv, const Program& program) {
             std::cout << information->text;
             return 0;
         }
-        run(check(std::get<SettingTexts>(read)), program);
+        run_lives(check(std::get<SettingTexts>(read)), program);
         return 0;
     } catch (const Interrupted&) {
         return 0;

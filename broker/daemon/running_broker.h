@@ -2,6 +2,7 @@
 #pragma once
 
 #include <boost/asio/io_context.hpp>
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <string>
@@ -15,6 +16,11 @@ class Page;
 }
 
 namespace romano::daemon {
+
+/// Thrown while the io_context runs: this life of the broker is over, and another one begins.
+struct BeginsAgain {
+    std::uint64_t least_incarnation = 0;  // of the next one's log
+};
 
 class RunningBroker {
 public:

@@ -87,6 +87,7 @@ struct Settings {
     std::optional<UplinkSettings> uplink;
     std::optional<Ros2Settings> ros2;
     std::string log_level;
+    std::uint64_t least_incarnation = 0;  // others know a life of this broker before it
 };
 
 /// Throws Refusal for the first setting that is not possible.

@@ -35,6 +35,9 @@ constexpr auto patience = 5s;
 constexpr std::size_t most_actions_held = 4096;
 constexpr std::size_t most_octets_held = std::size_t{1} << 20U;
 
+// A member that was replaced goes on under the next incarnation: fewer times than that.
+constexpr std::uint64_t most_lives_of_a_process = 1'000'000;
+
 constexpr auto look_every = 1s;
 constexpr int rest_per_turn = 2;
 constexpr std::size_t most_homes_of_peers = 1'000;
@@ -83,6 +86,7 @@ ClusterBroker::ClusterBroker(boost::asio::io_context& io, const Settings& settin
       udp_(io, *this),
       timer_(io, [this] { on_core_wakeup(); }),
       look_timer_(io, [this] { look_around(); }),
+      later_life_timer_(io, [this] { begin_again(); }),
       heap_limit_(settings.limits.memory_mib),
       standstill_(settings.cluster->detection_timeout) {
     if (settings_.cluster->condition_file) condition_.emplace(*settings_.cluster->condition_file);
@@ -160,8 +164,9 @@ void ClusterBroker::open_transport() {
         const broker::LogId log{broker::broker_id_of(options_.name), options_.incarnation};
         const overlay::Pulses pulses(options_.cluster.beacon_every,
                                      options_.cluster.detection_timeout);
-        transport_ = std::make_unique<dds::DdsTransport>(io_, *domain_, log, pulses,
-                                                         [this] { on_peers_drained(); });
+        transport_ = std::make_unique<dds::DdsTransport>(
+            io_, *domain_, log, pulses, [this] { on_peers_drained(); },
+            [this](std::uint64_t incarnation) { on_later_life(incarnation); });
         transport_->start([this](const overlay::Envelope& envelope) { on_peer_message(envelope); });
     } catch (const dds::DdsError& error) {
         throw Refusal("--domain '" + std::to_string(cluster.domain) + "': cannot be joined" +
@@ -169,6 +174,23 @@ void ClusterBroker::open_transport() {
                       error.what() + "); choose another --interface" +
                       (cluster.is_protected ? ", or look at --keys with `romano keys check`" : ""));
     }
+}
+
+/// Nobody hears this life, unless that one lives: then two brokers have one name, of which people
+/// are told (overlay/cluster/agreement/namesake.h).
+void ClusterBroker::on_later_life(std::uint64_t incarnation) {
+    if (settings_.least_incarnation != 0) return;  // once: two of one name would go on like that
+    later_life_ = incarnation;
+    hears_namesake_ = false;
+    later_life_timer_.arm(net::now() + options_.cluster.detection_timeout);
+}
+
+void ClusterBroker::begin_again() const {
+    if (hears_namesake_) return;
+    spdlog::warn(
+        "peers know a later life of this broker, and would not hear this one: the clock of this "
+        "machine has gone back; begins again as the next life");
+    throw BeginsAgain{later_life_ + most_lives_of_a_process};
 }
 
 void ClusterBroker::open_links() {
@@ -276,6 +298,7 @@ void ClusterBroker::on_batch_end() {
 
 void ClusterBroker::on_peer_message(const overlay::Envelope& envelope) {
     if (member_) turns_.begin(net::now());  // before that nobody is kept waiting
+    if (envelope.from.broker == options_.broker.log.broker) hears_namesake_ = true;
     if (const auto* told = std::get_if<cluster::Particulars>(&envelope.message)) {
         if (!told->wanted) on_particulars(told->beacon);
     } else if (std::holds_alternative<cluster::Heartbeat>(envelope.message)) {

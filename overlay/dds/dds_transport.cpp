@@ -34,13 +34,15 @@ bool looks_like_a_version(const std::string& text) {
 
 DdsTransport::DdsTransport(boost::asio::io_context& io, const Domain& domain,
                            const broker::LogId& self, const overlay::Pulses& pulses,
-                           std::function<void()> on_drained)
+                           std::function<void()> on_drained, LaterLife::OnKnown on_later_life)
     : self_(self),
       on_drained_(std::move(on_drained)),
       wakeup_(std::make_shared<Wakeup>(io, [this] { drain(); })),
       participant_(domain.make_participant()),
       beacons_(participant_, beacon_topic, beacon_qos(), self, pulses),
-      log_(participant_, log_topic, log_qos(), self) {}
+      log_(participant_, log_topic, log_qos(), self) {
+    if (on_later_life) later_life_.emplace(io, participant_, self, std::move(on_later_life));
+}
 
 DdsTransport::~DdsTransport() = default;
 

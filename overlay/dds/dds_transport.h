@@ -11,6 +11,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <set>
 #include <string>
 #include <utility>
@@ -20,6 +21,7 @@
 #include "overlay/dds/beacon_sender.h"
 #include "overlay/dds/body_codec.h"
 #include "overlay/dds/domain.h"
+#include "overlay/dds/later_life.h"
 #include "overlay/dds/peer_writers.h"
 #include "overlay/dds/sample_reader.h"
 #include "overlay/dds/sample_writer.h"
@@ -46,9 +48,11 @@ class DdsTransport : public overlay::Transport {
 public:
     static constexpr std::size_t most_peers = 256;
 
-    /// `on_drained` is called after each burst of received messages. Throws DdsError.
+    /// `on_drained` is called after each burst of received messages, `on_later_life` when others
+    /// know one (later_life.h). Throws DdsError.
     DdsTransport(boost::asio::io_context& io, const Domain& domain, const broker::LogId& self,
-                 const overlay::Pulses& pulses, std::function<void()> on_drained = {});
+                 const overlay::Pulses& pulses, std::function<void()> on_drained = {},
+                 LaterLife::OnKnown on_later_life = {});
     ~DdsTransport() override;
 
     /// Throws DdsError.
@@ -85,6 +89,7 @@ private:
     Entity participant_;
     BeaconSender beacons_;
     SampleWriter log_;
+    std::optional<LaterLife> later_life_;
     std::map<broker::BrokerId, Peer> peers_;
     std::set<broker::BrokerId> told_of_;  // brokers of other versions
     struct Reading {

@@ -3,7 +3,9 @@
 // busy with them. The topics' names hold the incarnation: a restarted broker starts empty.
 #pragma once
 
+#include <optional>
 #include <string>
+#include <string_view>
 
 #include "broker/core/log_position.h"
 #include "overlay/dds/entity.h"
@@ -13,6 +15,8 @@ namespace romano::dds {
 
 [[nodiscard]] std::string inbox_topic(const broker::LogId& addressee);
 [[nodiscard]] std::string forward_topic(const broker::LogId& addressee);
+/// Whose inbox that is; nobody's when it is another topic.
+[[nodiscard]] std::optional<broker::LogId> addressee_of(std::string_view topic);
 [[nodiscard]] Qos inbox_qos();
 [[nodiscard]] Qos forward_qos();
 

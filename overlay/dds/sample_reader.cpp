@@ -1,24 +1,9 @@
 #include "overlay/dds/sample_reader.h"
 
+#include "overlay/dds/listener.h"
 #include "overlay/dds/sample.h"
 
 namespace romano::dds {
-namespace {
-
-struct ListenerDeleter {
-    void operator()(dds_listener_t* listener) const { dds_delete_listener(listener); }
-};
-using Listener = std::unique_ptr<dds_listener_t, ListenerDeleter>;
-
-Listener ringing(Wakeup& wakeup) {
-    Listener listener{dds_create_listener(&wakeup)};
-    dds_lset_data_available(listener.get(),
-                            [](dds_entity_t, void* to) { static_cast<Wakeup*>(to)->ring(); });
-    return listener;
-}
-
-}  // namespace
-
 // DDS writes samples here again and again and grows their bodies as needed.
 struct SampleReader::Storage {
     std::array<romano_wire_Sample, most_at_once> samples{};

@@ -7,7 +7,11 @@
 #include <algorithm>
 #include <memory>
 #include <set>
+#include <string_view>
 
+#include "broker/net/clock.h"
+#include "overlay/dds/domain.h"
+#include "overlay/dds/peer_writers.h"
 #include "tests/system/broker_process.h"
 #include "tests/system/test_addresses.h"
 #include "tests/system/test_client.h"
@@ -68,6 +72,28 @@ TEST_F(Cluster, ACrashIsKnownFromTheLinksLongBeforeTheBeaconsAreMissed) {
     const auto killed = std::chrono::steady_clock::now();
     EXPECT_TRUE(client->ping()) << broker(2).errors();
     EXPECT_LT(std::chrono::steady_clock::now() - killed, detection_timeout / 2);
+}
+
+// Its peers would not hear it: an hour ago they heard one that calls itself later.
+TEST_F(Cluster, ABrokerWhoseClockWentBackBeginsAgainAfterItsLaterLife) {
+    const dds::Domain domain(dds::DomainOptions{addresses.domain(), "lo"});
+    const dds::Entity participant = domain.make_participant();
+    const auto in_an_hour = static_cast<std::uint64_t>((net::unix_time() + 1h).count());
+    const broker::LogId later{broker::broker_id_of("r1"), in_an_hour};
+    const dds::PeerWriters peer(participant, {broker::broker_id_of("peer"), 1}, later);
+    const auto broker = start(1);
+    ASSERT_FALSE(broker->wait_for("serving").empty()) << broker->errors();
+    ASSERT_FALSE(broker->wait_for("serving").empty()) << broker->errors();
+    EXPECT_THAT(broker->errors(), testing::HasSubstr("begins again as the next life"));
+    const auto client = client_of(1, "observer");
+    ASSERT_TRUE(client->connect());
+    ASSERT_TRUE(client->subscribe("$SYS/brokers/r1", Qos::at_most_once));
+    ASSERT_TRUE(client->run_until([&] { return !client->received.empty(); }));
+    const std::string& status = client->received.back().data;
+    const std::string_view field = "\"incarnation\":";
+    const std::size_t at = status.find(field);
+    ASSERT_NE(at, std::string::npos) << status;
+    EXPECT_GT(std::stoull(status.substr(at + field.size())), in_an_hour);
 }
 
 TEST_F(Cluster, SaysWhereItServes) {

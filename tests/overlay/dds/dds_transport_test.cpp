@@ -30,7 +30,9 @@ struct Peer {
     Peer(boost::asio::io_context& io, const Domain& domain, const char* name,
          std::uint64_t incarnation = 1, const overlay::Pulses& pulses = {1h, 1h})
         : log{broker::broker_id_of(name), incarnation},
-          transport(io, domain, log, pulses, [this] { ++drains; }) {
+          transport(
+              io, domain, log, pulses, [this] { ++drains; },
+              [this](std::uint64_t known) { later_life = known; }) {
         transport.start(
             [this](const overlay::Envelope& envelope) { received.push_back(envelope); });
     }
@@ -53,6 +55,7 @@ struct Peer {
     broker::LogId log;
     std::vector<overlay::Envelope> received;
     int drains = 0;
+    std::uint64_t later_life = 0;
     DdsTransport transport;
 };
 
@@ -235,6 +238,24 @@ TEST_F(DdsTransportTest, ARestartedPeerIsAddressedUnderItsNewIncarnation) {
     run_until([&] { return !two.received.empty(); });
     EXPECT_EQ(two.all<cluster::SessionRequest>().size(), 1U);
     EXPECT_EQ(two.all<cluster::SessionRequest>().front().client_id, "new");
+}
+
+// It is heard by nobody: its machine's clock went back between two starts.
+TEST_F(DdsTransportTest, ABrokerIsToldOfItsLaterLife) {
+    Peer one(io, domain, "one");
+    {
+        Peer later(io, domain, "two", 9);
+        acquaint(one, later);
+    }
+    {
+        Peer earlier(io, domain, "two", 3);
+        run_until([&] { return earlier.later_life != 0; });
+        EXPECT_EQ(earlier.later_life, 9U);
+    }
+    Peer next(io, domain, "two", 10);
+    acquaint(one, next);
+    EXPECT_EQ(next.later_life, 0U);
+    EXPECT_EQ(one.later_life, 0U);
 }
 
 TEST_F(DdsTransportTest, CountsWhatIsForAPeerThatWasNeverHeard) {
