@@ -25,6 +25,13 @@ constexpr Duration courtesy{std::chrono::seconds{1}};
 /// it is said not to take it: each single time the message or its answer may have been lost.
 constexpr int often_enough = 8;
 
+/// When a sending is over: the client was heard since, and the message is still open.
+void count_pass(Exchange& exchange) {
+    const bool was_alone = exchange.cell_patience == Duration{0};
+    const bool counts = was_alone && exchange.heard_since && exchange.kind != Kind::registering;
+    if (counts && exchange.ignored < often_enough) ++exchange.ignored;
+}
+
 }  // namespace
 
 bool DeliveryFlow::make_room(Session& session) {
@@ -195,8 +202,11 @@ bool DeliveryFlow::publish_front(Session& session, const WireTopic& topic, Turn&
 }
 
 /// What is known of the front's refusal stays: REGISTER may come before its second PUBLISH (G21).
+/// So does how often it was passed over before the client slept, unless the client took a step.
 void DeliveryFlow::open(Session& session, Kind kind, MsgId msg_id, const WireTopic& topic) {
+    const std::uint8_t ignored = session.exchange.is_open() ? 0 : session.exchange.ignored;
     session.exchange = {.kind = kind,
+                        .ignored = ignored,
                         .refused = session.exchange.refused,
                         .bare = session.exchange.bare,
                         .msg_id = msg_id,
@@ -443,7 +453,9 @@ void DeliveryFlow::resume(Session& session, Turn& turn) {
 }
 
 bool DeliveryFlow::repeat(Session& session, Turn& turn) {
-    return session.exchange.is_open() && send_open(session, true, turn);
+    if (!session.exchange.is_open()) return false;
+    count_pass(session.exchange);
+    return send_open(session, true, turn);
 }
 
 void DeliveryFlow::send_again(Session& session, Turn& turn) {
@@ -456,8 +468,7 @@ void DeliveryFlow::send_again(Session& session, Turn& turn) {
 
 void DeliveryFlow::on_retry(Session& session, Turn& turn) {
     Exchange& exchange = session.exchange;
-    const bool was_alone = exchange.cell_patience == Duration{0};
-    if (was_alone && exchange.heard_since && exchange.ignored < often_enough) ++exchange.ignored;
+    count_pass(exchange);
     if (!session.is_listening()) {
         exchange.stalled = true;  // another client has its address now (G7)
     } else if (names_known_id(session)) {
@@ -484,13 +495,15 @@ void DeliveryFlow::ask(Session& session, Turn& turn) {
 }
 
 void DeliveryFlow::give_up(Session& session, Turn& turn) {
-    Exchange& exchange = session.exchange;
-    if (!exchange.heard && session.header.state == SessionState::awake) {  // its queue waits (G10)
+    const Exchange& exchange = session.exchange;
+    const bool is_there =
+        exchange.kind == Kind::registering ? exchange.heard : is_passed_over(session);
+    if (!is_there && session.header.state == SessionState::awake) {  // its queue waits (G10)
         fall_asleep(session, turn);
     } else if (exchange.kind == Kind::registering) {  // such clients exist (G14)
         session.ignores_register = exchange.heard;
         publish_anyway(session, exchange.heard, turn);
-    } else if (is_passed_over(session) || session.header.state == SessionState::awake) {
+    } else if (is_passed_over(session)) {
         tables_.notes.say(turn.now, turn.out, [&] {
             const Message& message = *session.queue.current().message;
             return "client '" + session.header.client_id + "' answers, but not to a message of " +
@@ -524,7 +537,7 @@ void DeliveryFlow::publish_anyway(Session& session, bool known, Turn& turn) {
 }
 
 void DeliveryFlow::fall_asleep(Session& session, Turn& turn) {
-    session.exchange = {};
+    session.exchange = {.ignored = session.exchange.ignored, .topic = {}};
     session.heard_at = turn.now;  // restarts the sleep timer
     session.header.state = SessionState::asleep;
     tables_.log.append(turn.out, [&] { return SessionChanged{session.header}; });

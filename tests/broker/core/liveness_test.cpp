@@ -284,6 +284,69 @@ TEST_F(Living, AwakeClientThatStopsAnsweringSleepsOnAndLosesNothing) {  // G10
     broker.expects_mirror_to_agree();
 }
 
+TEST_F(Living, AwakeClientThatAskedOnceMoreAndIsOutOfReachLosesNothing) {  // G5, G10
+    robot.connects();
+    robot.subscribes("cmd");
+    publisher.connects();
+    falls_asleep(1000);
+    publishes("x", Qos::at_least_once);
+    robot.says(Pingreq{"robot"});
+    broker.waits(9s);
+    robot.says(Pingreq{"robot"});
+    broker.waits(41s);
+    EXPECT_EQ(state_of(robot), SessionState::asleep);
+    EXPECT_EQ(broker.dropped(Drop::retries_exhausted), 0u);
+    robot.ignores_what_came();
+    robot.says(Pingreq{"robot"});
+    robot.hears_publish("x", Qos::at_least_once);
+    robot.hears<Pingresp>();
+    broker.expects_mirror_to_agree();
+}
+
+TEST_F(Living, AwakeClientThatTakesOneMessageNeverGetsTheNext) {  // G5: asymcute's buffer
+    robot.connects();
+    robot.subscribes("cmd");
+    publisher.connects();
+    falls_asleep(1000);
+    publishes("too long", Qos::at_least_once);
+    publishes("2", Qos::at_least_once);
+    for (int asked = 0; asked < 5; ++asked) {
+        robot.says(Pingreq{"robot"});
+        broker.waits(9s);
+    }
+    EXPECT_EQ(broker.dropped(Drop::retries_exhausted), 0u);
+    broker.waits(1s);
+    EXPECT_EQ(broker.dropped(Drop::retries_exhausted), 1u);
+    for (int sending = 0; sending < 5; ++sending) {
+        EXPECT_EQ(as_text(robot.hears<Publish>().data), "too long");
+    }
+    robot.hears_publish("2", Qos::at_least_once);
+    robot.hears<Pingresp>();
+    broker.expects_mirror_to_agree();
+}
+
+TEST_F(Living, WhatASleeperPassesOverIsCountedFromOneAwakeningToTheNext) {  // G5, G10
+    robot.connects();
+    robot.subscribes("cmd");
+    publisher.connects();
+    falls_asleep(1000);
+    publishes("too long", Qos::exactly_once);
+    publishes("2", Qos::at_least_once);
+    for (int awakening = 0; awakening < 4; ++awakening) {
+        EXPECT_EQ(broker.dropped(Drop::retries_exhausted), 0u);
+        robot.ignores_what_came();
+        robot.says(Pingreq{"robot"});
+        broker.waits(9s);
+        robot.says(Pingreq{"robot"});
+        broker.waits(31s);
+    }
+    EXPECT_EQ(broker.dropped(Drop::retries_exhausted), 1u);
+    for (int sending = 0; sending < 4; ++sending) robot.hears<Publish>();
+    robot.hears_publish("2", Qos::at_least_once);
+    robot.hears<Pingresp>();
+    broker.expects_mirror_to_agree();
+}
+
 TEST_F(Living, PingreqWhileAwakeAsksForTheOpenMessageAgain) {  // G10
     robot.connects();
     robot.subscribes("cmd");
