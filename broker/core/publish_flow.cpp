@@ -63,7 +63,9 @@ ReturnCode PublishFlow::judge(const mqttsn::Publish& message, std::string_view t
         return refused(Drop::too_large, ReturnCode::not_supported);
     }
     const bool promises = message.qos == Qos::at_least_once || message.qos == Qos::exactly_once;
-    const bool is_kept = message.retain && !message.data.empty();
+    const auto never_retained = tables_.options.never_retained;
+    const bool is_kept = message.retain && !message.data.empty() &&
+                         (never_retained == nullptr || !never_retained(topic, message.data));
     const bool deletes = message.retain && message.data.empty();
     if ((promises && tables_.congested) || ((promises || is_kept) && tables_.full && !deletes) ||
         (is_kept && !tables_.retained.has_room(topic))) {
@@ -179,7 +181,7 @@ void PublishFlow::on_pubrel(Session& session, const mqttsn::Pubrel& message, Tur
 
 void PublishFlow::on_connectionless(const Origin& origin, const mqttsn::Publish& message,
                                     Turn& turn) {
-    Bytes data = message.data;
+    mqttsn::Publish named = message;  // its data alone
     std::string_view topic;
     if (message.topic_type == TopicIdType::normal) {
         // RSMB's and Paho's own form: the id is the length of a name before the data (G19).
@@ -189,14 +191,14 @@ void PublishFlow::on_connectionless(const Origin& origin, const mqttsn::Publish&
             return;
         }
         topic = as_text(message.data.first(length));
-        data = message.data.subspan(length);
+        named.data = message.data.subspan(length);
     } else {
         topic = name_of(nullptr, message);
     }
-    if (judge(message, topic) != ReturnCode::accepted) return;
+    if (judge(named, topic) != ReturnCode::accepted) return;
     const Speaker speaker{origin.via, origin.from.wireless_node_id, {}};
-    if (!enforcement_.may_publish(speaker, topic, data, turn)) return;
-    router_.publish({topic, data, Qos::at_most_once, message.retain}, turn);
+    if (!enforcement_.may_publish(speaker, topic, named.data, turn)) return;
+    router_.publish({topic, named.data, Qos::at_most_once, message.retain}, turn);
 }
 
 }  // namespace romano::broker

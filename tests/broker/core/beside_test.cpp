@@ -92,6 +92,34 @@ TEST(NeverRetained, IsDeliveredButKeptForNobodyWhoeverSendsIt) {
     EXPECT_EQ(broker.core.retained()[1]->topic, "words") << "it goes by the topic too";
 }
 
+TEST(NeverRetained, NeedsNoRoomAmongTheRetainedMessages) {
+    BrokerOptions options = logging_options();
+    options.limits.retained_messages = 1;
+    options.never_retained = [](std::string_view, Bytes payload) {
+        return as_text(payload) == "drive";
+    };
+    ScriptedBroker broker{options};
+    ScriptedClient commander{broker, "commander"};
+    ScriptedClient robot{broker, "robot"};
+    commander.connects();
+    robot.connects();
+    commander.publishes(commander.registers("map"), "hall", Qos::at_least_once, true);
+    const TopicId common = commander.registers("common");
+    robot.subscribes("common");
+    for (const Qos qos : {Qos::at_most_once, Qos::at_least_once, Qos::exactly_once}) {
+        commander.publishes(common, "drive", qos, true);
+        robot.hears_publish("drive", qos);
+    }
+    broker.core.set_full(true);
+    commander.publishes(common, "drive", Qos::at_most_once, true);
+    robot.hears_publish("drive");
+    ScriptedClient stranger{broker, "stranger"};
+    stranger.says(Publish{false, Qos::without_connection, true, TopicIdType::normal, TopicId{6},
+                          no_msg_id, as_octets("commondrive")});
+    robot.hears_publish("drive");
+    EXPECT_EQ(broker.dropped(Drop::no_room), 0u);
+}
+
 TEST_F(Beside, ARepeatedQos2PublishIsNotToldAgain) {
     const TopicId init = robot.registers("init");
     Publish publish{false, Qos::exactly_once, false, TopicIdType::normal, init, MsgId{9}, {}};
