@@ -30,7 +30,8 @@ bool is_too_deep(std::string_view filter) {
 
 void SubscribeFlow::on_register(Session& session, const mqttsn::Register& message, Turn& turn) {
     const auto answer = [&](TopicId id, ReturnCode code) {
-        outbox_.send(session, mqttsn::Regack{id, message.msg_id, code}, Gate::logged, turn);
+        const Gate gate = code == ReturnCode::accepted ? Gate::logged : Gate::open;
+        outbox_.send(session, mqttsn::Regack{id, message.msg_id, code}, gate, turn);
     };
     if (!mqttsn::is_valid_topic_name(message.topic_name)) {
         tables_.count(Drop::invalid_topic);
@@ -79,7 +80,7 @@ void SubscribeFlow::refuse(Session& session, const mqttsn::Subscribe& message, R
                            Turn& turn) {
     const TopicId id =
         message.topic.type == TopicIdType::predefined ? message.topic.id : mqttsn::no_topic_id;
-    outbox_.send(session, mqttsn::Suback{Qos::at_most_once, id, message.msg_id, code}, Gate::logged,
+    outbox_.send(session, mqttsn::Suback{Qos::at_most_once, id, message.msg_id, code}, Gate::open,
                  turn);
 }
 

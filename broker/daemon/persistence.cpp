@@ -29,12 +29,18 @@ store::SessionStore open(const StoreSettings& settings) {
     }
 }
 
+bool waits(const broker::Action& action, broker::Seq kept) {
+    const auto* send = std::get_if<broker::Send>(&action);
+    return send != nullptr && send->after > kept;
+}
+
 /// Leaves out what waits for an event after `kept`, and the events themselves.
 broker::Actions only_what_is_safe(const broker::Actions& actions, broker::Seq kept) {
     broker::Actions safe;
     for (const broker::Action& action : actions.list()) {
+        if (waits(action, kept)) continue;
         if (const auto* send = std::get_if<broker::Send>(&action)) {
-            if (send->after <= kept) safe.push(*send, actions.octets(*send));
+            safe.push(*send, actions.octets(*send));
         } else if (const auto* multicast = std::get_if<broker::Multicast>(&action)) {
             safe.push(*multicast, actions.octets(*multicast));
         }
@@ -79,6 +85,9 @@ void Persistence::keep(broker::BrokerCore& core, broker::Actions& actions) {
         return;
     }
     if (is_keeping_) suspend(core);
+    const bool drops = std::ranges::any_of(
+        actions.list(), [this](const auto& action) { return waits(action, kept_through_); });
+    if (drops) core.on_output_dropped(kept_through_);  // so that its clients hear what comes later
     actions = only_what_is_safe(actions, kept_through_);
 }
 
@@ -90,7 +99,6 @@ void Persistence::suspend(broker::BrokerCore& core) {
     is_keeping_ = false;
     ++failures_;
     core.set_congested(true);
-    core.on_output_dropped(kept_through_);  // so that its clients can hear that, too
     retry_.arm(net::now() + retry_every);
 }
 

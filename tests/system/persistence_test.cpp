@@ -204,6 +204,39 @@ TEST_F(Persistence, AFullStoreIsAnsweredByCongestionAndSaidOnce) {
     EXPECT_TRUE(back->run_until([&] { return back->received.size() >= kept; }));
 }
 
+TEST_F(Persistence, WhileTheStoreIsFullRequestsAreRefusedAndQos0StillComes) {
+    const auto broker = start({"--store-limit-mb", "1"});
+    const auto away = client("away");
+    const auto publisher = client("publisher");
+    const auto watcher = client("watcher");
+    ASSERT_TRUE(away->connect(false));
+    ASSERT_TRUE(away->subscribe("log", Qos::at_least_once));
+    ASSERT_TRUE(away->disconnect());
+    ASSERT_TRUE(watcher->connect());
+    ASSERT_TRUE(watcher->subscribe("pose", Qos::at_most_once));
+    ASSERT_TRUE(publisher->connect());
+    const auto log = publisher->register_topic("log");
+    const auto pose = publisher->register_topic("pose");
+    ASSERT_TRUE(log && pose);
+    const std::string chunk(20'000, 'x');
+    for (int kept = 0; publisher->publish(*log, chunk, Qos::at_least_once); ++kept) {
+        ASSERT_LT(kept, 100);
+    }
+    const auto pose_comes = [&] {
+        watcher->received.clear();
+        return publisher->publish(*pose, "x", Qos::at_most_once) &&
+               watcher->run_until([&] { return !watcher->received.empty(); }, 5s);
+    };
+    watcher->send_octets(watcher->sealed(
+        mqttsn::Register{.topic_id = {}, .msg_id = mqttsn::MsgId{99}, .topic_name = "new"}));
+    EXPECT_TRUE(watcher->ping());
+    EXPECT_TRUE(pose_comes());
+    const auto before = std::chrono::steady_clock::now();
+    EXPECT_FALSE(watcher->subscribe("log", Qos::at_least_once));
+    EXPECT_LT(std::chrono::steady_clock::now() - before, 5s) << "congestion was not heard";
+    EXPECT_TRUE(pose_comes());
+}
+
 TEST_F(Persistence, AnImpossibleStoreIsRefusedWithExitCode2) {
     std::ofstream(path) << "a diary";
     BrokerProcess broker({"--listen", addresses.service(1), "--store", path});

@@ -127,6 +127,21 @@ TEST_F(Subscribing, SameFilterAgainReplacesTheSubscription) {  // 6.9f
     broker.expects_mirror_to_agree();
 }
 
+TEST_F(Subscribing, RefusalsPromiseNothingAndWaitForNoEvent) {
+    publisher.registers("a");  // later than the last promise to the robot
+    broker.core.set_congested(true);
+    EXPECT_EQ(subscribes({TopicIdType::normal, "a", {}}).return_code, ReturnCode::congestion);
+    EXPECT_LT(broker.last_after, broker.core.last_seq());
+    broker.core.set_congested(false);
+    EXPECT_EQ(subscribes({TopicIdType::normal, "#/a", {}}).return_code, ReturnCode::not_supported);
+    EXPECT_LT(broker.last_after, broker.core.last_seq());
+    robot.says(Register{no_topic_id, MsgId{1}, "a/#"});
+    EXPECT_EQ(robot.hears<Regack>().return_code, ReturnCode::not_supported);
+    EXPECT_LT(broker.last_after, broker.core.last_seq());
+    subscribes({TopicIdType::normal, "a", {}});
+    EXPECT_EQ(broker.last_after, broker.core.last_seq());
+}
+
 TEST_F(Subscribing, UnsubscribeIsAlwaysAcknowledged) {  // 6.9h
     robot.says(Unsubscribe{MsgId{3}, {TopicIdType::normal, "never", {}}});
     EXPECT_EQ(robot.hears<Unsuback>().msg_id, MsgId{3});
