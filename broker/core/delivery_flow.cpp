@@ -27,8 +27,8 @@ constexpr int often_enough = 8;
 
 /// When a sending is over: the client was heard since, and the message is still open.
 void count_pass(Exchange& exchange) {
-    const bool was_alone = exchange.cell_patience == Duration{0};
-    const bool counts = was_alone && exchange.heard_since && exchange.kind != Kind::registering;
+    const bool was_sent = exchange.sendings != 0;  // to it alone, and it has no leave to wait
+    const bool counts = was_sent && exchange.heard_since && exchange.kind != Kind::registering;
     if (counts && exchange.ignored < often_enough) ++exchange.ignored;
 }
 
@@ -341,7 +341,13 @@ void DeliveryFlow::on_puback(Session& session, const mqttsn::Puback& message, Tu
         }
         end_at_cell(session, 0, turn);
     } else if (message.return_code == ReturnCode::congestion) {
-        return;  // the retry comes later, as it should
+        open(session, Kind::publishing, exchange.msg_id, exchange.topic);
+        if (session.header.state == SessionState::awake) {  // all else waits for its next awakening
+            outbox_.send(session, mqttsn::Pingresp{}, Gate::open, turn);
+            return fall_asleep(session, turn);
+        }
+        session.exchange.retry_at = turn.now + tables_.options.t_wait;
+        schedule(tables_, session);
     } else if (exchange.refused) {
         drop_front(session, Drop::refused_by_client, turn);
         go_on(session, turn);

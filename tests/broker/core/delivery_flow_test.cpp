@@ -375,6 +375,52 @@ TEST_F(Delivering, CongestionHoldsUpTheMessagesOfItsTopicAlone) {  // G16
     broker.expects_mirror_to_agree();
 }
 
+TEST_F(Delivering, PublishAnsweredByCongestionIsSentAgainAfterTwaitAndNeverLost) {  // 6.13
+    robot.subscribes("a");
+    publishes("a", "1", Qos::at_least_once);
+    publishes("a", "2", Qos::exactly_once);
+    for (int time = 0; time < 10; ++time) {
+        acknowledges(robot.hears<Publish>(), ReturnCode::congestion);
+        broker.waits(4min);
+        robot.hears_nothing();
+        gives_a_sign_of_life();
+        broker.waits(1min);
+    }
+    EXPECT_TRUE(robot.hears_publish("1", Qos::at_least_once).dup);
+    robot.hears_publish("2", Qos::exactly_once);
+    EXPECT_EQ(broker.dropped(Drop::retries_exhausted), 0u);
+    broker.expects_mirror_to_agree();
+}
+
+TEST_F(Delivering, CongestionOfAClientThatIsAskedForASignOfLifeIsHeededToo) {  // G5, 6.13
+    robot.subscribes("a");
+    publishes("a", "1", Qos::at_least_once);
+    const auto publish = robot.hears<Publish>();
+    broker.waits(10min);
+    robot.ignores_what_came();
+    acknowledges(publish, ReturnCode::congestion);
+    broker.waits(4min);
+    robot.hears_nothing();
+    broker.waits(1min);
+    robot.hears_publish("1", Qos::at_least_once);
+    robot.hears_nothing();
+}
+
+TEST_F(Delivering, AMessageThatIsPassedOverAfterCongestionHasAllItsTimes) {  // G5, 6.13
+    robot.subscribes("a");
+    publishes("a", "too long", Qos::at_least_once);
+    acknowledges(robot.hears<Publish>(), ReturnCode::congestion);
+    gives_a_sign_of_life();
+    broker.waits(5min);
+    for (int sending = 0; sending < 4; ++sending) {
+        EXPECT_EQ(broker.dropped(Drop::retries_exhausted), 0u);
+        EXPECT_EQ(as_text(robot.hears<Publish>().data), "too long");
+        gives_a_sign_of_life();
+        broker.waits(10s);
+    }
+    EXPECT_EQ(broker.dropped(Drop::retries_exhausted), 1u);
+}
+
 TEST_F(Delivering, WhatWaitsForCongestionToEndCountsInTheQueue) {  // P8, G16
     BrokerOptions options = logging_options();
     options.limits.queued_per_session = 4;

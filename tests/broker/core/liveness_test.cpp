@@ -347,6 +347,27 @@ TEST_F(Living, WhatASleeperPassesOverIsCountedFromOneAwakeningToTheNext) {  // G
     broker.expects_mirror_to_agree();
 }
 
+TEST_F(Living, CongestionOfAnAwakeClientLetsItSleepOn) {  // G10
+    robot.connects();
+    robot.subscribes("cmd");
+    publisher.connects();
+    falls_asleep(1000);
+    publishes("x", Qos::at_least_once);
+    for (int awakening = 0; awakening < 10; ++awakening) {
+        robot.says(Pingreq{"robot"});
+        const auto publish = robot.hears<Publish>();
+        robot.says(Puback{publish.topic, publish.msg_id, ReturnCode::congestion});
+        robot.hears<Pingresp>();
+        EXPECT_EQ(state_of(robot), SessionState::asleep);
+    }
+    broker.waits(10min);
+    robot.says(Pingreq{"robot"});
+    robot.hears_publish("x", Qos::at_least_once);
+    robot.hears<Pingresp>();
+    EXPECT_EQ(broker.dropped(Drop::retries_exhausted), 0u);
+    broker.expects_mirror_to_agree();
+}
+
 TEST_F(Living, PingreqWhileAwakeAsksForTheOpenMessageAgain) {  // G10
     robot.connects();
     robot.subscribes("cmd");
