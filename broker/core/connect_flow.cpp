@@ -186,6 +186,7 @@ void ConnectFlow::accept(const Origin& origin, const Prompt& prompt, WillAnswer 
     session->heard_at = turn.now;
     session->probe_at = never;
     session->exchange = {};
+    session->late_answer = {};  // its client may use that msg id for another message
     session->pauses.clear();
     if (prompt.clean) {
         lifecycle_.wipe(*session);

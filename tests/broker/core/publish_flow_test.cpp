@@ -454,6 +454,24 @@ TEST_F(PublishingWithShortQueues, AnAnswerThatIsOwedIsForgottenWithItsSession) {
     robot.hears_nothing();
 }
 
+TEST_F(PublishingWithShortQueues, AnAnswerThatIsOwedIsForgottenWhenItsSessionIsResumed) {
+    watcher.subscribes("pose", Qos::at_least_once);
+    ScriptedClient keeper{broker, "keeper"};
+    keeper.connects(false);
+    const TopicId pose = keeper.registers("pose");
+    fill(robot, robot.registers("pose"), 3);
+    keeper.says(qos1(pose, MsgId{1}));
+    keeper.connects(false);  // it has begun anew, and counts its msg ids from 1
+    for (int n = 0; n < 4; ++n) watcher.hears_publish("x", Qos::at_least_once);
+    Publish publish = qos1(pose, MsgId{1});
+    publish.data = as_octets("new");
+    keeper.says(publish);
+    watcher.hears_publish("new", Qos::at_least_once);
+    EXPECT_EQ(keeper.hears<Puback>().msg_id, MsgId{1});
+    broker.waits(1s);
+    keeper.hears_nothing();
+}
+
 TEST_F(Publishing, SubscribingAgainSendsTheRetainedMessageAgain) {  // 6.9f, M-3.8.4-3
     robot.publishes(robot.registers("map"), "grid", Qos::at_most_once, true);
     for (int i = 0; i < 2; ++i) {
