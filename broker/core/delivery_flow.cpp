@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "broker/core/session_deadline.h"
+#include "romano/base/printable.h"
 
 namespace romano::broker {
 
@@ -86,10 +87,10 @@ DeliveryFlow::Readiness DeliveryFlow::prepare(Session& session, WireTopic& topic
         if (topic.id == mqttsn::no_topic_id) {
             tables_.count(Drop::no_room);
             tables_.notes.say(turn.now, turn.out, [&] {
-                return "client '" + session.header.client_id + "' has " +
+                return "client '" + printable(session.header.client_id) + "' has " +
                        std::to_string(session.topics.size()) +
                        " topic ids and can be given no more (max-topics): what comes on '" +
-                       std::string{name} + "' is dropped for this client";
+                       printable(name) + "' is dropped for this client";
             });
             return Readiness::impossible;
         }
@@ -512,9 +513,9 @@ void DeliveryFlow::give_up(Session& session, Turn& turn) {
     } else if (is_passed_over(session)) {
         tables_.notes.say(turn.now, turn.out, [&] {
             const Message& message = *session.queue.current().message;
-            return "client '" + session.header.client_id + "' answers, but not to a message of " +
-                   std::to_string(message.payload.size()) + " octets on '" + message.topic +
-                   "': it is dropped for this client";
+            return "client '" + printable(session.header.client_id) +
+                   "' answers, but not to a message of " + std::to_string(message.payload.size()) +
+                   " octets on '" + printable(message.topic) + "': it is dropped for this client";
         });
         drop_front(session, Drop::retries_exhausted, turn);
         go_on(session, turn);

@@ -4,22 +4,13 @@
 #include <string>
 #include <utility>
 
+#include "romano/base/printable.h"
+
 namespace romano::broker {
 namespace {
 
 constexpr std::array<const char*, refused_kinds> deeds = {"publish on", "register", "subscribe to",
                                                           "have a will on", "read"};
-
-/// A topic is whatever a client sends: no octet of it ends the line or moves a terminal's cursor.
-std::string printable(std::string_view text) {
-    constexpr std::size_t most = 100;
-    std::string out;
-    for (const char c : text.substr(0, most)) {
-        const auto octet = static_cast<unsigned char>(c);
-        out += octet < 0x20 || octet >= 0x7F ? '?' : c;
-    }
-    return text.size() > most ? out + "..." : out;
-}
 
 }  // namespace
 

@@ -5,6 +5,7 @@
 #include <chrono>
 #include <utility>
 
+#include "romano/base/printable.h"
 #include "romano/mqttsn/codec.h"
 
 namespace romano::overlay {
@@ -128,11 +129,12 @@ void CarriedUplink::warn_of_long(Instant now, const uplink::FromRemote& message,
     ++too_long_;
     if (now < warn_again_at_) return;
     warn_again_at_ = now + warn_again_after;
-    local.push_back(cluster::Notice{
-        "the message of " + std::to_string(message.payload.size()) + " octets that came for '" +
-            message.topic + "' is dropped: MQTT-SN clients can be sent " + std::to_string(most) +
-            " (max-payload-octets); " + std::to_string(too_long_) + " so far",
-        true});
+    local.push_back(cluster::Notice{"the message of " + std::to_string(message.payload.size()) +
+                                        " octets that came for '" + printable(message.topic) +
+                                        "' is dropped: MQTT-SN clients can be sent " +
+                                        std::to_string(most) + " (max-payload-octets); " +
+                                        std::to_string(too_long_) + " so far",
+                                    true});
 }
 
 void CarriedUplink::on_for_owner(const broker::MessagePtr& message,

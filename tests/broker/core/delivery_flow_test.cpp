@@ -241,6 +241,39 @@ TEST_F(Delivering, WhoHasAllTopicIdsGetsNoMessageOfAnotherNameAndPeopleAreTold) 
     small.expects_mirror_to_agree();
 }
 
+TEST_F(Delivering, WarningsShowNoOctetThatEndsTheLineOrMovesTheCursor) {
+    BrokerOptions options = logging_options();
+    options.limits.topics_per_session = 1;
+    ScriptedBroker small{options};
+    ScriptedClient source{small, "source"};
+    ScriptedClient monitor{small, "moni\x1b[2Jtor"};
+    source.connects();
+    monitor.connects();
+    monitor.subscribes("#");
+    const TopicId topic = source.registers("1\n2");
+    source.publishes(topic, "1");
+    const auto told = monitor.hears<Register>();
+    monitor.says(Regack{told.topic_id, told.msg_id, ReturnCode::accepted});
+    monitor.hears_publish("1");
+    ScriptedClient another{small, "another"};
+    another.connects();
+    another.publishes(another.registers("3\n4"), "2");
+    source.publishes(topic, "too long", Qos::at_least_once);
+    for (int sending = 0; sending < 4; ++sending) {
+        monitor.hears<Publish>();
+        monitor.says(Pingreq{});
+        monitor.hears<Pingresp>();
+        small.waits(10s);
+    }
+    ASSERT_EQ(small.notes.size(), 2u);
+    EXPECT_EQ(small.notes[0].find_first_of("\n\x1b"), std::string::npos) << small.notes[0];
+    EXPECT_NE(small.notes[0].find("'moni?[2Jtor'"), std::string::npos) << small.notes[0];
+    EXPECT_NE(small.notes[0].find("on '3?4'"), std::string::npos) << small.notes[0];
+    EXPECT_NE(small.notes[1].find("'moni?[2Jtor'"), std::string::npos) << small.notes[1];
+    EXPECT_NE(small.notes[1].find("on '1?2'"), std::string::npos) << small.notes[1];
+    EXPECT_EQ(small.notes[1].find_first_of("\n\x1b"), std::string::npos) << small.notes[1];
+}
+
 TEST_F(Delivering, UnknownIdIsRegisteredAndPublishedOnceMore) {  // 6.10e, G21
     const TopicId id = robot.subscribes("a");
     publishes("a", "x", Qos::at_least_once);

@@ -360,6 +360,17 @@ TEST_F(MemberWithUplink, AMessageTooLongForMqttSnIsDroppedToldAndAcknowledged) {
     EXPECT_THAT(brokers.warnings(1).back(), testing::HasSubstr("3 so far"));
 }
 
+TEST_F(MemberWithUplink, TheWarningOfALongMessageShowsNoOctetThatEndsTheLine) {
+    start({1});
+    brokers.uplink_up(1, false);
+    uplink::FromRemote message =
+        from_remote(std::string(brokers.member(1).broker().limits().payload_octets + 1, 'x'), 7);
+    message.topic = "fleet/\n\x1b[2J";
+    brokers.uplink_brings(1, message, 1);
+    ASSERT_EQ(brokers.warnings(1).size(), 1U);
+    EXPECT_THAT(brokers.warnings(1)[0], testing::HasSubstr("for 'fleet/??[2J'"));
+}
+
 TEST_F(MemberWithUplink, AcknowledgesOnlyWhatAPeerHolds) {
     start({1, 2});
     brokers.uplink_up(2, false);
