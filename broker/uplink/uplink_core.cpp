@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <utility>
 
 #include "romano/base/fnv1a.h"
 #include "romano/mqttsn/topic.h"
@@ -15,7 +16,7 @@ using mqttsn::Qos;
 
 namespace {
 
-// "~SESSION/PACKET-ID-DIGEST": no network's name begins so.
+// "~SESSION/PACKET_ID-DIGEST": no network's name begins so.
 constexpr char without_name = '~';
 
 std::string hex(std::uint64_t number) {
@@ -52,8 +53,11 @@ void UplinkCore::hold(bool holds, std::vector<UplinkAction>& out) {
 
 void UplinkCore::on_up(bool resumed) {
     up_ = holds_;
+    came_.reset();
     // A session that is new at the MQTT broker counts its packet ids anew.
-    if (!resumed || mqtt_session_.empty()) mqtt_session_ = hex(unique_) + '.' + hex(++counted_);
+    if (!resumed || mqtt_session_.empty()) {
+        begin_mqtt_session(hex(unique_) + '.' + hex(++counted_));
+    }
 }
 
 void UplinkCore::send(std::span<const Delivery> waiting, const LogPosition& safe,
@@ -114,6 +118,8 @@ void UplinkCore::on_answer(const LogPosition& position, Answer answer) {
 
 std::optional<Inbound> UplinkCore::receive(const FromRemote& message) {
     ++counters_.received;
+    const bool is_first = !came_[message.packet_id];
+    came_.set(message.packet_id);
     const auto place = rules_.to_local(message.topic, message.qos);
     if (!place) {
         ++counters_.unwanted;
@@ -126,7 +132,7 @@ std::optional<Inbound> UplinkCore::receive(const FromRemote& message) {
         return std::nullopt;
     }
     std::string origin = named ? message.identity : identity_of(message);
-    if (seen_.contains(origin)) {
+    if (named ? seen_.contains(origin) : is_first && is_newest(message)) {
         ++counters_.duplicates;
         return std::nullopt;
     }
@@ -135,8 +141,35 @@ std::optional<Inbound> UplinkCore::receive(const FromRemote& message) {
 
 void UplinkCore::remember(const std::string& origin) {
     if (origin.ends_with('/')) return;  // of QoS 0, without a name
-    if (!seen_.add(origin) || origin.front() != without_name) return;
-    mqtt_session_ = origin.substr(1, origin.find('/') - 1);
+    const bool is_new = seen_.add(origin);
+    if (origin.front() != without_name) return;
+    const std::size_t slash = origin.find('/');
+    std::string session = origin.substr(1, slash - 1);
+    if (session != mqtt_session_) {
+        if (!is_new) return;
+        begin_mqtt_session(std::move(session));
+    }
+    note_newest(std::string_view{origin}.substr(slash + 1));
+}
+
+void UplinkCore::begin_mqtt_session(std::string name) {
+    mqtt_session_ = std::move(name);
+    newest_.clear();
+}
+
+void UplinkCore::note_newest(std::string_view packet) {
+    const char* const end = packet.data() + packet.size();
+    std::uint16_t id = 0;
+    std::uint64_t sum = 0;
+    const auto behind_id = std::from_chars(packet.data(), end, id).ptr;
+    if (behind_id == end || std::from_chars(behind_id + 1, end, sum, 16).ptr != end) return;
+    newest_.resize(packet_ids);
+    newest_[id] = sum;
+}
+
+bool UplinkCore::is_newest(const FromRemote& message) const {
+    if (message.packet_id == 0 || newest_.empty()) return false;  // QoS 0 comes once
+    return newest_[message.packet_id] == digest(message);
 }
 
 std::string UplinkCore::identity_of(const LogPosition& position) const {

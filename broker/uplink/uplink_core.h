@@ -7,14 +7,20 @@
 //
 // Each message has an identity that travels with it: "NETWORK/LOG/SEQ" for what this network's
 // clients published, so that another network takes it once however often it comes; a repetition of
-// what anybody else published is known by the MQTT session, its packet id and its contents.
+// what anybody else published is known by the MQTT session, its packet id and its contents. The
+// MQTT broker uses an id again as soon as it is answered, and repeats nothing within a connection
+// (MQTT 5, 4.4): only what comes first under an id may be a repetition, and only of what came last
+// under it.
 #pragma once
 
+#include <bitset>
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <variant>
 #include <vector>
 
@@ -101,6 +107,7 @@ public:
     /// So many messages of QoS 1 and 2 are on their way at a time.
     static constexpr std::size_t window = 64;
     static constexpr std::size_t longest_identity = 128;
+    static constexpr std::size_t packet_ids = 65'536;
 
     /// `unique` differs between all lives of all brokers.
     UplinkCore(const UplinkOptions& options, std::uint64_t unique);
@@ -136,6 +143,10 @@ private:
     [[nodiscard]] std::string identity_of(const broker::LogPosition& position) const;
     /// Of a message whose publisher gave it none.
     [[nodiscard]] std::string identity_of(const FromRemote& message) const;
+    void begin_mqtt_session(std::string name);
+    /// Of a message without an identity that has come already.
+    void note_newest(std::string_view packet);
+    [[nodiscard]] bool is_newest(const FromRemote& message) const;
 
     std::string network_;
     TopicRules rules_;
@@ -147,6 +158,8 @@ private:
     std::vector<broker::LogPosition> on_their_way_;
     bool is_busy_ = false;  // the MQTT broker, since one of them came back
     SeenIdentities seen_;
+    std::bitset<packet_ids> came_;       // since the link is up
+    std::vector<std::uint64_t> newest_;  // by packet id: the digest of what came last; 0: nothing
     UplinkCounters counters_;
 };
 

@@ -221,9 +221,33 @@ TEST_F(Uplink, OurOwnMessagesDoNotComeBack) {
 TEST_F(Uplink, WithoutAnIdentityTheSessionThePacketIdAndTheContentsTell) {
     connect(false);
     EXPECT_TRUE(takes(from_remote("", 1)));
+    core.on_up(true);
     EXPECT_FALSE(takes(from_remote("", 1)));
     EXPECT_TRUE(takes(from_remote("", 2)));
+    core.on_up(true);
     EXPECT_TRUE(takes(from_remote("", 1, 9)));
+}
+
+TEST_F(Uplink, APacketIdThatIsUsedAgainOnTheSameConnectionIsOfANewMessage) {
+    connect(false);
+    EXPECT_TRUE(takes(from_remote("", 1, 1)));
+    EXPECT_TRUE(takes(from_remote("", 1, 2)));
+    EXPECT_TRUE(takes(from_remote("", 1, 1)));
+    EXPECT_TRUE(takes(from_remote("", 1, 1)));
+    core.on_up(true);
+    EXPECT_FALSE(takes(from_remote("", 1, 1))) << "its answer was lost with the connection";
+    EXPECT_TRUE(takes(from_remote("", 1, 1)));
+    EXPECT_EQ(core.counters().duplicates, 1U);
+}
+
+TEST_F(Uplink, OnlyWhatCameLastUnderAPacketIdIsRepeated) {
+    connect(false);
+    EXPECT_TRUE(takes(from_remote("", 1, 1)));
+    EXPECT_TRUE(takes(from_remote("", 1, 2)));
+    core.on_up(true);
+    EXPECT_TRUE(takes(from_remote("", 1, 1)));
+    core.on_up(true);
+    EXPECT_FALSE(takes(from_remote("", 1, 1)));
 }
 
 TEST_F(Uplink, ANewSessionAtTheMqttBrokerCountsAnew) {
@@ -255,6 +279,7 @@ TEST_F(Uplink, AnIdentityThatNobodyMayHaveIsNone) {
     connect(false);
     EXPECT_TRUE(takes(from_remote(std::string(1000, 'x'), 1)));
     EXPECT_TRUE(takes(from_remote("~forged/1-2", 2)));
+    core.on_up(true);
     EXPECT_FALSE(takes(from_remote("~forged/3-4", 2)));  // the same packet again
 }
 

@@ -336,6 +336,7 @@ TEST_F(MemberWithUplink, BringsAMessageToEveryBrokersSubscribersOnce) {
     brokers.uplink_up(2, false);
     Robot& robot = subscriber(1);
     brokers.uplink_brings(2, from_remote("go", 7), 1);
+    brokers.uplink_up(2, true);
     brokers.uplink_brings(2, from_remote("go", 7), 2);
     brokers.run_for(500ms);
     EXPECT_THAT(robot.received(), ElementsAre("go"));
