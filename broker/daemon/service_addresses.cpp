@@ -25,7 +25,10 @@ boost::system::error_code serve_moved(net::UdpService& udp, net::MovedAddresses&
     auto error = udp.open(address, net::Bind::beside);
     if (error == boost::system::errc::address_not_available) {
         error = moved.add(address);
-        if (!error) error = udp.open(address, net::Bind::beside);
+        if (!error) {
+            error = udp.open(address, net::Bind::beside);
+            if (error) moved.take_back(address);
+        }
     }
     if (!error) error = moved.lease_on(address);
     if (error) {

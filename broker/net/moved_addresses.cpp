@@ -81,6 +81,15 @@ error_code MovedAddresses::add(const Endpoint& address) {
     return {};
 }
 
+// Also when a socket is bound there: it is a stranger's, of all addresses of the machine perhaps,
+// and robots would be led to it.
+void MovedAddresses::take_back(const Endpoint& address) {
+    const auto moved = moved_.find(address);
+    if (moved == moved_.end()) return;
+    (void)remove_address(address, moved->second.interface);
+    moved_.erase(moved);
+}
+
 error_code MovedAddresses::lease_on(const Endpoint& address) {
     const auto moved = moved_.find(address);
     const bool is_ours = moved != moved_.end() && moved->second.added;

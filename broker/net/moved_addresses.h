@@ -45,6 +45,8 @@ public:
     static void forget_earlier_life(const Endpoint& address);
     /// Gives the machine the address.
     [[nodiscard]] boost::system::error_code add(const Endpoint& address);
+    /// Undoes add(): the address could not be served here.
+    void take_back(const Endpoint& address);
     /// The address is served here from now on: when another broker of this machine had added it,
     /// its lease would end.
     [[nodiscard]] boost::system::error_code lease_on(const Endpoint& address);

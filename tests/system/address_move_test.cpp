@@ -20,6 +20,7 @@
 #include <thread>
 
 #include "broker/net/endpoint_text.h"
+#include "broker/net/socket_address.h"
 #include "experiments/process/lan.h"
 #include "experiments/process/program.h"
 #include "tests/system/broker_process.h"
@@ -71,6 +72,24 @@ private:
     static constexpr ssize_t ether_arp_end = sizeof(ether_header) + sizeof(ether_arp);
 
     Endpoint wanted_;
+    int socket_;
+};
+
+/// A program that has a port of its machine, at all addresses of the family.
+class Stranger {
+public:
+    /// On the machine of the calling thread.
+    explicit Stranger(const Endpoint& everywhere)
+        : socket_(::socket(net::to_socket_address(everywhere).any.sa_family,
+                           SOCK_DGRAM | SOCK_CLOEXEC, 0)) {
+        const net::SocketAddress wanted = net::to_socket_address(everywhere);
+        EXPECT_EQ(::bind(socket_, &wanted.any, wanted.size), 0);
+    }
+    ~Stranger() { ::close(socket_); }
+    Stranger(const Stranger&) = delete;
+    Stranger& operator=(const Stranger&) = delete;
+
+private:
     int socket_;
 };
 
@@ -287,6 +306,34 @@ TEST_P(AddressMove, WhoMayNotServePlainClientsTakesNoPlainAddressOver) {
     })) << r2->errors();
     EXPECT_NE(r2->errors().find("--allow-plain for plain addresses"), std::string::npos);
     EXPECT_FALSE(lan.has_address(2, address(1)));
+}
+
+TEST_P(AddressMove, WhoCannotServeAnAddressDoesNotKeepIt) {
+    std::string where = service(1);
+    where.back() = '4';
+    const auto r1 = start(1, where);
+    const auto r2 = start(2);
+    for (const auto& broker : {r1.get(), r2.get()}) {
+        broker->wait_until_serving();
+        ASSERT_TRUE(eventually([&] {
+            return broker->errors().find(" of 2, led by ") != std::string::npos;
+        })) << broker->errors();
+    }
+    {
+        const Lan::On on(lan, client_host);
+        TestClient client(*net::parse_endpoint(GetParam().any), *net::parse_endpoint(where), "c");
+        ASSERT_TRUE(client.connect());  // r2 holds its session before it has its answer
+    }
+    Endpoint everywhere = *net::parse_endpoint(GetParam().any);
+    everywhere.port = 1884;
+    const Lan::On on(lan, 2);
+    const Stranger stranger(everywhere);
+    r1->kill_9();
+    ASSERT_TRUE(eventually([&] {
+        return r2->errors().find("cannot serve " + where) != std::string::npos;
+    })) << r2->errors();
+    EXPECT_TRUE(eventually([&] { return !lan.has_address(2, address(1)); }))
+        << "its lease is renewed";
 }
 
 TEST_P(AddressMove, WithoutTheRightAnAddressOfItsOwnThatTheMachineLacksIsRefused) {
