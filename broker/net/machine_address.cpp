@@ -106,24 +106,38 @@ struct LeaseSearch {
     bool found = false;
 };
 
-int compare_attribute(const nlattr* attribute, void* data) {
-    auto& search = *static_cast<LeaseSearch*>(data);
-    const std::size_t size = octets_of(search.endpoint);
-    search.found =
-        mnl_attr_get_type(attribute) == IFA_ADDRESS &&
-        mnl_attr_get_payload_len(attribute) == size &&
-        std::memcmp(mnl_attr_get_payload(attribute), search.endpoint.address.data(), size) == 0;
-    return search.found ? MNL_CB_STOP : MNL_CB_OK;
+struct Entry {
+    const Endpoint& wanted;
+    bool is_wanted = false;
+    std::uint32_t flags = 0;
+};
+
+int read_attribute(const nlattr* attribute, void* data) {
+    auto& entry = *static_cast<Entry*>(data);
+    const std::size_t size = octets_of(entry.wanted);
+    const std::size_t given = mnl_attr_get_payload_len(attribute);
+    if (mnl_attr_get_type(attribute) == IFA_ADDRESS && given == size) {
+        entry.is_wanted =
+            std::memcmp(mnl_attr_get_payload(attribute), entry.wanted.address.data(), size) == 0;
+    } else if (mnl_attr_get_type(attribute) == IFA_FLAGS && given == sizeof entry.flags) {
+        entry.flags = mnl_attr_get_u32(attribute);
+    }
+    return MNL_CB_OK;
 }
 
-/// One entry of the kernel's list: is it this very address, alone and for a while?
+/// One entry of the kernel's list: is it this very address, as add_address() makes it? One that
+/// DHCP gave may be alone and for a while, too, but it is preferred.
 int compare_entry(const nlmsghdr* header, void* data) {
-    const auto& search = *static_cast<LeaseSearch*>(data);
+    auto& search = *static_cast<LeaseSearch*>(data);
     if (mnl_nlmsg_get_payload_len(header) < sizeof(ifaddrmsg)) return MNL_CB_OK;
-    const auto& entry = *static_cast<const ifaddrmsg*>(mnl_nlmsg_get_payload(header));
-    const bool may_be = (entry.ifa_flags & IFA_F_PERMANENT) == 0 &&
-                        entry.ifa_prefixlen == 8 * octets_of(search.endpoint);
-    return may_be ? mnl_attr_parse(header, sizeof entry, compare_attribute, data) : MNL_CB_OK;
+    const auto& fixed = *static_cast<const ifaddrmsg*>(mnl_nlmsg_get_payload(header));
+    if (fixed.ifa_prefixlen != 8 * octets_of(search.endpoint)) return MNL_CB_OK;
+    Entry entry{search.endpoint};
+    (void)mnl_attr_parse(header, sizeof fixed, read_attribute, &entry);
+    constexpr std::uint32_t ours = IFA_F_DEPRECATED | IFA_F_NOPREFIXROUTE;
+    const bool is_ours = (entry.flags & (ours | IFA_F_PERMANENT)) == ours;
+    search.found = search.found || (entry.is_wanted && is_ours);
+    return MNL_CB_OK;
 }
 
 }  // namespace

@@ -25,7 +25,7 @@ enum class InterfaceIndex : unsigned {};
 [[nodiscard]] boost::system::error_code add_address(const Endpoint& endpoint,
                                                     InterfaceIndex interface,
                                                     std::chrono::seconds lease);
-/// The machine has it alone and for a while: somebody added it as add_address() does.
+/// A broker added it by add_address(), and nobody else.
 [[nodiscard]] bool is_leased(const Endpoint& endpoint);
 [[nodiscard]] boost::system::error_code remove_address(const Endpoint& endpoint,
                                                        InterfaceIndex interface);

@@ -20,6 +20,8 @@
 #include <thread>
 
 #include "broker/net/endpoint_text.h"
+#include "broker/net/machine_address.h"
+#include "broker/net/moved_addresses.h"
 #include "broker/net/socket_address.h"
 #include "experiments/process/lan.h"
 #include "experiments/process/program.h"
@@ -379,6 +381,30 @@ TEST_P(AddressMove, ABrokerOfTheSameMachineKeepsTheAddressThere) {
     r2->signal(SIGTERM);
     EXPECT_EQ(r2->wait_for_exit(), 0);
     EXPECT_TRUE(is_there_for(1s)) << "r2 ends, and takes with it what r1 serves";
+}
+
+TEST_P(AddressMove, WhatTheMachineGotByDhcpIsNoLeaseOfABroker) {
+    const Lan::On on(lan, 1);
+    const std::string prefix = uses_arp() ? "/32" : "/128";
+    for (const char* preferred_for : {"200", "0"}) {
+        const auto ip = experiments::run_program(
+            "ip", {"address", "replace", address(1) + prefix, "dev", "eth0", "valid_lft", "300",
+                   "preferred_lft", preferred_for});
+        ASSERT_EQ(ip.exit_code, 0) << ip.output;
+        net::MovedAddresses::forget_earlier_life(*net::parse_endpoint(service(1)));
+        EXPECT_TRUE(lan.has_address(1, address(1))) << "preferred for " << preferred_for << " s";
+    }
+}
+
+TEST_P(AddressMove, WhatAnEarlierLifeAddedIsForgotten) {
+    const Lan::On on(lan, 1);
+    const Endpoint endpoint = *net::parse_endpoint(service(1));
+    for (int times = 1; times <= 2; ++times) {  // it is renewed
+        ASSERT_FALSE(net::add_address(endpoint, *net::interface_towards(endpoint), 60s));
+    }
+    EXPECT_TRUE(net::is_leased(endpoint));
+    net::MovedAddresses::forget_earlier_life(endpoint);
+    EXPECT_FALSE(lan.has_address(1, address(1)));
 }
 
 INSTANTIATE_TEST_SUITE_P(Of, AddressMove,
