@@ -44,6 +44,14 @@ bool is_of_this_machine(Endpoint address) {
     return why_not_bound(address) == 0;
 }
 
+error_code add_on(const Endpoint& address, InterfaceIndex interface) {
+    // Where these are refused, clients of an address that goes back may have to say something
+    // twice, and brokers that were cut off need a second more to be back.
+    if (address.family == Endpoint::Family::ipv4) (void)ask_neighbours_as_itself(interface);
+    (void)ask_neighbours_again_after(neighbours_are_asked_again_after, address.family, interface);
+    return add_address(address, interface, lease);
+}
+
 }  // namespace
 
 MovedAddresses::~MovedAddresses() {
@@ -71,11 +79,7 @@ void MovedAddresses::forget_earlier_life(const Endpoint& address) {
 error_code MovedAddresses::add(const Endpoint& address) {
     const auto interface = interface_towards(address);
     if (!interface) return make_error_code(boost::system::errc::address_not_available);
-    // Where these are refused, clients of an address that goes back may have to say something
-    // twice, and brokers that were cut off need a second more to be back.
-    if (address.family == Endpoint::Family::ipv4) (void)ask_neighbours_as_itself(*interface);
-    (void)ask_neighbours_again_after(neighbours_are_asked_again_after, address.family, *interface);
-    if (const auto error = add_address(address, *interface, lease)) return error;
+    if (const auto error = add_on(address, *interface)) return error;
     moved_.insert_or_assign(address, Moved{.interface = *interface, .added = true});
     wait();
     return {};
@@ -136,7 +140,7 @@ void MovedAddresses::wait() {
 
 void MovedAddresses::renew() {
     for (auto& [address, moved] : moved_) {
-        if (moved.added) (void)add_address(address, moved.interface, lease);
+        if (moved.added) renew_lease(address, moved);
         if (may_repeat_(address)) (void)neighbours_.announce(address, moved.interface);
         --(moved.quick_announcements_left > 0 ? moved.quick_announcements_left
                                               : moved.announcements_left);
@@ -144,6 +148,19 @@ void MovedAddresses::renew() {
     std::erase_if(moved_, [](const auto& entry) {
         return !entry.second.added && entry.second.announcements_left <= 0;
     });
+}
+
+/// The interface may have been made anew since, under another number.
+void MovedAddresses::renew_lease(const Endpoint& address, Moved& moved) {
+    auto error = add_address(address, moved.interface, lease);
+    if (error) {
+        if (const auto interface = interface_towards(address)) {
+            error = add_on(address, *interface);
+            if (!error) moved.interface = *interface;
+        }
+    }
+    const bool was_lost = std::exchange(moved.lost, bool{error});
+    if (error && !was_lost) on_lost_(address, error);
 }
 
 }  // namespace romano::net

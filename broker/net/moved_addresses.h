@@ -29,8 +29,12 @@ public:
     /// Whether the neighbours may be told again of an address that is here.
     using MayRepeat = std::function<bool(const Endpoint& address)>;
 
-    MovedAddresses(boost::asio::io_context& io, MayRepeat may_repeat)
-        : timer_(io), may_repeat_(std::move(may_repeat)) {}
+    /// What was added here will be gone in a moment, and why. Once, until it can be leased again.
+    using OnLost =
+        std::function<void(const Endpoint& address, const boost::system::error_code& why)>;
+
+    MovedAddresses(boost::asio::io_context& io, MayRepeat may_repeat, OnLost on_lost)
+        : timer_(io), may_repeat_(std::move(may_repeat)), on_lost_(std::move(on_lost)) {}
     /// Removes what was added.
     ~MovedAddresses();
     MovedAddresses(const MovedAddresses&) = delete;
@@ -61,6 +65,7 @@ private:
     struct Moved {
         InterfaceIndex interface;
         bool added = false;
+        bool lost = false;  // and told of
         int quick_announcements_left = 0;
         int announcements_left = 0;  // behind these; of one that the machine has anyway
     };
@@ -68,9 +73,11 @@ private:
     static void let_go(const Endpoint& address, const Moved& moved);
     void wait();
     void renew();
+    void renew_lease(const Endpoint& address, Moved& moved);
 
     boost::asio::steady_timer timer_;
     MayRepeat may_repeat_;
+    OnLost on_lost_;
     bool waiting_ = false;
     std::map<Endpoint, Moved> moved_;
     NeighbourAnnouncer neighbours_;

@@ -81,7 +81,12 @@ ClusterBroker::ClusterBroker(boost::asio::io_context& io, const Settings& settin
       ros2_rules_(settings.ros2 ? read_ros2_rules(settings.ros2->rules_file)
                                 : std::vector<ros2::Rule>{}),
       options_(member_options(settings)),
-      moved_(io, [this](const Endpoint& a) { return !member_ || member_->may_announce(a); }),
+      moved_(
+          io, [this](const Endpoint& a) { return !member_ || member_->may_announce(a); },
+          [](const Endpoint& a, const boost::system::error_code& why) {
+              spdlog::warn("{} goes from this machine, it cannot be added again: {}",
+                           net::to_text(a), why.message());
+          }),
       turns_(net::TurnClock::of(io)),
       udp_(io, *this),
       timer_(io, [this] { on_core_wakeup(); }),

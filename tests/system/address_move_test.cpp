@@ -12,6 +12,7 @@
 
 #include <algorithm>
 #include <array>
+#include <boost/asio/io_context.hpp>
 #include <csignal>
 #include <cstring>
 #include <fstream>
@@ -405,6 +406,29 @@ TEST_P(AddressMove, WhatAnEarlierLifeAddedIsForgotten) {
     EXPECT_TRUE(net::is_leased(endpoint));
     net::MovedAddresses::forget_earlier_life(endpoint);
     EXPECT_FALSE(lan.has_address(1, address(1)));
+}
+
+TEST_P(AddressMove, IsAddedAgainWhenItsInterfaceIsMadeAnew) {
+    const Lan::On on(lan, 1);
+    const auto ip = [](const std::vector<std::string>& words) {
+        const auto done = experiments::run_program("ip", words);
+        ASSERT_EQ(done.exit_code, 0) << done.output;
+    };
+    boost::asio::io_context io;
+    int lost = 0;
+    net::MovedAddresses moved(
+        io, [](const Endpoint&) { return true; }, [&](const Endpoint&, const auto&) { ++lost; });
+    ASSERT_FALSE(moved.add(*net::parse_endpoint(service(1))));
+    ASSERT_TRUE(lan.has_address(1, address(1)));
+    ip({"link", "del", "eth0"});
+    io.run_for(2500ms);
+    EXPECT_EQ(lost, 1) << "is told once";
+    ip({"link", "add", "eth0", "type", "veth", "peer", "name", "other"});
+    ip({"link", "set", "eth0", "up"});
+    ip({"address", "add", uses_arp() ? "10.60.0.1/24" : "fd60::1/64", "dev", "eth0"});
+    io.run_for(1500ms);
+    EXPECT_TRUE(lan.has_address(1, address(1)));
+    EXPECT_EQ(lost, 1);
 }
 
 INSTANTIATE_TEST_SUITE_P(Of, AddressMove,
