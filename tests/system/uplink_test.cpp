@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <fstream>
 #include <map>
 #include <memory>
@@ -210,6 +211,25 @@ TEST_F(Uplink, TheLeadersDeathUnderTrafficLosesNothingAndDoublesNothing) {
     for (int i = 0; i < messages; ++i) EXPECT_TRUE(all_up().contains(std::to_string(i))) << i;
     // Whoever counts identities sees each once, however often it had to be sent.
     for (const auto& [number, identities] : all_up()) EXPECT_THAT(identities, SizeIs(1)) << number;
+}
+
+TEST_F(Uplink, ANewLeaderThatCannotReadTheAuthorityServesOnUntilItCan) {
+    const auto server = mosquitto({mqtt_address(a)});
+    a.start(1, *server, mqtt_address(a));
+    ASSERT_TRUE(wait_for_trace(*a.brokers[1], "uplink: connected"));
+    BrokerProcess& heir = a.start(2, *server, mqtt_address(a));
+    ASSERT_TRUE(wait_for_trace(heir, " of 2, led by ")) << heir.errors();
+    const bool has_changed = heir.errors().find("uplink: connected") != std::string::npos;
+    BrokerProcess& next = *a.brokers[has_changed ? 1 : 2];
+    const std::filesystem::path authority = server->ca_file();
+    std::filesystem::rename(authority, folder / "gone");
+    a.brokers[has_changed ? 2 : 1]->kill_9();
+    ASSERT_TRUE(wait_for_trace(next, "cannot be used")) << next.errors();
+    EXPECT_TRUE(a.client("robot", has_changed ? 1 : 2)->ping());
+    const auto before = next.errors().size();
+    std::filesystem::rename(folder / "gone", authority);
+    ASSERT_TRUE(wait_for_trace(next, "uplink: connected")) << next.errors();
+    EXPECT_EQ(next.errors().find("cannot be used", before), std::string::npos) << next.errors();
 }
 
 TEST_F(Uplink, TwoNetworksOnIpv6AndIpv4HearEachOtherOnceAndNothingComesBack) {

@@ -3,6 +3,7 @@
 #include <spdlog/spdlog.h>
 
 #include <chrono>
+#include <stdexcept>
 #include <utility>
 
 #include "broker/net/turn_clock.h"
@@ -13,6 +14,7 @@ namespace {
 
 // What the MQTT broker shall still hear, that we leave, is worth this at the end of the process.
 constexpr std::chrono::milliseconds farewell{300};
+constexpr std::chrono::seconds opened_again_after{2};
 
 }  // namespace
 
@@ -20,7 +22,8 @@ MqttLink::MqttLink(boost::asio::io_context& io, const MqttSettings& settings, Li
     : io_(io),
       settings_(settings),
       events_(std::move(events)),
-      where_(settings.host + ":" + std::to_string(settings.port)) {
+      where_(settings.host + ":" + std::to_string(settings.port)),
+      pause_(io) {
     const MqttThread usable(io_, settings_, {});  // or it throws, before anything is started
 }
 
@@ -31,7 +34,7 @@ MqttLink::~MqttLink() {
 
 void MqttLink::carry_out(const UplinkAction& action) {
     if (std::holds_alternative<OpenLink>(action)) {
-        open();
+        open_or_wait();
     } else if (std::holds_alternative<CloseLink>(action)) {
         close();
     } else if (const auto* message = std::get_if<PublishUp>(&action)) {
@@ -43,8 +46,9 @@ void MqttLink::carry_out(const UplinkAction& action) {
 
 void MqttLink::open() {
     close();
+    is_wanted_ = true;
     on_their_way_.clear();
-    thread_ = std::make_shared<MqttThread>(
+    const auto thread = std::make_shared<MqttThread>(
         io_, settings_,
         MqttEvents{
             .on_up =
@@ -67,10 +71,29 @@ void MqttLink::open() {
                 },
             .on_message = [this](const FromRemote& message,
                                  std::uint64_t token) { events_.on_message(message, token); }});
-    thread_->start();
+    thread->start();
+    thread_ = thread;
+}
+
+void MqttLink::open_or_wait() {
+    try {
+        open();
+        is_told_ = false;
+    } catch (const std::runtime_error& error) {  // a file that was there at the start is not now
+        if (!std::exchange(is_told_, true)) {
+            spdlog::warn("uplink: no connection to {}, and it is tried again: {}", where_,
+                         error.what());
+        }
+        pause_.expires_after(opened_again_after);
+        pause_.async_wait([this](const boost::system::error_code& cancelled) {
+            if (!cancelled && is_wanted_) open_or_wait();
+        });
+    }
 }
 
 void MqttLink::close() {
+    is_wanted_ = false;
+    pause_.cancel();
     if (!thread_) return;
     thread_->stop();
     closing_ = std::exchange(thread_, nullptr);

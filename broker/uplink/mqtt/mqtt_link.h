@@ -2,6 +2,7 @@
 #pragma once
 
 #include <boost/asio/io_context.hpp>
+#include <boost/asio/steady_timer.hpp>
 #include <map>
 #include <memory>
 #include <string>
@@ -26,6 +27,7 @@ public:
 
 private:
     void open();
+    void open_or_wait();
     void close();
     void publish(const PublishUp& message);
 
@@ -33,6 +35,9 @@ private:
     MqttSettings settings_;
     LinkEvents events_;
     std::string where_;
+    bool is_wanted_ = false;
+    bool is_told_ = false;  // that it cannot be opened
+    boost::asio::steady_timer pause_;
     std::shared_ptr<MqttThread> thread_;  // null while closed
     std::shared_ptr<MqttThread> closing_;
     std::map<int, broker::LogPosition> on_their_way_;  // by packet id
