@@ -65,19 +65,28 @@ HeardFile::HeardFile(std::filesystem::path file) : path_(std::move(file)) {
 }
 
 HeardFile::~HeardFile() {
-    close(descriptor_);
+    if (descriptor_ >= 0) close(descriptor_);
 }
 
 void HeardFile::write_anew() {
     std::string text;
     for (const auto& [sender, heard] : heard_) text += line_of(sender, heard);
-    keys::write_private_file(path_, text);
-    if (descriptor_ >= 0) close(descriptor_);
-    descriptor_ = open(path_.c_str(), O_WRONLY | O_APPEND | O_CLOEXEC);
-    if (descriptor_ < 0) {
+    lines_ = heard_.size();  // also when it fails: tried again as many lines later
+    try {
+        keys::write_private_file(path_, text);
+    } catch (const keys::KeyError&) {
+        (void)open_again();  // the new file may be there, and only its folder not be safe
+        throw;
+    }
+    if (!open_again()) {
         throw keys::KeyError(path_.string() + ": cannot be written (" + std::strerror(errno) + ")");
     }
-    lines_ = heard_.size();
+}
+
+bool HeardFile::open_again() {
+    if (descriptor_ >= 0) close(descriptor_);
+    descriptor_ = open(path_.c_str(), O_WRONLY | O_APPEND | O_CLOEXEC);
+    return descriptor_ >= 0;
 }
 
 std::optional<protection::Heard> HeardFile::of(const protection::SenderId& sender) const {
@@ -86,6 +95,7 @@ std::optional<protection::Heard> HeardFile::of(const protection::SenderId& sende
 }
 
 bool HeardFile::add(const broker::PacketsHeard& heard) {
+    if (descriptor_ < 0 && !open_again()) return false;
     const std::string line = line_of(heard.sender, heard.heard);
     if (write(descriptor_, line.data(), line.size()) != static_cast<ssize_t>(line.size())) {
         // What there is of the line is closed by an end, and says nothing.
@@ -93,7 +103,11 @@ bool HeardFile::add(const broker::PacketsHeard& heard) {
         return false;
     }
     heard_.insert_or_assign(heard.sender, heard.heard);
-    if (++lines_ > fewest_lines + lines_a_client * heard_.size()) write_anew();
+    if (++lines_ <= fewest_lines + lines_a_client * heard_.size()) return true;
+    try {
+        write_anew();
+    } catch (const keys::KeyError&) {  // the longer file says the same
+    }
     return true;
 }
 

@@ -33,6 +33,7 @@ public:
 
 private:
     void write_anew();
+    [[nodiscard]] bool open_again();
 
     std::filesystem::path path_;
     std::map<protection::SenderId, protection::Heard> heard_;

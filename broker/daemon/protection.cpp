@@ -12,6 +12,7 @@
 
 #include "broker/daemon/dtls_metrics.h"
 #include "broker/daemon/refusal.h"
+#include "broker/net/clock.h"
 #include "broker/net/endpoint_text.h"
 #include "broker/protection/protected_node.h"
 #include "romano/keys/authority.h"
@@ -29,6 +30,9 @@ namespace fs = std::filesystem;
 // A broker numbers for all its clients: with 100,000 packets a second it writes its record every
 // second instead of 24 times.
 constexpr std::uint32_t numbers_stored_at_once = 16 * protection::numbers_a_block;
+
+// A full disk is not asked again with each packet, by a thread each time.
+constexpr auto stored_again_after = std::chrono::seconds{1};
 
 constexpr std::array<const char*, protection::refusal_kinds> refusal_names = {
     "too_long",       "unstored",       "used_up",   "robot_unheard", "malformed", "unprotected",
@@ -192,7 +196,7 @@ void Protection::store_bound(std::size_t about_to_seal) {
         end_storing();
     }
     const auto bound = reserve.to_store(numbers_stored_at_once);
-    if (!bound) return;
+    if (!bound || net::now() < stored_again_at_) return;
     record_.bound = *bound;
     storing_ = std::async(std::launch::async,
                           [file = folder_ / keys::record_name, record = record_]() -> std::string {
@@ -210,6 +214,7 @@ void Protection::end_storing() {
     if (error.empty()) {
         clients_.reserve().on_stored(record_.bound);
     } else {
+        stored_again_at_ = net::now() + stored_again_after;
         warn(error);
     }
 }

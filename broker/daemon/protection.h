@@ -69,6 +69,7 @@ private:
     keys::LockFile lock_;
     keys::BrokerRecord record_;
     std::future<std::string> storing_;  // the record, and what went wrong: a disk takes its time
+    Instant stored_again_at_ = Instant::min();
     HeardFile heard_;
     broker::ProtectedClients clients_;
     std::optional<dtls::Listener> dtls_;

@@ -73,11 +73,14 @@ std::string read_private_file(const std::filesystem::path& path) {
 void write_private_file(const std::filesystem::path& path, const std::string& text) {
     const std::filesystem::path next = path.string() + ".next";
     unlink(next.c_str());  // of a writer that was killed, perhaps with another mode
-    {
+    try {
         const File file(next, O_WRONLY | O_CREAT | O_EXCL);
         if (file.descriptor() < 0) file.fail("written");
         write_all(file, text);
         if (fsync(file.descriptor()) != 0) file.fail("written");
+    } catch (const KeyError&) {
+        unlink(next.c_str());  // it would fill what is left of a full disk
+        throw;
     }
     if (rename(next.c_str(), path.c_str()) != 0) {
         throw KeyError(path.string() + ": cannot be written (" + std::strerror(errno) + ")");

@@ -55,6 +55,27 @@ TEST_F(HeardFiles, StaysSmall) {
     EXPECT_EQ(file.of(a), (Heard{RunId{0}, 9'999 * protection::numbers_a_block}));
 }
 
+TEST_F(HeardFiles, GrowsWhereItCannotBeWrittenAnewAndIsSmallOnceItCan) {
+    HeardFile file(path);
+    const std::filesystem::path in_the_way = path.string() + ".next";
+    std::filesystem::create_directory(in_the_way);
+    std::uint32_t last = 0;
+    const auto add_many = [&] {
+        for (int i = 0; i < 10'000; ++i) {
+            last += protection::numbers_a_block;
+            ASSERT_TRUE(file.add({a, {RunId{0}, last}}));
+        }
+    };
+    add_many();
+    EXPECT_GT(std::filesystem::file_size(path), 100'000U);
+    std::filesystem::copy_file(path, folder / "copy");
+    EXPECT_EQ(HeardFile(folder / "copy").of(a), (Heard{RunId{0}, last})) << "of a killed broker";
+    std::filesystem::remove(in_the_way);
+    add_many();
+    EXPECT_LT(std::filesystem::file_size(path), 50'000U);
+    EXPECT_EQ(HeardFile(path).of(a), (Heard{RunId{0}, last}));
+}
+
 TEST_F(HeardFiles, AnOrderlyEndKeepsExactNumbers) {
     {
         HeardFile file(path);
