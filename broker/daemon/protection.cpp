@@ -38,9 +38,9 @@ constexpr std::array<const char*, protection::refusal_kinds> refusal_names = {
     "too_long",       "unstored",       "used_up",   "robot_unheard", "malformed", "unprotected",
     "unknown_scheme", "unknown_sender", "other_run", "replayed",      "bad_tag",   "forwarded"};
 
-fs::file_time_type changed_at(const fs::path& file) {
+Protection::TableLook look_at(const fs::path& table) {
     std::error_code none;
-    return fs::last_write_time(file, none);
+    return {fs::last_write_time(table, none), fs::file_size(table, none)};
 }
 
 std::vector<broker::ProtectedClient> clients_of(const keys::ClientKeys& table) {
@@ -139,8 +139,10 @@ std::optional<dtls::Certificates> Protection::certificates() const {
 
 void Protection::read_table() {
     const fs::path table = folder_ / keys::table_name;
-    table_of_ = changed_at(table);
+    const TableLook look = look_at(table);
     const keys::ClientKeys keys = keys::read_table(table);
+    read_at_ = look;
+    warned_of_.clear();
     owners_ = owners_of(keys);
     with_keys_ = clients_of(keys);
     clients_.set_clients(with_keys_, [this](const auto& sender) { return heard_.of(sender); });
@@ -220,7 +222,9 @@ void Protection::end_storing() {
 }
 
 bool Protection::look() {
-    if (changed_at(folder_ / keys::table_name) == table_of_) return false;
+    const TableLook now = look_at(folder_ / keys::table_name);
+    const bool is_written = std::exchange(looked_at_, now) != now;  // perhaps it still is
+    if (is_written || now == read_at_) return false;
     try {
         read_table();
         spdlog::info("{} clients have keys now", clients_.size());

@@ -7,6 +7,7 @@
 //     clients.heard       how far each client's packets were taken
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <future>
 #include <memory>
@@ -32,6 +33,14 @@ namespace romano::daemon {
 
 class Protection {
 public:
+    /// A table that was written since looks different.
+    struct TableLook {
+        std::filesystem::file_time_type changed_at;
+        std::uintmax_t octets = 0;
+
+        friend bool operator==(const TableLook&, const TableLook&) = default;
+    };
+
     /// Throws keys::KeyError.
     Protection(std::filesystem::path folder, const broker::Limits& limits);
 
@@ -76,7 +85,8 @@ private:
     HandshakeMemory handshake_memory_;
     std::vector<broker::ProtectedClient> with_keys_;
     std::vector<rights::KeyOwner> owners_;
-    std::filesystem::file_time_type table_of_;
+    TableLook read_at_;           // when the keys were read
+    TableLook looked_at_;         // the last time
     std::string warned_of_;       // the last one, not to be said again
     std::uint64_t unstored_ = 0;  // datagrams that were dropped because the disk is full
 };

@@ -68,7 +68,7 @@ void say_what_goes_where(const NewKeys& made) {
     if (has_older_brokers && made.names.robots.size() + made.names.operators.size() > 0) {
         std::puts(
             "brokers that have their folder already: copy their new clients.keys over the old one; "
-            "they read it within a second");
+            "they read it within two seconds");
     }
 }
 
@@ -106,7 +106,7 @@ void add_withdraw(CLI::App& keys, int& exit_code) {
         }
         keys::KeyFolder(*folder).withdraw(names.robots, names.brokers);
         if (!names.robots.empty()) {
-            std::puts("copy the new clients.keys to all brokers; they read it within a second");
+            std::puts("copy the new clients.keys to all brokers; they read it within two seconds");
         }
         if (!names.brokers.empty()) {
             std::printf(

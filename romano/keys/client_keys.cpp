@@ -38,8 +38,7 @@ std::optional<protection::Key> key_from(std::string_view text) {
 
 class Lines {
 public:
-    explicit Lines(const std::filesystem::path& file)
-        : file_(file), text_(read_private_file(file)) {}
+    Lines(const std::filesystem::path& file, const std::string& text) : file_(file), text_(text) {}
 
     std::optional<Line> next() {
         for (std::string text; std::getline(text_, text);) {
@@ -119,7 +118,13 @@ bool is_name(std::string_view text) {
 }
 
 ClientKeys read_table(const std::filesystem::path& file) {
-    Lines lines(file);
+    const std::string text = read_private_file(file);
+    if (text.empty()) throw KeyError(file.string() + ": is empty, and no table; copy it again");
+    if (text.back() != '\n') {
+        throw KeyError(file.string() + ": its last line has no end, a part may be missing behind " +
+                       "it; copy it again, or end the line");
+    }
+    Lines lines(file, text);
     ClientKeys keys;
     while (const auto line = lines.next()) {
         if (line->has_bound) lines.refuse("is a client's own file and no broker's table");
@@ -138,7 +143,7 @@ void write_table(const std::filesystem::path& file, const ClientKeys& keys) {
 }
 
 OwnKey read_own_key(const std::filesystem::path& file) {
-    Lines lines(file);
+    Lines lines(file, read_private_file(file));
     const auto line = lines.next();
     if (!line) throw KeyError(file.string() + ": holds no key");
     if (!line->has_bound) {

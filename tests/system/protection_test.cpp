@@ -4,10 +4,13 @@
 #include <gtest/gtest.h>
 #include <signal.h>
 
+#include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <memory>
 #include <set>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "tests/system/protected_fleet.h"
@@ -19,6 +22,15 @@ using namespace std::chrono_literals;
 using mqttsn::Qos;
 using testing::HasSubstr;
 using Octets = std::vector<std::uint8_t>;
+
+bool comes_to_warn(BrokerProcess& broker, const std::string& of) {
+    const auto deadline = std::chrono::steady_clock::now() + 20s;
+    while (broker.errors().find(of) == std::string::npos) {
+        if (std::chrono::steady_clock::now() > deadline) return false;
+        std::this_thread::sleep_for(20ms);
+    }
+    return true;
+}
 
 TEST_F(ProtectedFleet, APersonMovesARobot) {
     EXPECT_THAT(said, HasSubstr("robot abcd1234: move"));
@@ -124,6 +136,37 @@ TEST_F(ProtectedFleet, AWithdrawnRobotIsRefusedWhileTheBrokerRuns) {
     robot->send_octets(robot->sealed(mqttsn::Pingreq{""}));
     EXPECT_TRUE(counts(1, "unknown_sender", 1));
     EXPECT_TRUE(other->ping());
+}
+
+TEST_F(ProtectedFleet, ATableThatOthersMayReadIsReadOnceTheyMayNot) {
+    BrokerProcess& broker = start_protected(1);
+    const auto table = keys.broker_folder("r1") / keys::table_name;
+    std::filesystem::permissions(table, std::filesystem::perms::others_read,
+                                 std::filesystem::perm_options::add);
+    std::ofstream(table, std::ios::app) << "robot 00000009 " << std::string(32, 'a') << '\n';
+    ASSERT_TRUE(comes_to_warn(broker, "others may read"));
+    std::filesystem::permissions(table, std::filesystem::perms::others_read,
+                                 std::filesystem::perm_options::remove);
+    EXPECT_TRUE(
+        metrics_come_to_say(addresses.service_endpoint(1), "romano_protected_clients", 19, 19));
+    EXPECT_TRUE(client_of(1, "abcd1234")->connect());
+}
+
+TEST_F(ProtectedFleet, APartOfATableLocksNobodyOut) {
+    BrokerProcess& broker = start_protected(1);
+    const auto table = keys.broker_folder("r1") / keys::table_name;
+    std::ifstream in(table);
+    const std::string whole{std::istreambuf_iterator<char>(in), {}};
+    std::ofstream{table};
+    ASSERT_TRUE(comes_to_warn(broker, "is empty"));
+    EXPECT_TRUE(client_of(1, "abcd1234")->connect());
+    const std::size_t cut = whole.size() / 2;
+    std::ofstream(table) << whole.substr(0, whole[cut - 1] == '\n' ? cut - 1 : cut);
+    ASSERT_TRUE(comes_to_warn(broker, "has no end"));
+    EXPECT_TRUE(client_of(1, "00000007")->connect());
+    std::ofstream(table) << whole << "robot 00000009 " << std::string(32, 'a') << '\n';
+    EXPECT_TRUE(
+        metrics_come_to_say(addresses.service_endpoint(1), "romano_protected_clients", 19, 19));
 }
 
 TEST_F(ProtectedFleet, AKilledBrokerTakesNoOldPacketAndItsClientConnectsAgain) {
