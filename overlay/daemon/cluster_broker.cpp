@@ -185,13 +185,18 @@ void ClusterBroker::open_transport() {
 /// are told (overlay/cluster/agreement/namesake.h).
 void ClusterBroker::on_later_life(std::uint64_t incarnation) {
     if (settings_.least_incarnation != 0) return;  // once: two of one name would go on like that
-    later_life_ = incarnation;
+    const bool listens_already = later_life_ != 0;
+    later_life_ = std::max(later_life_, incarnation);
+    if (!listens_already) listen_for_namesake();
+}
+
+void ClusterBroker::listen_for_namesake() {
     hears_namesake_ = false;
     later_life_timer_.arm(net::now() + options_.cluster.detection_timeout);
 }
 
-void ClusterBroker::begin_again() const {
-    if (hears_namesake_) return;
+void ClusterBroker::begin_again() {
+    if (hears_namesake_) return listen_for_namesake();  // it may be switched off one day
     spdlog::warn(
         "peers know a later life of this broker, and would not hear this one: the clock of this "
         "machine has gone back; begins again as the next life");

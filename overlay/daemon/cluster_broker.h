@@ -65,7 +65,8 @@ private:
     void on_particulars(const cluster::Beacon& beacon);
     void on_peers_drained();
     void on_later_life(std::uint64_t incarnation);
-    void begin_again() const;
+    void listen_for_namesake();
+    void begin_again();
     void on_link(const broker::LogId& process, election::Link link);
     void on_core_wakeup();
     void on_home_of_peer(const Endpoint& address);
@@ -107,7 +108,7 @@ private:
     net::CoreTimer look_timer_;
     net::CoreTimer later_life_timer_;
     std::uint64_t later_life_ = 0;  // the incarnation of one that peers know
-    bool hears_namesake_ = false;   // since then
+    bool hears_namesake_ = false;   // since the timer was armed
     std::optional<ConditionFile> condition_;
     ProcessorLoad processor_load_;
     std::set<Endpoint> homes_of_peers_;  // that we may have to serve

@@ -5,11 +5,14 @@
 #include <signal.h>
 
 #include <algorithm>
+#include <boost/asio/io_context.hpp>
 #include <memory>
 #include <set>
 #include <string_view>
+#include <thread>
 
 #include "broker/net/clock.h"
+#include "overlay/dds/dds_transport.h"
 #include "overlay/dds/domain.h"
 #include "overlay/dds/peer_writers.h"
 #include "tests/system/broker_process.h"
@@ -94,6 +97,34 @@ TEST_F(Cluster, ABrokerWhoseClockWentBackBeginsAgainAfterItsLaterLife) {
     const std::size_t at = status.find(field);
     ASSERT_NE(at, std::string::npos) << status;
     EXPECT_GT(std::stoull(status.substr(at + field.size())), in_an_hour);
+}
+
+TEST_F(Cluster, ABrokerWhoseLaterNamesakeIsSwitchedOffBeginsAgainAfterIt) {
+    const auto in_an_hour = static_cast<std::uint64_t>((net::unix_time() + 1h).count());
+    const broker::LogId later{broker::broker_id_of("r1"), in_an_hour};
+    const dds::Domain domain(dds::DomainOptions{addresses.domain(), "lo"});
+    const dds::Entity participant = domain.make_participant();
+    const dds::PeerWriters peer(participant, {broker::broker_id_of("peer"), 1}, later);
+    boost::asio::io_context io;  // it only speaks
+    dds::DdsTransport namesake(io, domain, later, overlay::Pulses(1h, 1h));
+    namesake.start([](const overlay::Envelope&) {});
+    const auto live_until = [&](auto done) {
+        for (const auto limit = net::now() + 20s; !done() && net::now() < limit;) {
+            namesake.send({std::nullopt, cluster::Heartbeat{}});
+            std::this_thread::sleep_for(10ms);
+        }
+        return done();
+    };
+    const auto broker = start(1);
+    ASSERT_TRUE(live_until([&] {
+        return broker->errors().find("another broker is named r1") != std::string::npos;
+    })) << broker->errors();
+    const auto long_after = net::now() + 3 * detection_timeout;
+    ASSERT_TRUE(live_until([&] { return net::now() > long_after; }));
+    EXPECT_THAT(broker->errors(), testing::Not(testing::HasSubstr("begins again")));
+    ASSERT_FALSE(broker->wait_for("serving").empty()) << broker->errors();
+    ASSERT_FALSE(broker->wait_for("serving").empty()) << broker->errors();
+    EXPECT_THAT(broker->errors(), testing::HasSubstr("begins again as the next life"));
 }
 
 TEST_F(Cluster, SaysWhereItServes) {
