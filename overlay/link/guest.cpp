@@ -6,6 +6,8 @@
 #include <chrono>
 #include <utility>
 
+#include "overlay/link/keep_alive.h"
+
 namespace romano::link {
 namespace {
 
@@ -16,7 +18,9 @@ constexpr auto hello_within = std::chrono::seconds{1};
 using boost::system::error_code;
 
 LinkService::Guest::Guest(LinkService& service, boost::asio::ip::tcp::socket socket)
-    : service_(&service), socket_(std::move(socket)), timer_(service.io_) {}
+    : service_(&service), socket_(std::move(socket)), timer_(service.io_) {
+    keep_alive(socket_);
+}
 
 void LinkService::Guest::receive() {
     timer_.expires_after(hello_within);
@@ -42,6 +46,8 @@ void LinkService::Guest::on_hello() {
         ++service_->counters_.strangers;
         return leave();
     }
+    peer_ = hello->from.broker;
+    replace_earlier_one();
     outgoing_ = encode({.from = service_->self_, .to = hello->from, .nonce = hello->nonce},
                        service_->secret_);
     boost::asio::async_write(socket_, boost::asio::buffer(outgoing_),
@@ -49,6 +55,16 @@ void LinkService::Guest::on_hello() {
                                  if (self->service_ == nullptr) return;
                                  error ? self->leave() : self->hold();
                              });
+}
+
+/// A peer has one connection to us. What it had before may never end: who lost its power, or was
+/// cut off meanwhile, closes nothing.
+void LinkService::Guest::replace_earlier_one() {
+    std::erase_if(service_->guests_, [this](const auto& guest) {
+        if (guest.get() == this || guest->peer_ != peer_) return false;
+        guest->stop();
+        return true;
+    });
 }
 
 void LinkService::Guest::hold() {

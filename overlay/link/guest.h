@@ -6,7 +6,9 @@
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <memory>
+#include <optional>
 
+#include "broker/core/log_position.h"
 #include "overlay/link/hello.h"
 #include "overlay/link/link_service.h"
 
@@ -21,12 +23,14 @@ public:
 
 private:
     void on_hello();
+    void replace_earlier_one();
     void hold();
     void leave();
 
     LinkService* service_;  // null once stopped
     boost::asio::ip::tcp::socket socket_;
     boost::asio::steady_timer timer_;
+    std::optional<broker::BrokerId> peer_;  // once it has said its Hello
     std::array<std::uint8_t, Hello::octets> incoming_{};
     std::array<std::uint8_t, Hello::octets> outgoing_{};
 };

@@ -5,6 +5,8 @@
 #include <boost/asio/read.hpp>
 #include <boost/asio/write.hpp>
 
+#include "overlay/link/keep_alive.h"
+
 namespace romano::link {
 namespace {
 
@@ -57,6 +59,7 @@ void LinkService::Watch::dial() {
 }
 
 void LinkService::Watch::greet(std::uint64_t attempt) {
+    keep_alive(socket_);
     nonce_ = sixteen_random_octets();
     outgoing_ = encode({.from = service_.self_, .to = process_, .nonce = nonce_}, secret_);
     boost::asio::async_write(socket_, boost::asio::buffer(outgoing_),

@@ -91,6 +91,16 @@ protected:
                                     boost::asio::write(socket, boost::asio::buffer(*octets));
                                 });
     }
+    /// As `two` does; `one` answers.
+    void greet(tcp::socket& socket) {
+        auto hello = encode({.from = two, .to = one, .nonce = {7}}, a->secret());
+        boost::asio::write(socket, boost::asio::buffer(hello));
+        bool answered = false;
+        boost::asio::async_read(socket, boost::asio::buffer(hello),
+                                [&](const auto& error, std::size_t) { answered = !error; });
+        ASSERT_TRUE(run_until([&] { return answered; }));
+        EXPECT_EQ(decode(hello, a->secret()), (Hello{.from = one, .to = two, .nonce = {7}}));
+    }
     /// True when the other side closes the connection.
     bool is_closed(tcp::socket& socket) {
         bool closed = false;
@@ -238,17 +248,30 @@ TEST_F(LinkServiceTest, WhoeverSaysNothingIsDroppedAfterASecond) {
 
 TEST_F(LinkServiceTest, WhoeverBabblesAfterTheHelloIsDropped) {
     link_both();
+    b.reset();
     auto socket = dial(a->address());
-    auto hello = encode({.from = two, .to = one, .nonce = {7}}, a->secret());
-    boost::asio::write(socket, boost::asio::buffer(hello));
-    bool answered = false;
-    boost::asio::async_read(socket, boost::asio::buffer(hello),
-                            [&](const auto& error, std::size_t) { answered = !error; });
-    ASSERT_TRUE(run_until([&] { return answered; }));
-    EXPECT_EQ(decode(hello, a->secret()), (Hello{.from = one, .to = two, .nonce = {7}}));
+    greet(socket);
     boost::asio::write(socket, boost::asio::buffer("more", 4));
     EXPECT_TRUE(is_closed(socket));
     EXPECT_EQ(a->counters().strangers, 1u);
+}
+
+// It lost its power: nobody closed what it had.
+TEST_F(LinkServiceTest, APeerThatDialsAgainTakesOnePlaceOnly) {
+    link_both();
+    b.reset();
+    std::list<tcp::socket> all;
+    for (std::size_t i = 0; i < LinkService::most_guests + 10; ++i) {
+        all.push_back(dial(a->address()));
+        ASSERT_NO_FATAL_FAILURE(greet(all.back()));
+    }
+    EXPECT_EQ(a->counters().too_many, 0u);
+    EXPECT_TRUE(is_closed(all.front()));
+    all.back().non_blocking(true);
+    char octet = 0;
+    boost::system::error_code error;
+    all.back().read_some(boost::asio::buffer(&octet, 1), error);
+    EXPECT_EQ(error, boost::asio::error::would_block) << "the last one is held";
 }
 
 TEST_F(LinkServiceTest, ConnectionsAreBounded) {
