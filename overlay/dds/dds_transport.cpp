@@ -5,6 +5,8 @@
 #include <chrono>
 #include <string_view>
 
+#include "overlay/dds/make_room.h"
+
 namespace romano::dds {
 namespace {
 
@@ -105,7 +107,8 @@ void DdsTransport::count_written(bool written, Bytes body) {
 /// thread, so that clients are not kept waiting.
 void DdsTransport::drain() {
     using Clock = std::chrono::steady_clock;
-    const auto until = Clock::now() + drained_for;
+    drained_at_ = Clock::now();
+    const auto until = drained_at_ + drained_for;
     std::size_t empty = 0;  // so many in a row
     while (empty < readers_.size() && (empty > 0 || Clock::now() < until)) {
         const Reading& reading = readers_[next_reader_];
@@ -163,15 +166,18 @@ DdsTransport::Peer* DdsTransport::peer_of(const broker::LogId& log) {
     const auto at = peers_.find(log.broker);
     if (at != peers_.end()) {
         const auto known = at->second.writers.addressee.incarnation;
-        if (known == log.incarnation) return &at->second;
+        if (known == log.incarnation) {
+            at->second.heard_at = drained_at_;
+            return &at->second;
+        }
         if (known > log.incarnation) return nullptr;  // words of a broker that was restarted since
         peers_.erase(at);
-    } else if (peers_.size() == most_peers) {
+    } else if (!make_room(peers_, most_peers, drained_at_)) {
         ++counters_.too_many_peers;
         return nullptr;
     }
     try {
-        return &peers_.emplace(log.broker, Peer{PeerWriters(participant_, self_, log), 0})
+        return &peers_.emplace(log.broker, Peer{PeerWriters(participant_, self_, log), drained_at_})
                     .first->second;
     } catch (const DdsError& error) {
         spdlog::warn("a peer cannot be answered: {}", error.what());

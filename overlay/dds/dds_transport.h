@@ -7,6 +7,7 @@
 #pragma once
 
 #include <boost/asio/io_context.hpp>
+#include <chrono>
 #include <cstdint>
 #include <functional>
 #include <map>
@@ -65,6 +66,7 @@ public:
 private:
     struct Peer {
         PeerWriters writers;
+        std::chrono::steady_clock::time_point heard_at;
         std::uint64_t last_inbox_number = 0;
     };
 
@@ -98,6 +100,7 @@ private:
     };
     std::vector<Reading> readers_;  // inbox, beacons, log, forwards
     std::size_t next_reader_ = 0;
+    std::chrono::steady_clock::time_point drained_at_;
 };
 
 }  // namespace romano::dds
