@@ -142,6 +142,13 @@ std::vector<BrokerId> able_to_serve(std::vector<BrokerId> members, const Answers
     return able.empty() ? std::move(members) : able;
 }
 
+/// The machine's address, whatever is spoken there and at which port.
+Endpoint host_of(Endpoint address) {
+    address.port = 0;
+    address.packets = Endpoint::Packets::plain;
+    return address;
+}
+
 }  // namespace
 
 std::map<LogId, Seq> agreed_ends(const Answers& answers) {
@@ -177,6 +184,7 @@ std::vector<Assignment> assign(const Answers& answers, const std::map<LogId, Seq
     }
     auto load = loads(answers, membership);
     std::map<Endpoint, BrokerId> chosen;  // one heir an address, however many logs named it
+    std::map<std::pair<LogId, Endpoint>, BrokerId> hosts;   // two machines cannot have one
     std::multimap<std::ptrdiff_t, Assignment> assignments;  // who has the address comes first
     for (const auto& [comes_last, log, address] : left) {
         const auto end = ends.find(log);
@@ -184,6 +192,8 @@ std::vector<Assignment> assign(const Answers& answers, const std::map<LogId, Seq
         std::vector<BrokerId> wanted = present_servers(answers, membership, address);
         if (chosen.contains(address)) wanted.push_back(chosen.at(address));
         if (const auto home = owner(answers, membership, address)) wanted.push_back(*home);
+        const auto host = hosts.find({log, host_of(address)});
+        if (host != hosts.end()) wanted.push_back(host->second);
         const auto able =
             able_to_serve(candidates(answers, witnesses, {log, end->second}), answers, address);
         if (able.empty()) continue;
@@ -195,6 +205,7 @@ std::vector<Assignment> assign(const Answers& answers, const std::map<LogId, Seq
                 ? *best
                 : *std::ranges::min_element(able, {}, [&](BrokerId id) { return load.at(id); });
         chosen.try_emplace(address, heir);
+        hosts.try_emplace({log, host_of(address)}, heir);
         const Peer* dead = membership.find(log.broker);
         load[heir] += 1 + (dead != nullptr ? dead->beacon.sessions : 0);
         assignments.emplace(

@@ -218,6 +218,15 @@ TEST_F(Heirs, SeveralAddressesAreSharedOut) {
     EXPECT_NE(heir_of(address(8)), heir_of(address(9)));
 }
 
+// Each of two heirs would give the IP address to its machine, and call the robots to itself.
+TEST_F(Heirs, I1_WhatABrokerServesAtOneIpAddressGoesToOneHeir) {
+    Endpoint dtls = address(9);
+    dtls.port = 8883;
+    dtls.packets = Endpoint::Packets::dtls;
+    for (const LogId& member : {b1, b2, b3}) holds(member, 5, {address(9), dtls});
+    EXPECT_EQ(heir_of(dtls), heir_of(address(9)));
+}
+
 TEST_F(Heirs, AnAddressThatAMemberServesStaysWithIt) {
     beacon(b2, {address(9)}, 50);
     for (const LogId& member : view.members) holds(member, 9, {address(9)});
