@@ -321,6 +321,8 @@ void add_simulate(CLI::App& program, int& exit_code) {
                      "Robots with keys may not say and read everything, and their rights change");
     command.add_flag("--cells", options->run.has_cells,
                      "Brokers send once for many robots that listen to their cell");
+    command.add_flag("--unable", options->run.are_some_unable,
+                     "Half of the machines cannot take addresses of others");
     command
         .add_option("--profile", options->run.profile,
                     "Times of a profile (default: beacons every 10 ms, dead after 100)")

@@ -22,6 +22,7 @@ ClusterCore::ClusterCore(const ClusterOptions& options, const Identity& identity
       take_over_(identity.log.broker, options.sessions_per_turn),
       fetching_(identity.log.broker),
       hand_back_(identity.log.broker, options.sessions_per_turn),
+      strays_(options.sessions_per_turn),
       arrivals_(identity.log, options.sessions_per_turn),
       departures_(options.sessions_per_turn),
       speaking_({.views = view_change_,
@@ -79,6 +80,8 @@ void ClusterCore::on_tick(Effects effects, const std::set<Endpoint>& pending_out
                             {.pending_output = pending_output,
                              .half_adopted = take_over_.half_adopted(),
                              .inheriting = take_over_.inheriting()});
+        strays_.carry_on(effects, logs(), membership_, view(), addresses_, departures_,
+                         take_over_.half_adopted());
         departures_.carry_on(effects, logs(), view());
     }
     catch_up(effects);

@@ -41,6 +41,7 @@
 #include "overlay/cluster/ownership/roaming.h"
 #include "overlay/cluster/ownership/service_addresses.h"
 #include "overlay/cluster/ownership/settlement.h"
+#include "overlay/cluster/ownership/strays.h"
 #include "overlay/cluster/ownership/take_over.h"
 #include "overlay/cluster/replication/acknowledgements.h"
 #include "overlay/cluster/replication/fetching.h"
@@ -257,6 +258,7 @@ private:
     TakeOver take_over_;
     Fetching fetching_;
     HandBack hand_back_;
+    Strays strays_;
     Arrivals arrivals_;
     Departures departures_;
     Speaking speaking_;

@@ -331,6 +331,7 @@ void ClusterCore::restart(Effects effects, LogId log) {
     fetching_ = Fetching(log.broker);
     hand_back_ = HandBack(log.broker, options_.sessions_per_turn);
     compared_.reset();
+    strays_ = Strays(options_.sessions_per_turn);
     arrivals_ = Arrivals(log, options_.sessions_per_turn);
     departures_ = Departures(options_.sessions_per_turn);
     settlement_ = Settlement(log.broker, options_.sessions_per_turn);

@@ -232,6 +232,11 @@ void ClusterBroker::take(const cluster::Envelope& envelope) {
         if (dtls_) overlay::on_associations_told(*told, dtls_->clients());
         return;
     }
+    if (const auto* told = std::get_if<cluster::Particulars>(&envelope.message)) {
+        for (const Endpoint& address : told->beacon.home_addresses) {
+            member_->on_ability(address, can_serve(plain(address)));
+        }
+    }
     let_member([&] { member_->on_peer_message(local_now(), envelope, actions_); });
 }
 
@@ -260,9 +265,13 @@ void ClusterBroker::take_address(const Endpoint& address) {
     wanted_.insert(address);
     later(random_.between(0ns, options_.binding_takes_max), [this, address] {
         if (!wanted_.contains(address)) return;  // it was given up before
-        bind(address);
-        answer_address(address, true);
+        if (can_serve(address)) bind(address);
+        answer_address(address, can_serve(address));
     });
+}
+
+bool ClusterBroker::can_serve(const Endpoint& address) const {
+    return options_.serves_others || std::ranges::count(options_.home_addresses, address) > 0;
 }
 
 void ClusterBroker::carry_out() {

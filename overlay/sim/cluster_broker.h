@@ -30,6 +30,7 @@ struct ClusterBrokerOptions {
     broker::BrokerOptions broker;
     Duration wall_clock_error{0};
     Machine machine;
+    bool serves_others = true;  // its machine takes addresses of peers
     Duration binding_takes_max{std::chrono::milliseconds{2}};
     SealedPackets* sealed = nullptr;                 // of a world whose robots are protected
     DtlsRecords* dtls = nullptr;                     // of one whose robots speak DTLS
@@ -77,6 +78,7 @@ private:
     void tell_of_traffic();
     void carry_out();
     void take_address(const Endpoint& address);
+    [[nodiscard]] bool can_serve(const Endpoint& address) const;
     void create_protection();
     void take_up_rights();
     void keep_on_disk();

@@ -50,6 +50,7 @@ ClusterWorld::ClusterWorld(const ClusterWorldOptions& options)
         }
         rights_ = std::make_unique<DrawnRights>(options.seed, names, options.topics_with_rights);
     }
+    Random abilities(seed_of(options.seed, "abilities"));
     for (std::size_t i = 0; i < options.brokers; ++i) {
         ClusterBrokerOptions broker_of = broker_options(options, i);
         if (options.is_protected) broker_of.sealed = &sealed_;
@@ -58,6 +59,7 @@ ClusterWorld::ClusterWorld(const ClusterWorldOptions& options)
             broker_of.clients = SealedPackets::clients(options.robots);
         }
         broker_of.rights = rights_.get();
+        if (options.are_some_unable) broker_of.serves_others = abilities.below(2) == 0;
         brokers_.push_back(std::make_unique<ClusterBroker>(
             broker_of, events(), clients(), peers_, trace(), seed_of(options.seed, "broker", i)));
         ClusterBroker& broker = *brokers_.back();

@@ -28,11 +28,12 @@ struct ClusterWorldOptions {
     Duration t_retry{std::chrono::milliseconds{500}};  // of the brokers
     Duration t_wait{std::chrono::seconds{1}};
     Duration wall_clock_error_max{std::chrono::milliseconds{20}};
-    Machine machine;                                     // all of them
-    bool has_cells = false;                              // brokers send once for many that listen
-    bool is_protected = false;                           // robots and brokers seal their packets
-    bool speaks_dtls = false;                            // robots and brokers do
-    std::size_t robots = 0;                              // of a world with keys: so many at most
+    Machine machine;               // all of them
+    bool are_some_unable = false;  // half of the machines take no addresses of peers
+    bool has_cells = false;        // brokers send once for many that listen
+    bool is_protected = false;     // robots and brokers seal their packets
+    bool speaks_dtls = false;      // robots and brokers do
+    std::size_t robots = 0;        // of a world with keys: so many at most
     std::vector<std::string_view> topics_with_rights{};  // of one with keys; none: all may do all
     bool are_invariants_judged = true;  // after every step: that is slow with many brokers
 };

@@ -74,6 +74,7 @@ ClusterWorldOptions world_options(std::uint64_t seed, const RunOptions& run) {
     options.is_protected = run.is_protected;
     options.speaks_dtls = run.speaks_dtls;
     options.has_cells = run.has_cells;
+    options.are_some_unable = run.are_some_unable;
     if (run.has_rights) options.topics_with_rights.assign(std::begin(topics), std::end(topics));
     options.robots = std::max(run.robots, most_random_robots);
     if (!run.elector.empty()) options.cluster.elector = run.elector;
@@ -327,6 +328,7 @@ std::string replay_command(std::uint64_t seed, const RunOptions& options) {
     if (options.speaks_dtls) command += " --dtls";
     if (options.has_rights) command += " --rights";
     if (options.has_cells) command += " --cells";
+    if (options.are_some_unable) command += " --unable";
     if (!options.profile.empty()) command += " --profile " + options.profile;
     if (options.brokers > 0) command += " --brokers " + std::to_string(options.brokers);
     if (options.robots > 0) command += " --robots " + std::to_string(options.robots);

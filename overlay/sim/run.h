@@ -35,6 +35,8 @@ struct RunOptions {
     bool has_rights = false;
     /// Brokers send once for many; three robots of four listen, and all have one topic more.
     bool has_cells = false;
+    /// Half of the machines cannot take addresses of others.
+    bool are_some_unable = false;
     std::string profile{};
     std::size_t brokers = 0;
     std::size_t robots = 0;

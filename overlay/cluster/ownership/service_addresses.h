@@ -85,7 +85,12 @@ public:
     void give_up_all(Effects& effects) {
         for (const Endpoint& address : claimed()) give_up(effects, address);
         inherited_.clear();
+        adopted_.clear();
     }
+    /// Sessions of that address were adopted, whoever serves it (strays.h).
+    void on_adopted(const Endpoint& address) { adopted_.insert(address); }
+    void forget_adopted(const Endpoint& address) { adopted_.erase(address); }
+    [[nodiscard]] const std::set<Endpoint>& adopted() const { return adopted_; }
     void on_address(const Endpoint& address, bool served) {
         taking_.erase(address);
         if (served) {
@@ -102,6 +107,7 @@ private:
     std::set<Endpoint> serving_;
     std::set<Endpoint> taking_;  // none of those that are served
     std::set<Endpoint> inherited_;
+    std::set<Endpoint> adopted_;
     std::set<Endpoint> cannot_take_;
 };
 

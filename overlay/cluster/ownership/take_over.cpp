@@ -179,8 +179,9 @@ void TakeOver::begin(Effects& effects, Pending& pending, PeerLog& log, const Mem
     effects.local.push_back(Notice{"adopts " + std::to_string(pending.clients.size()) +
                                    " sessions of " +
                                    membership.name_of(assignment.end.log.broker)});
-    const bool is_anothers = others_.contains(assignment.address);
-    if (is_anothers || assignment.address.family == Endpoint::Family::none) return;
+    if (assignment.address.family == Endpoint::Family::none) return;
+    addresses.on_adopted(assignment.address);
+    if (others_.contains(assignment.address)) return;
     addresses.inherit(effects, assignment.address);
     ++inherited_;
     log.mark_served(assignment.address);

@@ -72,6 +72,25 @@ TEST_P(Seeds, KeepEveryPromise) {
 INSTANTIATE_TEST_SUITE_P(Sweep, Seeds, testing::ValuesIn(shards()),
                          [](const auto& shard) { return shard.param.name; });
 
+// The sessions that an heir adopts then have no address to speak from.
+class Unable : public testing::TestWithParam<SeedRange> {};
+
+TEST_P(Unable, HalfOfTheMachinesTakeNoAddressesOfPeers) {
+    RunOptions options;
+    options.are_some_unable = true;
+    run_seeds(GetParam(), options, [&](const RunResult& run) {
+        EXPECT_TRUE(run.is_good())
+            << "seed " << run.seed << " (" << run.setting << ")\n"
+            << to_text(run.violations) << "again: " << replay_command(run.seed, options);
+    });
+}
+
+INSTANTIATE_TEST_SUITE_P(Sweep, Unable,
+                         testing::Values(SeedRange{1, 8}, SeedRange{24, 31}, SeedRange{91, 98}),
+                         [](const auto& range) {
+                             return "From" + std::to_string(range.param.first);
+                         });
+
 TEST(Simulation, IsTheSameByteForByteForTheSameSeed) {
     const auto trace_of = [](std::uint64_t seed) {
         std::string text;

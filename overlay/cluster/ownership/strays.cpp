@@ -1,0 +1,58 @@
+#include "overlay/cluster/ownership/strays.h"
+
+#include <utility>
+
+namespace romano::cluster {
+namespace {
+
+/// The member that speaks there, its own broker before an heir; once it hears us and reads our log.
+std::optional<LogId> server_of(const Endpoint& address, const broker::LogPosition& own_end,
+                               const Membership& membership, const View& view) {
+    std::optional<LogId> server;
+    for (const LogId& member : view.members) {
+        if (member.broker == own_end.log.broker || !membership.is_alive(member)) continue;
+        const Peer& peer = *membership.find(member.broker);
+        if (!peer.speaks_at(address) || !peer.beacon.hears_from(own_end.log.broker)) continue;
+        if (!peer.follows(own_end)) continue;
+        if (peer.is_home_of(address)) return member;
+        server = member;
+    }
+    return server;
+}
+
+}  // namespace
+
+void Strays::carry_on(Effects& effects, const Logs& logs, const Membership& membership,
+                      const View& view, ServiceAddresses& addresses, Departures& departures,
+                      const std::set<Endpoint>& half_adopted) {
+    const LogPosition own_end{logs.own.id(), effects.broker.last_seq()};
+    for (const Endpoint& address : std::set{addresses.adopted()}) {
+        if (addresses.is_taking(address) || half_adopted.contains(address)) continue;
+        if (addresses.is_serving(address) || addresses.is_home(address)) {
+            addresses.forget_adopted(address);  // they are where they belong
+            continue;
+        }
+        const auto server = server_of(address, own_end, membership, view);
+        if (!server || !move_some(effects, address, *server, logs, departures)) continue;
+        addresses.forget_adopted(address);
+    }
+}
+
+bool Strays::move_some(Effects& effects, const Endpoint& address, const LogId& server,
+                       const Logs& logs, Departures& departures) {
+    if (departures.to(server) > sessions_per_turn_) return false;
+    const auto [at, is_new] = waiting_.try_emplace(address);
+    if (is_new) at->second = effects.broker.client_ids_via(address);
+    for (std::size_t allowed = sessions_per_turn_; allowed > 0 && !at->second.empty(); --allowed) {
+        const broker::ClientId client = std::move(at->second.back());
+        at->second.pop_back();
+        const broker::SessionHeader* header = effects.broker.header(client);
+        if (header == nullptr || header->via != address) continue;  // it spoke, and was fetched
+        departures.move(effects, client, server, 0, logs.peers);
+    }
+    if (!at->second.empty() || departures.has_any_via(address)) return false;
+    waiting_.erase(at);
+    return true;
+}
+
+}  // namespace romano::cluster

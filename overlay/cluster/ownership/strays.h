@@ -1,0 +1,39 @@
+// Sessions that were adopted and whose address another broker serves: this one's machine could not
+// take it, or was not the first heir. Clients that speak are fetched from here (roaming.h); those
+// that only listen would hear nothing until their next keep-alive. So all go to the server, some in
+// each turn, as soon as it reads this log. It speaks already: its copy of a session, if it has one,
+// may be the later one.
+#pragma once
+
+#include <cstddef>
+#include <map>
+#include <optional>
+#include <set>
+#include <vector>
+
+#include "overlay/cluster/agreement/membership.h"
+#include "overlay/cluster/effects.h"
+#include "overlay/cluster/ownership/departures.h"
+#include "overlay/cluster/ownership/service_addresses.h"
+
+namespace romano::cluster {
+
+class Strays {
+public:
+    explicit Strays(std::size_t sessions_per_turn) : sessions_per_turn_(sessions_per_turn) {}
+
+    /// `half_adopted`: which copies of their sessions stay is not known yet.
+    void carry_on(Effects& effects, const Logs& logs, const Membership& membership,
+                  const View& view, ServiceAddresses& addresses, Departures& departures,
+                  const std::set<Endpoint>& half_adopted);
+
+private:
+    /// True when none is left.
+    bool move_some(Effects& effects, const Endpoint& address, const LogId& server, const Logs& logs,
+                   Departures& departures);
+
+    std::size_t sessions_per_turn_;
+    std::map<Endpoint, std::vector<broker::ClientId>> waiting_;  // to be moved, the next one last
+};
+
+}  // namespace romano::cluster
