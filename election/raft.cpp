@@ -72,6 +72,10 @@ void RaftElector::on_claim(Instant now, const Claim& claim) {
 /// leader's death to all of them at the same time. Chance would let two ask at once, or all wait.
 void RaftElector::on_suspect(Instant now, NodeId node) {
     heard_.erase(node);
+    // A view without a majority would be a leader's alone.
+    if (role_ == Role::leader && !is_majority(voters_heard(now))) {
+        return become_follower(now, term_, std::nullopt);
+    }
     if (leader_ != node || role_ != Role::follower) return;
     leader_.reset();
     timeout_ = std::min(timeout_, now + turn_after(node) * (options_.detection_time / 8));

@@ -91,6 +91,19 @@ TEST(RaftElector, AMinorityHasNoLeader) {  // P1; thesis 6.2: a leader without m
     EXPECT_TRUE(room.follow(majority, leader_of(room, *majority.begin())));
 }
 
+// A moment later it would open a view alone, and acknowledge beside the majority.
+TEST(RaftElector, ALeaderThatMissesAMajorityStepsDownAtOnce) {
+    Electorate room(3, 4, make);
+    room.run_for(1s);
+    const NodeId leader = leader_of(room, n1);
+    std::vector<NodeId> others{n1, n2, n3};
+    std::erase(others, leader);
+    tell_of_death(room, others[0], {leader}, 0ms);
+    EXPECT_EQ(room.leadership(leader).leader, leader) << "two of three are enough";
+    tell_of_death(room, others[1], {leader}, 0ms);
+    EXPECT_FALSE(room.leadership(leader).leader);
+}
+
 TEST(RaftElector, ANodeThatWasCutOffDoesNotRaiseTermsOrDeposeTheLeader) {  // thesis 9.6, pre-vote
     Electorate room(5, 5, make);
     room.run_for(1s);
