@@ -121,8 +121,9 @@ void ClusterCore::warn_when_leaderless(Effects& effects) {
 }
 
 Instant ClusterCore::next_wakeup() const {
-    const bool is_half_done = is_behind() || (hand_back_.is_half_done(departures_) && !is_back()) ||
-                              !take_over_.half_adopted().empty();
+    const bool moves_some =
+        hand_back_.is_half_done(departures_) || !take_over_.half_adopted().empty();
+    const bool is_half_done = is_behind() || (moves_some && !is_back());
     if (is_half_done) return Instant::min();
     return std::min({next_tick_, membership_.next_wakeup(), log_sender_.next_wakeup(),
                      view_change_.next_wakeup()});
@@ -211,7 +212,10 @@ void ClusterCore::after_input(Effects& effects) {
         return membership_.is_heard(member) && peers_beacons_.is_complete(member.broker);
     });
     membership_.send_ballots(effects.peers);
-    take_over_.carry_on(effects, logs(), membership_, view(), addresses_, departures_);
+    if (knows_its_place(effects.now)) {
+        take_over_.carry_on(effects, logs(), membership_, view(), addresses_, departures_,
+                            promised() == view().number);
+    }
     fetching_.carry_on(effects, logs_, membership_, view(),
                        [this](const LogId& log) { return take_over_.awaits(log); });
     publish_order_.carry_on(effects, logs_, view());

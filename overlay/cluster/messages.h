@@ -206,6 +206,7 @@ struct ViewHoldings {
                                             // where none is named, all
     std::vector<LogId> foreign{};           // of these: topic ids mean something else to the sender
     std::vector<Endpoint> cannot_take{};  // peers' home addresses that its machine would not serve
+    std::vector<Endpoint> serving{};      // or about to: its beacon may not say so yet
 };
 /// What becomes of a removed broker's service address and of the sessions that use it.
 struct Assignment {

@@ -196,6 +196,7 @@ struct MessageWriter {
         all_to_proto(m.kept_after, *to.mutable_kept_after());
         all_to_proto(m.foreign, *to.mutable_foreign());
         all_to_proto(m.cannot_take, *to.mutable_cannot_take());
+        all_to_proto(m.serving, *to.mutable_serving());
         for (const auto& left : m.addresses) to_proto(left, *to.add_addresses());
     }
     void operator()(const cluster::ViewAnnouncement& m) const {
@@ -383,6 +384,7 @@ MaybeMessage read_view_holdings(const ViewHoldings& in) {
     if (!all_from_proto(in.kept_after(), out.kept_after)) return std::nullopt;
     if (!all_from_proto(in.foreign(), out.foreign)) return std::nullopt;
     if (!all_from_proto(in.cannot_take(), out.cannot_take)) return std::nullopt;
+    if (!all_from_proto(in.serving(), out.serving)) return std::nullopt;
     for (const auto& item : in.addresses()) {
         const auto left = from_proto(item);
         if (!left) return std::nullopt;

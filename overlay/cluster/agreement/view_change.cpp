@@ -421,6 +421,7 @@ bool ViewChange::is_newer(const View& view) const {
 ViewHoldings ViewChange::holdings(const View& view, Surroundings around) const {
     ViewHoldings answer{.number = view.number};
     answer.cannot_take = around.addresses.cannot_take();
+    answer.serving = around.addresses.claimed();
     for (const auto& [id, log] : around.logs) {
         if (view.contains(id) || !log.is_frozen()) continue;
         answer.holds.push_back({id, log.end()});

@@ -86,6 +86,12 @@ std::vector<BrokerId> present_servers(const Answers& answers, const Membership& 
         if (peer == nullptr || peer->beacon.log != member || !peer->is_serving(address)) continue;
         found.insert(peer->is_home_of(address) ? found.begin() : found.end(), member.broker);
     }
+    for (const auto& [member, holdings] : answers.holdings) {
+        const bool is_known = std::ranges::count(found, member.broker) > 0;
+        if (!is_known && std::ranges::count(holdings.serving, address) > 0) {
+            found.push_back(member.broker);
+        }
+    }
     const auto appointed = answers.appointed.find(address);
     if (appointed != answers.appointed.end() && answers.view.contains(appointed->second)) {
         found.push_back(appointed->second.broker);

@@ -76,7 +76,8 @@ void TakeOver::on_view(Instant now, const ViewAnnouncement& announcement) {
 }
 
 void TakeOver::carry_on(Effects& effects, const Logs& logs, const Membership& membership,
-                        const View& view, ServiceAddresses& addresses, Departures& departures) {
+                        const View& view, ServiceAddresses& addresses, Departures& departures,
+                        bool may_begin) {
     const bool may_go_on = std::exchange(may_go_on_, false);
     std::vector<broker::ClientId> awaited;
     if (may_go_on) awaited = awaited_.take(sessions_per_turn_);
@@ -90,6 +91,7 @@ void TakeOver::carry_on(Effects& effects, const Logs& logs, const Membership& me
             return may_go_on &&
                    adopt_some(effects, pending, log->second, logs, awaited, departures);
         }
+        if (!may_begin) return false;
         const bool is_ours = addresses.is_claimed(address);
         // It was done already, and the leader had not heard of it.
         if (are_known && is_ours && log->second.clients_left(address).empty()) return true;

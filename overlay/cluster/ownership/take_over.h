@@ -40,9 +40,11 @@ public:
     void on_view(Instant now, const ViewAnnouncement& announcement);
     /// A new turn: the next carry_on() goes on with what is half adopted.
     void on_turn() { may_go_on_ = true; }
-    /// Does what has become possible.
+    /// Does what has become possible. Begins nothing unless `may_begin`: who has promised another
+    /// view has said what is left, and its leader may give that to somebody else (I1).
     void carry_on(Effects& effects, const Logs& logs, const Membership& membership,
-                  const View& view, ServiceAddresses& addresses, Departures& departures);
+                  const View& view, ServiceAddresses& addresses, Departures& departures,
+                  bool may_begin);
     /// We are to go on from that log, and have not begun.
     [[nodiscard]] bool awaits(const LogId& log) const;
     /// Addresses of which sessions are here, and others not yet.

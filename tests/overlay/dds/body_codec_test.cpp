@@ -53,7 +53,7 @@ static_assert(field_count<cluster::LogBatch>() == 4);
 static_assert(field_count<cluster::LogAck>() == 2);
 static_assert(field_count<cluster::ViewProposal>() == 2);
 static_assert(field_count<cluster::LeftAddress>() == 2);
-static_assert(field_count<cluster::ViewHoldings>() == 7);
+static_assert(field_count<cluster::ViewHoldings>() == 8);
 static_assert(field_count<cluster::Assignment>() == 3);
 static_assert(field_count<cluster::ViewAnnouncement>() == 3);
 static_assert(field_count<cluster::Fetch>() == 2);

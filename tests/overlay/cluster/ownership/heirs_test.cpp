@@ -218,6 +218,15 @@ TEST_F(Heirs, SeveralAddressesAreSharedOut) {
     EXPECT_NE(heir_of(address(8)), heir_of(address(9)));
 }
 
+// It has begun to serve it, and the leader has not heard of it.
+TEST_F(Heirs, I1_AnAddressStaysWithOneThatSaysInItsAnswerThatItServesIt) {
+    for (const LogId& member : {b1, b2, b3}) holds(member, 5, {address(9)});
+    beacon(b3, {}, 50);
+    ASSERT_NE(heir_of(address(9)), b3.broker);
+    holdings[b3].serving = {address(9)};
+    EXPECT_EQ(heir_of(address(9)), b3.broker);
+}
+
 // Each of two heirs would give the IP address to its machine, and call the robots to itself.
 TEST_F(Heirs, I1_WhatABrokerServesAtOneIpAddressGoesToOneHeir) {
     Endpoint dtls = address(9);

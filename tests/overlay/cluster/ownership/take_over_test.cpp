@@ -29,14 +29,15 @@ protected:
         log.apply();
         return log;
     }
-    std::size_t inherit(const std::vector<Assignment>& others = {}) {
+    std::size_t inherit(const std::vector<Assignment>& others = {}, bool may_begin = true) {
         peers.at(dead).freeze();
         TakeOver take_over{self.broker, 256};
         ViewAnnouncement view_and_heirs{.assignments = others, .ends = {{dead, 1}}};
         view_and_heirs.assignments.push_back({{dead, 1}, theirs, self.broker});
         take_over.on_view(now, view_and_heirs);
         Effects effects{now, broker, clients, outbox, local, test::times};
-        take_over.carry_on(effects, {peers, own}, membership, view, addresses, departures);
+        take_over.carry_on(effects, {peers, own}, membership, view, addresses, departures,
+                           may_begin);
         return broker.session_count();
     }
 
@@ -54,6 +55,14 @@ protected:
 };
 
 TEST_F(TakeOverTest, AnHeirAdopts) {
+    EXPECT_EQ(inherit(), 1U);
+}
+
+// The next view's leader may give the address to somebody else (model/speak.pml,
+// adopt-below-the-promise).
+TEST_F(TakeOverTest, I1_WhoHasPromisedAnotherViewBeginsNothing) {
+    EXPECT_EQ(inherit({}, false), 0U);
+    EXPECT_FALSE(addresses.is_taking(theirs));
     EXPECT_EQ(inherit(), 1U);
 }
 
@@ -119,7 +128,7 @@ TEST_F(TakeOverTest, P2_WhatTheFirstHeirNeverServesIsAdoptedWithoutTheAddress) {
     take_over.on_view(now, {.assignments = {to_other, {{dead, 1}, theirs, self.broker}}});
     now += test::times.giver_waited_for() + 1ms;
     Effects effects{now, broker, clients, outbox, local, test::times};
-    take_over.carry_on(effects, {peers, own}, membership, view, addresses, departures);
+    take_over.carry_on(effects, {peers, own}, membership, view, addresses, departures, true);
     EXPECT_EQ(broker.session_count(), 1U);
     EXPECT_FALSE(addresses.is_taking(theirs));
 }
@@ -224,7 +233,7 @@ TEST_F(TakeOverTest, P2_WhatMayHaveArrivedAtAnotherDeadOneIsWaitedFor) {
     take_over.on_view(now, {.assignments = {{{dead, 2}, theirs, self.broker}}});
     Effects effects{now, broker, clients, outbox, local, test::times};
     const auto carry_on = [&] {
-        take_over.carry_on(effects, {peers, own}, membership, view, addresses, departures);
+        take_over.carry_on(effects, {peers, own}, membership, view, addresses, departures, true);
         return broker.session_count();
     };
     EXPECT_EQ(carry_on(), 0U);
