@@ -53,6 +53,7 @@ void ViewChange::restart(LogId self) {
     proposal_.reset();
     early_.reset();
     installed_.reset();
+    announced_.reset();
     appointed_.clear();
 }
 
@@ -100,6 +101,7 @@ void ViewChange::lead(Instant now, Surroundings around, Outbox& out) {
         proposal_.reset();
         return;
     }
+    announce_again(now, around.membership, out);
     if (proposal_) {
         give_up_on_silent(now, around.membership);
         auto desired = desired_members(now, around.membership);
@@ -354,7 +356,22 @@ void ViewChange::conclude(Instant now, Surroundings around, Outbox& out) {
     for (const LogId& member : announcement.view.members) {
         if (member != self_) out.push_back({member.broker, announcement});
     }
+    announced_ = Announced{announcement, now};
     install(now, std::move(announcement), around);
+}
+
+/// Nobody has a lease before all members are in the view, and the announcement may be late, or have
+/// come before its addressee knew its place.
+void ViewChange::announce_again(Instant now, const Membership& membership, Outbox& out) {
+    if (!announced_ || announced_->message.view.number != promised_) return announced_.reset();
+    if (now < announced_->said_at + membership.times().proposal_kept_for()) return;
+    announced_->said_at = now;
+    for (const LogId& member : announced_->message.view.members) {
+        const Peer* peer = membership.find(member.broker);
+        const bool lacks_it = peer != nullptr && peer->beacon.log == member && peer->alive &&
+                              peer->beacon.view.number < promised_;
+        if (lacks_it) out.push_back({member.broker, announced_->message});
+    }
 }
 
 // --- a member's side
@@ -364,8 +381,11 @@ void ViewChange::on_proposal(Instant now, const ViewProposal& proposal, Surround
     const View& view = proposal.view;
     if (!is_newer(view)) return;
     if (must_wait(now, proposal, around)) {
-        const bool is_known = early_ && early_->message.view.number == view.number;
-        early_ = EarlyProposal{proposal, is_known ? early_->first : now, now};
+        const auto follows = [&](const View& proposed) {
+            return around.membership.leadership().leader == node_of(proposed.number.leader);
+        };
+        if (early_ && follows(early_->message.view) && !follows(view)) return;
+        early_ = EarlyProposal{proposal, is_asked_again(view) ? early_->first : now, now};
         return;
     }
     early_.reset();
@@ -385,12 +405,18 @@ bool ViewChange::must_wait(Instant now, const ViewProposal& proposal, Surroundin
     const Membership& membership = around.membership;
     const ViewNumber& number = proposal.view.number;
     if (membership.leadership().leader != node_of(number.leader)) return true;
-    const bool is_known = early_ && early_->message.view.number == number;
-    const bool is_heard = std::ranges::any_of(
-        proposal.removed, [&](const LogId& log) { return membership.is_heard_clearly(log, now); });
-    const bool is_waited_for =
-        !is_known || now < early_->first + membership.times().disagreement_lasts();
+    const bool is_heard = std::ranges::any_of(proposal.removed, [&](const LogId& log) {
+        return contains(log) && membership.is_heard_clearly(log, now);
+    });
+    const bool is_waited_for = !is_asked_again(proposal.view) ||
+                               now < early_->first + membership.times().disagreement_lasts();
     return (is_heard && is_waited_for) || !may_promise(now, proposal.view, around);
+}
+
+/// The same members, by the same leader; its number may have grown meanwhile.
+bool ViewChange::is_asked_again(const View& view) const {
+    return early_ && early_->message.view.number.leader == view.number.leader &&
+           early_->message.view.members == view.members;
 }
 
 void ViewChange::answer_early_proposal(Instant now, Surroundings around, Outbox& out) {

@@ -98,6 +98,7 @@ private:
     void promise(const View& next, Surroundings around);
     void give_up_on_silent(Instant now, const Membership& membership);
     void conclude(Instant now, Surroundings around, Outbox& out);
+    void announce_again(Instant now, const Membership& membership, Outbox& out);
     [[nodiscard]] ViewHoldings holdings(const View& view, Surroundings around) const;
     void install(Instant now, ViewAnnouncement announcement, Surroundings around);
 
@@ -117,13 +118,19 @@ private:
         Instant last;
     };
     std::optional<EarlyProposal> early_;
+    [[nodiscard]] bool is_asked_again(const View& view) const;
     Instant waits_until_ = never;  // for a lease
     std::optional<View> wanted_;   // meanwhile
     ViewNumber promised_;  // the highest proposal that was answered; never below view_.number
     ViewNumber promised_before_;  // the last standstill
 
     Instant led_since_ = never;
-    std::optional<Proposal> proposal_;    // while leading
+    std::optional<Proposal> proposal_;  // while leading
+    struct Announced {
+        ViewAnnouncement message;
+        Instant said_at;
+    };
+    std::optional<Announced> announced_;  // by us, until another view is promised
     std::set<BrokerId> refusing_;         // alive, but followers of somebody else
     std::map<LogId, Instant> newcomers_;  // in no view: since when they are known
 };
