@@ -41,18 +41,20 @@ void Strays::carry_on(Effects& effects, const Logs& logs, const Membership& memb
 bool Strays::move_some(Effects& effects, const Endpoint& address, const LogId& server,
                        const Logs& logs, Departures& departures) {
     if (departures.to(server) > sessions_per_turn_) return false;
-    const auto [at, is_new] = waiting_.try_emplace(address);
-    if (is_new) at->second = effects.broker.client_ids_via(address);
-    for (std::size_t allowed = sessions_per_turn_; allowed > 0 && !at->second.empty(); --allowed) {
-        const broker::ClientId client = std::move(at->second.back());
-        at->second.pop_back();
+    auto& waiting = waiting_[address];
+    if (waiting.empty()) {
+        if (departures.has_any_via(address)) return false;  // they may come back
+        waiting = effects.broker.client_ids_via(address);
+        if (waiting.empty()) return waiting_.erase(address) > 0;
+    }
+    for (std::size_t allowed = sessions_per_turn_; allowed > 0 && !waiting.empty(); --allowed) {
+        const broker::ClientId client = std::move(waiting.back());
+        waiting.pop_back();
         const broker::SessionHeader* header = effects.broker.header(client);
         if (header == nullptr || header->via != address) continue;  // it spoke, and was fetched
         departures.move(effects, client, server, 0, logs.peers);
     }
-    if (!at->second.empty() || departures.has_any_via(address)) return false;
-    waiting_.erase(at);
-    return true;
+    return false;
 }
 
 }  // namespace romano::cluster

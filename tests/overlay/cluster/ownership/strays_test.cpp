@@ -71,6 +71,20 @@ TEST_F(StraysTest, P2_TheyGoToWhoServesTheirAddressInPieces) {
     EXPECT_FALSE(addresses.adopted().contains(theirs));
 }
 
+TEST_F(StraysTest, P2_ThoseThatNobodyAnswersForComeBackAndGoAgain) {
+    hear({theirs});
+    logs.try_emplace(peer, peer, 100);
+    for (int i = 0; i < 2; ++i) (void)carry_on();
+    arrive();
+    ASSERT_EQ(carry_on(), sessions - 2 * per_turn);
+    now += test::times.handover_acknowledged_within();
+    Effects acting = effects();
+    departures.carry_on(acting, {logs, own}, view);
+    ASSERT_EQ(broker.session_count(), 1 + sessions - 2 * per_turn);
+    EXPECT_EQ(carry_on(), sessions - 2 * per_turn);
+    EXPECT_TRUE(addresses.adopted().contains(theirs));
+}
+
 TEST_F(StraysTest, WhoWaitsForSessionsThereIsGivenThemByItsGiver) {
     hear({theirs}, {theirs});
     EXPECT_EQ(carry_on(), 0U);
