@@ -42,7 +42,7 @@ Datagrams CarriedUplink::requests(Instant now, const broker::BrokerCore& broker,
                          !header->provisional && header->address.endpoint == broker::owner_endpoint;
     if (!leads_) {
         is_subscribed_ = false;
-        // The next leader does not have it.
+        // What was taken goes out first: the next leader does not have it.
         if (taken_.empty() || now >= led_at_ + taken_is_safe_within) let_go(out);
         return {};
     }

@@ -99,6 +99,7 @@ private:
     void give_up_on_silent(Instant now, const Membership& membership);
     void conclude(Instant now, Surroundings around, Outbox& out);
     void announce_again(Instant now, const Membership& membership, Outbox& out);
+    [[nodiscard]] bool is_asked_again(const View& view) const;
     [[nodiscard]] ViewHoldings holdings(const View& view, Surroundings around) const;
     void install(Instant now, ViewAnnouncement announcement, Surroundings around);
 
@@ -118,7 +119,6 @@ private:
         Instant last;
     };
     std::optional<EarlyProposal> early_;
-    [[nodiscard]] bool is_asked_again(const View& view) const;
     Instant waits_until_ = never;  // for a lease
     std::optional<View> wanted_;   // meanwhile
     ViewNumber promised_;  // the highest proposal that was answered; never below view_.number
