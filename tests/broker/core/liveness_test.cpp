@@ -20,6 +20,14 @@ protected:
         EXPECT_EQ(state_of(robot), SessionState::asleep);
     }
 
+    /// Of a robot that would hear what is published.
+    void subscribes_and_falls_asleep() {
+        robot.connects();
+        robot.subscribes("cmd");
+        publisher.connects();
+        falls_asleep(1000);
+    }
+
     /// PUBLISH was heard, and DISCONNECT said before the answer.
     MsgId falls_asleep_amid_qos2() {
         robot.connects();
@@ -203,8 +211,7 @@ TEST_F(Living, SleeperUnderAWildcardIsToldNamesWhenAwake) {  // 6.14b, Paho issu
     falls_asleep(100);
     publishes("x", Qos::at_least_once);
     robot.says(Pingreq{"robot"});
-    const auto told = robot.hears<Register>();
-    robot.says(Regack{told.topic_id, told.msg_id, ReturnCode::accepted});
+    robot.hears_register("cmd");
     robot.hears_publish("x", Qos::at_least_once);
     robot.hears<Pingresp>();
 }
@@ -268,10 +275,7 @@ TEST_F(Living, PlainDisconnectEndsSleep) {  // 6.14, G28
 }
 
 TEST_F(Living, AwakeClientThatStopsAnsweringSleepsOnAndLosesNothing) {  // G10
-    robot.connects();
-    robot.subscribes("cmd");
-    publisher.connects();
-    falls_asleep(1000);
+    subscribes_and_falls_asleep();
     publishes("x", Qos::at_least_once);
     robot.says(Pingreq{"robot"});
     broker.waits(41s);
@@ -285,10 +289,7 @@ TEST_F(Living, AwakeClientThatStopsAnsweringSleepsOnAndLosesNothing) {  // G10
 }
 
 TEST_F(Living, AwakeClientThatAskedOnceMoreAndIsOutOfReachLosesNothing) {  // G5, G10
-    robot.connects();
-    robot.subscribes("cmd");
-    publisher.connects();
-    falls_asleep(1000);
+    subscribes_and_falls_asleep();
     publishes("x", Qos::at_least_once);
     robot.says(Pingreq{"robot"});
     broker.waits(9s);
@@ -304,10 +305,7 @@ TEST_F(Living, AwakeClientThatAskedOnceMoreAndIsOutOfReachLosesNothing) {  // G5
 }
 
 TEST_F(Living, AwakeClientThatTakesOneMessageNeverGetsTheNext) {  // G5: asymcute's buffer
-    robot.connects();
-    robot.subscribes("cmd");
-    publisher.connects();
-    falls_asleep(1000);
+    subscribes_and_falls_asleep();
     publishes("too long", Qos::at_least_once);
     publishes("2", Qos::at_least_once);
     for (int asked = 0; asked < 5; ++asked) {
@@ -326,10 +324,7 @@ TEST_F(Living, AwakeClientThatTakesOneMessageNeverGetsTheNext) {  // G5: asymcut
 }
 
 TEST_F(Living, WhatASleeperPassesOverIsCountedFromOneAwakeningToTheNext) {  // G5, G10
-    robot.connects();
-    robot.subscribes("cmd");
-    publisher.connects();
-    falls_asleep(1000);
+    subscribes_and_falls_asleep();
     publishes("too long", Qos::exactly_once);
     publishes("2", Qos::at_least_once);
     for (int awakening = 0; awakening < 4; ++awakening) {
@@ -348,10 +343,7 @@ TEST_F(Living, WhatASleeperPassesOverIsCountedFromOneAwakeningToTheNext) {  // G
 }
 
 TEST_F(Living, CongestionOfAnAwakeClientLetsItSleepOn) {  // G10
-    robot.connects();
-    robot.subscribes("cmd");
-    publisher.connects();
-    falls_asleep(1000);
+    subscribes_and_falls_asleep();
     publishes("x", Qos::at_least_once);
     for (int awakening = 0; awakening < 10; ++awakening) {
         robot.says(Pingreq{"robot"});
@@ -369,10 +361,7 @@ TEST_F(Living, CongestionOfAnAwakeClientLetsItSleepOn) {  // G10
 }
 
 TEST_F(Living, PingreqWhileAwakeAsksForTheOpenMessageAgain) {  // G10
-    robot.connects();
-    robot.subscribes("cmd");
-    publisher.connects();
-    falls_asleep(1000);
+    subscribes_and_falls_asleep();
     publishes("x", Qos::at_least_once);
     robot.says(Pingreq{"robot"});
     const MsgId msg_id = robot.hears<Publish>().msg_id;
@@ -389,18 +378,14 @@ TEST_F(Living, ConnectOfASleeperMakesItActiveAndSendsWhatIsBuffered) {  // 6.14e
     falls_asleep(1000);
     publishes("x", Qos::at_least_once);
     robot.connects(false);
-    const auto told = robot.hears<Register>();
-    robot.says(Regack{told.topic_id, told.msg_id, ReturnCode::accepted});
+    robot.hears_register("cmd");
     robot.hears_publish("x", Qos::at_least_once);
     robot.hears_nothing();
     EXPECT_EQ(state_of(robot), SessionState::active);
 }
 
 TEST_F(Living, SleeperMayComeFromANewAddress) {  // 6.14e, G9
-    robot.connects();
-    robot.subscribes("cmd");
-    publisher.connects();
-    falls_asleep(1000);
+    subscribes_and_falls_asleep();
     publishes("x", Qos::at_least_once);
     ScriptedClient moved{broker, "robot"};
     moved.says(Pingreq{"robot"});

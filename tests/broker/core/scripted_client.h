@@ -286,6 +286,14 @@ public:
         return publish;
     }
 
+    /// The next datagram tells this name's topic id; the client takes it.
+    TopicId hears_register(std::string_view name) {
+        const auto told = hears<Register>();
+        EXPECT_EQ(told.topic_name, name);
+        says(Regack{told.topic_id, told.msg_id, ReturnCode::accepted});
+        return told.topic_id;
+    }
+
     MsgId next_msg_id() { return MsgId{++last_msg_id_}; }
 
     template <typename M>
