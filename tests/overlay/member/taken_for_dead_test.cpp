@@ -154,13 +154,16 @@ TEST(Member, P3_WhatWaitedForALeaseDoesNotOvertakeWhatWaitedForAPeer) {
     brokers.run_for(103ms);
     brokers.cut(1, 3);
     robot.publish("pose", "1", Qos::at_least_once);
-    brokers.run_for(80ms);
+    brokers.run_for(90ms);  // its lease is over
     other.publish("pose", "2", Qos::at_most_once);
     brokers.run_for(2ms);
     ASSERT_EQ(robot.received().size(), 2U);
     brokers.heal();
     brokers.run_for(100ms);
-    EXPECT_THAT(robot.received(), ElementsAre("registered", "registered", "1", "2"));
+    const auto heard = robot.received();  // what is of QoS 1 perhaps twice
+    EXPECT_THAT(heard, Contains("2"));
+    EXPECT_TRUE(std::ranges::find(heard, "1") < std::ranges::find(heard, "2"))
+        << testing::PrintToString(heard);
 }
 
 // Those who made the view without it are gone; those who came later tell it (seeds 52 and 729).
