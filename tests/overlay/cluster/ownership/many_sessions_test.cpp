@@ -123,8 +123,10 @@ TEST(ManySessions, I5_WhatAnHeirAdoptsThereMeanwhileLeavesBeforeTheSeal) {
     holder.carry_on();
     (void)holder.broker.adopt(holder.now, image(sessions, theirs), {}, holder.clients);
     holder.clients.clear();
-    for (int i = 0; i < 5; ++i) holder.carry_on({theirs});
-    holder.arrive();
+    for (int i = 0; i < 5; ++i) {
+        holder.arrive();
+        holder.carry_on({theirs});
+    }
     EXPECT_TRUE(holder.take_written<broker::Sealed>().empty()) << "more are to be adopted";
     holder.move_all();
     EXPECT_EQ(holder.take_written<broker::Sealed>().size(), 1U);
