@@ -4,23 +4,33 @@
 namespace romano::cluster::view_change_test {
 namespace {
 
+/// Has promised a view to "high", which it follows.
+struct Promised : Leader {
+    View view;
+
+    Promised() {
+        begin();
+        view = {{term() + 1, high.broker, 1}, {high, self}};
+        std::ranges::sort(view.members);
+        hear(high, high, view.number.term, 9);
+        be_asked(view);
+        EXPECT_EQ(change.promised(), view.number);
+    }
+    void be_asked(const View& proposed) {
+        change.on_proposal(now, {.view = proposed, .removed = {}}, around(), out);
+    }
+};
+
 // I4: it was taken back after four detection times, and a view below it entered.
 TEST(ViewChange, NoClockTakesAPromiseBack) {
-    Leader member;
-    member.begin();
-    const ViewNumber promised{member.term() + 1, high.broker, 1};
-    View view{promised, {high, self}};
-    std::ranges::sort(view.members);
-    member.hear(high, high, promised.term, 9);
-    member.change.on_proposal(member.now, {.view = view, .removed = {}}, member.around(),
-                              member.out);
-    ASSERT_EQ(member.change.promised(), promised);
+    Promised member;
+    const ViewNumber promised = member.view.number;
     for (int i = 0; i < 100; ++i) {
         member.hear(high, high, promised.term, 9);
         member.wait(10ms);
     }
     EXPECT_EQ(member.change.promised(), promised);
-    View older = view;
+    View older = member.view;
     older.number.count = 0;
     member.change.on_announcement(member.now, {.view = older}, member.around());
     EXPECT_LT(member.change.view().number, older.number);
@@ -28,20 +38,13 @@ TEST(ViewChange, NoClockTakesAPromiseBack) {
 
 // I1: two proposals of one leader came in another order than they left.
 TEST(ViewChange, AProposalOlderThanThePromiseIsNotAnswered) {
-    Leader member;
-    member.begin();
-    const ViewNumber promised{member.term() + 1, high.broker, 1};
-    View view{promised, {high, self}};
-    std::ranges::sort(view.members);
-    member.hear(high, high, promised.term, 9);
-    member.change.on_proposal(member.now, {.view = view, .removed = {}}, member.around(),
-                              member.out);
-    ASSERT_EQ(member.change.promised(), promised);
+    Promised member;
+    const ViewNumber promised = member.view.number;
     member.out.clear();
-    view.number.count = 0;
-    ASSERT_GT(view.number, member.change.view().number);
-    member.change.on_proposal(member.now, {.view = view, .removed = {}}, member.around(),
-                              member.out);
+    View older = member.view;
+    older.number.count = 0;
+    ASSERT_GT(older.number, member.change.view().number);
+    member.be_asked(older);
     EXPECT_EQ(member.change.promised(), promised);
     EXPECT_TRUE(member.out.empty());
 }
@@ -128,16 +131,10 @@ TEST(ViewChange, AMemberInstallsWhatItPromisedOrHasFromItsLeader) {
 
 // Meanwhile the others may have gone on without it (simulator, faults `relapse`).
 TEST(ViewChange, WhatWasPromisedBeforeAStandstillIsNotPromisedAnew) {
-    Leader member;
-    member.begin();
-    View view{{member.term() + 1, high.broker, 1}, {high, self}};
-    std::ranges::sort(view.members);
-    member.hear(high, high, view.number.term, 9);
-    member.change.on_proposal(member.now, {.view = view, .removed = {}}, member.around(),
-                              member.out);
-    EXPECT_TRUE(member.change.is_promised_anew(view));
+    Promised member;
+    EXPECT_TRUE(member.change.is_promised_anew(member.view));
     member.change.on_standstill();
-    EXPECT_FALSE(member.change.is_promised_anew(view));
+    EXPECT_FALSE(member.change.is_promised_anew(member.view));
 }
 
 }  // namespace
