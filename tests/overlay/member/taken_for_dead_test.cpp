@@ -9,12 +9,10 @@ namespace romano::test::taken_for_dead_test {
 namespace {
 
 using namespace std::chrono_literals;
-using mqttsn::MsgType;
 using mqttsn::Qos;
 using testing::Contains;
 using testing::ElementsAre;
 using testing::IsEmpty;
-using testing::UnorderedElementsAre;
 
 TEST(Member, AStalledBrokerThatWasReplacedDropsWhatItHadAndGetsItBack) {
     Brokers brokers;
