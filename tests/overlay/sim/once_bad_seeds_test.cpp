@@ -48,6 +48,7 @@ std::vector<OnceBad> once_bad() {
          {.as_shipped = true},
          {2511, 5557, 6120, 6289, 8801, 9568, 10773, 12079, 13594, 14253, 15911, 17151, 18711,
           19192, 19420}},
+        {"TwoWithRaft", {.brokers = 2, .elector = "raft"}, {1200474, 1200611, 1200906}},
         {"AsShippedRaft", {.as_shipped = true, .elector = "raft"}, {2747}},
         {"AsShippedOfOneWhoWasReplaced", {.as_shipped = true}, {3225, 3260, 3468, 4098, 42250}},
     };
