@@ -30,8 +30,6 @@ public:
     [[nodiscard]] Watched watch(Duration duration, const std::function<bool()>& is_over);
 
 private:
-    using Clock = std::chrono::steady_clock;
-
     [[nodiscard]] std::size_t choose_victim();
     void strike(std::size_t victim);
     void await_whole();

@@ -10,7 +10,7 @@ namespace romano::bench::ros {
 struct Sample {
     std::uint32_t publisher = 0;
     std::uint32_t sequence = 0;
-    std::int64_t sent_ns = 0;   // CLOCK_MONOTONIC, one for all nodes of a machine
+    std::int64_t sent_ns = 0;   // CLOCK_BOOTTIME, one for all nodes of a machine
     std::int64_t heard_ns = 0;  // 0: this is the publisher's own record
 };
 

@@ -14,7 +14,7 @@
 namespace romano::daemon {
 namespace {
 
-/// Seconds of the monotonic clock, as the kernel's own messages have them: the one clock that all
+/// Seconds since the machine booted, suspended or not (CLOCK_BOOTTIME): the one clock that all
 /// processes of a machine share, so that traces of several brokers can be laid side by side.
 class MonotonicSeconds : public spdlog::custom_flag_formatter {
 public:

@@ -1,6 +1,11 @@
 // The machine's clocks as the cores want them: monotonic Instants, and what the wall clock said at
 // the Instant with count 0.
+//
+// Instants count while the machine is suspended: to a core that is a standstill like any other, and
+// its lease is over when it goes on.
 #pragma once
+
+#include <time.h>
 
 #include <chrono>
 
@@ -9,14 +14,18 @@
 namespace romano::net {
 
 inline Instant now() {
-    return Instant{
-        std::chrono::duration_cast<Duration>(std::chrono::steady_clock::now().time_since_epoch())};
+    timespec time{};
+    clock_gettime(CLOCK_BOOTTIME, &time);
+    return Instant{std::chrono::seconds{time.tv_sec} + std::chrono::nanoseconds{time.tv_nsec}};
 }
 
+/// When that is if the machine is not suspended meanwhile: steady_clock does not count that time.
 inline std::chrono::steady_clock::time_point to_steady_clock(Instant instant) {
-    return std::chrono::steady_clock::time_point{
-        std::chrono::duration_cast<std::chrono::steady_clock::duration>(
-            instant.time_since_epoch())};
+    const auto steady = std::chrono::steady_clock::now();
+    const Instant current = now();
+    if (instant <= current) return steady;
+    if (instant == never) return std::chrono::steady_clock::time_point::max();
+    return steady + (instant - current);
 }
 
 inline Duration unix_time() {

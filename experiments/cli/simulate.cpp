@@ -323,6 +323,8 @@ void add_simulate(CLI::App& program, int& exit_code) {
                      "Brokers send once for many robots that listen to their cell");
     command.add_flag("--unable", options->run.are_some_unable,
                      "Half of the machines cannot take addresses of others");
+    command.add_flag("--slewed", options->run.are_clocks_slewed,
+                     "Time daemons slew the brokers' clocks by up to a twelfth");
     command
         .add_option("--profile", options->run.profile,
                     "Times of a profile (default: beacons every 10 ms, dead after 100)")

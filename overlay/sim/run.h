@@ -37,6 +37,8 @@ struct RunOptions {
     bool has_cells = false;
     /// Half of the machines cannot take addresses of others.
     bool are_some_unable = false;
+    /// Time daemons slew the brokers' clocks by up to a twelfth.
+    bool are_clocks_slewed = false;
     std::string profile{};
     std::size_t brokers = 0;
     std::size_t robots = 0;

@@ -23,7 +23,7 @@ constexpr const char* examples = R"(Examples:
   NODE --name a --address 127.0.0.1 --infrastructure 127.0.0.1 --publish t --rate 10
   NODE --name b --address 127.0.0.1 --infrastructure 127.0.0.1 --subscribe t --samples b.samples
 romano_ros_bench starts nodes by itself. A node goes on until SIGTERM, and then writes its samples.
-It prints `first` and the time, CLOCK_MONOTONIC in ns, when it hears its first message.)";
+It prints `first` and the time, CLOCK_BOOTTIME in ns, when it hears its first message.)";
 
 volatile std::sig_atomic_t stopped = 0;
 

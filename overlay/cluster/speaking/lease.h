@@ -3,8 +3,8 @@
 // Every heartbeat echoes the newest tick that its sender heard of each member: so the member named
 // knows that at that tick it was still in its place there. It holds its lease while more than half
 // of its view, itself included, echoed ticks younger than a term, and every member one younger
-// than three; of two members both echo within a term. The term is a little shorter for the holder
-// than for those who wait, for clocks drift and what leaves takes a moment. Where two members do
+// than three; of two members both echo within a term. Terms are shorter for the holder than for
+// those who wait, for clocks are slewed and what leaves takes a moment. Where two members do
 // not hear each other, a third one that vouches for both says so: what it says of another one is a
 // term old.
 //
@@ -47,6 +47,8 @@ public:
     void on_echo(const LogId& by, std::uint64_t tick, const ViewNumber& installed,
                  const std::vector<BrokerId>& vouched);
     [[nodiscard]] bool is_held(Instant now) const;
+    /// Times that somebody asked for it when it was over, and had not been when asked before.
+    [[nodiscard]] std::uint64_t times_lost() const { return times_lost_; }
     /// Until the view was installed.
     [[nodiscard]] bool was_held_before() const { return was_held_before_; }
 
@@ -107,7 +109,7 @@ private:
     LogId self_;
     Duration beacon_every_;
     Duration term_;
-    Duration margin_;  // by which the holder's term is shorter
+    Duration margin_;  // by which each of the holder's terms is shorter
     View view_;
     bool was_held_before_ = false;
     FlatMap<LogId, Instant> members_since_;
@@ -124,6 +126,8 @@ private:
     FlatMap<LogId, Refusal> refused_;              // members that are not echoed
     Instant missed_until_ = Instant::min();        // after a standstill
     mutable Instant held_until_ = Instant::min();  // as far as it was looked up
+    mutable bool was_held_when_asked_ = false;
+    mutable std::uint64_t times_lost_ = 0;
 };
 
 }  // namespace romano::cluster

@@ -22,7 +22,7 @@ const LogId d = test::log_of("d");
 
 constexpr Duration beacon = 10ms;
 constexpr Duration term = 40ms;  // of a detection timeout of 50 ms
-constexpr Duration margin = 5ms;
+constexpr Duration margin = 8ms;
 
 ViewNumber number(std::uint64_t count) {
     return {.term = 1, .leader = self.broker, .count = count};
@@ -75,6 +75,20 @@ TEST_F(LeaseTest, AViewTellsWhetherThereWasOneUntilThen) {
     EXPECT_FALSE(lease.was_held_before());
 }
 
+TEST_F(LeaseTest, TellsHowOftenItWasLostAndNotForHowLong) {
+    lease.on_view(now, view(1, {self, a, b}));
+    EXPECT_FALSE(is_held_after(0ms));
+    EXPECT_EQ(lease.times_lost(), 0U) << "there was none yet";
+    for (std::uint64_t times = 1; times <= 3; ++times) {
+        beat({a, b});
+        EXPECT_TRUE(is_held_after(0ms));
+        now += 50ms;
+        EXPECT_FALSE(is_held_after(0ms));
+        EXPECT_FALSE(is_held_after(10ms));
+        EXPECT_EQ(lease.times_lost(), times);
+    }
+}
+
 TEST_F(LeaseTest, WhoIsAloneInItsViewHoldsOne) {
     lease.on_view(now, view(1, {self}));
     EXPECT_TRUE(is_held_after(1h));
@@ -95,11 +109,11 @@ TEST_F(LeaseTest, MoreThanHalfOfTheViewVouchForATerm) {
 TEST_F(LeaseTest, AMemberThatVouchedWithinThreeTermsEndsNoLease) {
     lease.on_view(now, view(1, {self, a, b}));
     beat({a, b});
-    for (now += beacon; now < Instant{10s} + 3 * term - margin; now += beacon) {
+    for (now += beacon; now < Instant{10s} + 3 * (term - margin); now += beacon) {
         EXPECT_TRUE(is_held_after(0ms));
         beat({a});
     }
-    now = Instant{10s} + 3 * term - margin;
+    now = Instant{10s} + 3 * (term - margin);
     EXPECT_FALSE(is_held_after(0ms));
 }
 
@@ -158,6 +172,66 @@ TEST_F(LeaseTest, AnEchoInALaterViewCountsWhenThatIsInstalled) {
     EXPECT_FALSE(is_held_after(0ms));
     lease.on_view(now, view(2, {self, a}));
     EXPECT_TRUE(is_held_after(0ms));
+}
+
+// Three machines whose time daemons slew their clocks as far as they may (I1): the one that speaks
+// takes its time to be shorter than it is, and the one that waits takes its own to be longer.
+struct SlewedClocks : testing::Test {
+    static Instant slow(Duration time) { return Instant{10s} + time * 11 / 12; }
+    static Instant fast(Duration time) { return Instant{10s} + time * 13 / 12; }
+
+    SlewedClocks() {
+        for (Lease* each : {&speaks, &waits, &vouches}) {
+            each->on_view(Instant{10s}, view(1, {self, a, b}));
+        }
+        hear_speaker(0ms, {a, b}, {});
+    }
+    /// Its next heartbeat is echoed by those.
+    void hear_speaker(Duration time, const std::vector<LogId>& by,
+                      const std::vector<BrokerId>& vouched) {
+        speaks.on_beat(slow(time), ++tick);
+        for (const LogId& peer : by) speaks.on_echo(peer, tick, number(1), vouched);
+        if (std::ranges::count(by, a) > 0) waits.on_heard(fast(time), self, tick);
+    }
+    [[nodiscard]] bool may_promise(Duration time, const View& next) const {
+        const auto has_ended = [](const LogId&) { return false; };
+        return fast(time) >= waits.is_over_at(next, has_ended);
+    }
+    /// By then what still waited for a socket has left, too.
+    [[nodiscard]] bool spoke_just_now(Duration time) const {
+        return speaks.is_held(slow(time - 1ms));
+    }
+
+    Lease speaks{self, beacon, 50ms};
+    Lease waits{a, beacon, 50ms};
+    Lease vouches{b, beacon, 50ms};
+    std::uint64_t tick = 100;
+};
+
+TEST_F(SlewedClocks, WhoIsLeftOutByMostIsSilentBeforeTheyGoOn) {
+    Duration time = 0ms;
+    for (; !may_promise(time, view(2, {a, b})); time += 100us) {
+    }
+    EXPECT_FALSE(spoke_just_now(time)) << time / 1us << " us";
+}
+
+TEST_F(SlewedClocks, WhoIsLeftOutByOneIsSilentBeforeThatOneGoesOn) {
+    Duration time = 0ms;
+    for (; !may_promise(time, view(2, {a})); time += 100us) {
+        if (time % beacon == 0ms) hear_speaker(time, {b}, {});
+    }
+    EXPECT_FALSE(spoke_just_now(time)) << time / 1us << " us";
+}
+
+TEST_F(SlewedClocks, WhoIsVouchedForIsSilentBeforeThatOneGoesOn) {
+    vouches.on_beat(slow(0ms), 1);
+    vouches.on_echo(a, 1, number(1), {});
+    waits.on_heard(fast(0ms), b, 1);
+    Duration time = 0ms;
+    for (; !may_promise(time, view(2, {a})); time += 100us) {
+        if (time % beacon == 0ms) hear_speaker(time, {b}, vouches.vouched(slow(time)));
+    }
+    EXPECT_FALSE(spoke_just_now(time)) << time / 1us << " us";
 }
 
 TEST_F(LeaseTest, EchoesOfTicksFromBeforeAStandstillAreTooOld) {
