@@ -9,6 +9,8 @@
 #include "broker/net/endpoint_text.h"
 #include "experiments/load/load_run.h"
 #include "experiments/load/mqttsn_clients.h"
+#include "experiments/watch/metrics_fetch.h"
+#include "experiments/watch/metrics_page.h"
 
 namespace romano::bench {
 namespace {
@@ -37,14 +39,24 @@ std::optional<Fleet> fleet_for(const Options& options, const std::filesystem::pa
     return Fleet(folder, brokers, options.brokers + (options.watch_s > 0 ? loaders : 0));
 }
 
+std::uint64_t leases_lost(const Cluster& cluster, std::size_t broker) {
+    const experiments::MetricsPage page{experiments::fetch_metrics(*cluster.metrics(broker), 1s)};
+    return static_cast<std::uint64_t>(page.value("romano_cluster_leases_lost_total"));
+}
+
+Options with_metrics(Options options) {
+    if (options.watch_s > 0 && options.metrics_port == 0) options.metrics_port = 9884;
+    return options;
+}
+
 }  // namespace
 
 Bench::Bench(boost::asio::io_context& io, const Options& options,
              const std::filesystem::path& traces)
     : io_(io),
-      options_(options),
+      options_(with_metrics(options)),
       fleet_(fleet_for(options, options.output / "fleet")),
-      cluster_(options, traces, fleet_ ? &*fleet_ : nullptr),
+      cluster_(options_, traces, fleet_ ? &*fleet_ : nullptr),
       random_(options.seed) {}
 
 Bench::~Bench() = default;
@@ -178,6 +190,9 @@ Watched Bench::watch(Duration duration, const std::function<bool()>& is_over) {
         clients.brokers.push_back(*net::parse_endpoint(cluster_.address_text(i)));
     }
     experiments::MqttsnClients loaders(plan, clients);
+    std::vector<std::uint64_t> lost_before;
+    for (std::size_t i = 0; i < cluster_.size(); ++i)
+        lost_before.push_back(leases_lost(cluster_, i));
     std::optional<std::size_t> victim;
     bool is_back = false;
     const double share_away = options_.away_s / std::chrono::duration<double>(duration).count();
@@ -204,10 +219,15 @@ Watched Bench::watch(Duration duration, const std::function<bool()>& is_over) {
                                .is_stopped = is_over});
     const experiments::LoadFigures figures = load.run();
     cluster_.look();
+    std::uint64_t lost_since = 0;
+    for (std::size_t i = 0; i < cluster_.size(); ++i) {
+        if (i != victim) lost_since += leases_lost(cluster_, i) - lost_before[i];
+    }
     return {.seconds = figures.measured_s,
             .messages = figures.delivered,
             .lost = figures.lost(),
             .suspicions = count("lost "),
+            .leases_lost = lost_since,
             .take_overs = count("adopts ") - (victim ? 1 : 0),  // the victim's, rightly
             .away_s = options_.away_s};
 }

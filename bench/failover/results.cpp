@@ -117,11 +117,12 @@ void print(const Watched& watched) {
     const std::string fault =
         watched.away_s == 0 ? "" : ", a broker away for " + std::to_string(watched.away_s) + " s";
     std::printf(
-        "%.0f s of full load%s, %.0f messages/s, %llu lost: %llu suspicions, %llu false "
-        "failovers\n",
+        "%.0f s of full load%s, %.0f messages/s, %llu lost: %llu suspicions, %llu leases "
+        "lost, %llu false failovers\n",
         watched.seconds, fault.c_str(), static_cast<double>(watched.messages) / watched.seconds,
         static_cast<unsigned long long>(watched.lost),
         static_cast<unsigned long long>(watched.suspicions),
+        static_cast<unsigned long long>(watched.leases_lost),
         static_cast<unsigned long long>(watched.take_overs));
 }
 
@@ -239,9 +240,10 @@ void Results::conclude() const {
     if (watched_) {
         print(*watched_);
         summary["watch"] = {
-            {"seconds", watched_->seconds},       {"away_seconds", watched_->away_s},
-            {"messages", watched_->messages},     {"lost", watched_->lost},
-            {"suspicions", watched_->suspicions}, {"false_failovers", watched_->take_overs}};
+            {"seconds", watched_->seconds},           {"away_seconds", watched_->away_s},
+            {"messages", watched_->messages},         {"lost", watched_->lost},
+            {"suspicions", watched_->suspicions},     {"leases_lost", watched_->leases_lost},
+            {"false_failovers", watched_->take_overs}};
     }
     std::ofstream(options_.output / "summary.json") << summary.dump(2) << '\n';
     if (const auto svg = experiments::draw(figure(options_, trials_), options_.output)) {

@@ -18,6 +18,9 @@ void add_cluster(metrics::Page& page, const overlay::MemberFacts& facts) {
                  facts.take_overs);
     page.counter("romano_cluster_replacements_total",
                  "Times that this broker was replaced while it stood still.", facts.replacements);
+    page.counter("romano_cluster_leases_lost_total",
+                 "Times that this broker was silent because too few peers vouched for it.",
+                 facts.leases_lost);
 
     gauge("romano_cluster_log_position", "End of the own log.", facts.log_last);
     gauge("romano_cluster_log_unacknowledged_events",

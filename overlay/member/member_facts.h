@@ -36,6 +36,7 @@ struct MemberFacts {
     std::uint64_t views = 0;          // agreed on since the start
     std::uint64_t take_overs = 0;     // service addresses of dead brokers that we inherited
     std::uint64_t replacements = 0;   // times that we were replaced while we stood still
+    std::uint64_t leases_lost = 0;    // and clients waited for it
     std::size_t held_output = 0;      // datagrams that wait for peers
     std::uint64_t held_output_dropped = 0;
     std::size_t waiting_input = 0;  // datagrams that wait for their sessions

@@ -28,6 +28,14 @@ TEST(ClusterMetrics, TellTheConditionInTheRank) {
     EXPECT_THAT(page.text(), HasSubstr("\nromano_cluster_condition 75\n"));
 }
 
+TEST(ClusterMetrics, TellHowOftenTheLeaseWasLost) {
+    metrics::Page page;
+    overlay::MemberFacts facts;
+    facts.leases_lost = 3;
+    add_cluster(page, facts);
+    EXPECT_THAT(page.text(), HasSubstr("\nromano_cluster_leases_lost_total 3\n"));
+}
+
 TEST(ClusterMetrics, TellWhatCameOfEachMessageOfTheUplink) {
     overlay::UplinkFacts facts{.is_up = true, .counters = {}, .too_long = 1};
     facts.counters = {.sent = 9,
