@@ -26,6 +26,7 @@ public:
     void on_condition(Instant, std::uint32_t condition) override {
         options_.self.condition = condition;  // whoever outranks us now will say so
     }
+    void on_detection_time(Duration time) override { options_.detection_time = time; }
     void on_tick(Instant now) override;
     [[nodiscard]] Instant next_wakeup() const override { return deadline_; }
 

@@ -22,6 +22,7 @@ public:
         self_.condition = condition;
         settle(now);
     }
+    void on_detection_time(Duration time) override { patience_ = time; }
     void on_tick(Instant now) override;
     [[nodiscard]] Instant next_wakeup() const override;
     [[nodiscard]] Leadership leadership() const override { return leadership_; }

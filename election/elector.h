@@ -72,6 +72,8 @@ public:
     virtual void on_ballot(Instant now, NodeId from, const Ballot& ballot) = 0;
     /// The own Rank::condition is another one now. Raft leads by votes, whatever the rank.
     virtual void on_condition(Instant now, std::uint32_t condition) = 0;
+    /// The detector's time is this now: what begins from here on is waited for by it.
+    virtual void on_detection_time(Duration detection_time) = 0;
     virtual void on_tick(Instant now) = 0;
     [[nodiscard]] virtual Instant next_wakeup() const = 0;
 
@@ -84,7 +86,7 @@ public:
 
 struct ElectorOptions {
     Rank self{};
-    Duration detection_time{};     // the detector's; sets the scale of time-outs
+    Duration detection_time{};     // the detector's, at first; sets the scale of time-outs
     Duration listens_alone_for{};  // then who hears nobody leads; not in raft
     std::vector<NodeId> voters{};  // raft only
     std::uint64_t seed = 0;

@@ -32,6 +32,7 @@ public:
     void on_condition(Instant, std::uint32_t condition) override {
         options_.self.condition = condition;
     }
+    void on_detection_time(Duration time) override { options_.detection_time = time; }
     void on_tick(Instant now) override;
     [[nodiscard]] Instant next_wakeup() const override;
 

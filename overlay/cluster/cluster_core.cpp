@@ -35,7 +35,9 @@ ClusterCore::ClusterCore(const ClusterOptions& options, const Identity& identity
       settlement_(identity.log.broker, options.sessions_per_turn),
       roaming_(digest_of(identity.predefined)),
       predefined_(digest_of(identity.predefined)),
-      settings_(identity.name, agreed_settings(options, identity.predefined)) {}
+      settings_(identity.name, agreed_settings(options, identity.predefined)) {
+    due_.fill(Instant::min());
+}
 
 // --- inputs
 
@@ -54,7 +56,8 @@ bool ClusterCore::is_for_later(Instant now, const ClusterMessage& message) const
 void ClusterCore::on_message(Effects effects, const Envelope& envelope) {
     const BrokerId from = envelope.from.broker;
     if (from == own_.id().broker) {
-        if (auto notice = namesake_.on_message(name_, link_.process, envelope.from.incarnation)) {
+        if (auto notice = namesake_.on_message(effects.now, effects.times.namesake_told_every(),
+                                               name_, link_.process, envelope.from.incarnation)) {
             effects.local.push_back(*std::move(notice));
         }
         return;
@@ -86,27 +89,34 @@ void ClusterCore::on_tick(Effects effects, const std::set<Endpoint>& pending_out
     }
     catch_up(effects);
     after_input(effects);
-    if (effects.now < next_tick_) return;
-    next_tick_ = effects.now + options_.beacon_every;
-    if (effects.now >= next_cursors_) {
-        next_cursors_ = effects.now + effects.times.cursors_told_every();
-        effects.broker.append_cursors(effects.clients);
+    // What is due earlier waits for the beacon: one wake-up for all.
+    if (effects.now < due_at(Timer::beacon)) return;
+    for (std::size_t i = 0; i < due_.size(); ++i) {
+        if (effects.now >= due_[i]) due_[i] = effects.now + on_timer(effects, Timer{i});
     }
-    if (effects.now >= next_trim_) {
-        trim(effects);
-        next_trim_ = effects.now + (keeping_.is_behind() ? effects.times.beacon_every
-                                                         : effects.times.logs_trimmed_every());
+}
+
+Duration ClusterCore::on_timer(Effects& effects, Timer timer) {
+    const Times& times = effects.times;
+    switch (timer) {
+        case Timer::cursors:
+            effects.broker.append_cursors(effects.clients);
+            return times.cursors_told_every();
+        case Timer::trim:
+            trim(effects);
+            return keeping_.is_behind() ? times.beacon_every : times.logs_trimmed_every();
+        case Timer::forget_moved:
+            for (auto& [id, log] : logs_) log.forget_moved();
+            return times.moved_sessions_kept_for();
+        case Timer::seek_addresses:
+            seek_addresses(effects);
+            return times.addresses_sought_every();
+        case Timer::beacon:
+            warn_when_leaderless(effects);
+            send_beacon(effects);
+            return times.beacon_every;
     }
-    if (effects.now >= next_moved_) {
-        next_moved_ = effects.now + effects.times.moved_sessions_kept_for();
-        for (auto& [id, log] : logs_) log.forget_moved();
-    }
-    if (effects.now >= next_addresses_) {
-        next_addresses_ = effects.now + effects.times.addresses_sought_every();
-        seek_addresses(effects);
-    }
-    warn_when_leaderless(effects);
-    send_beacon(effects);
+    return times.beacon_every;
 }
 
 void ClusterCore::warn_when_leaderless(Effects& effects) {
@@ -125,7 +135,7 @@ Instant ClusterCore::next_wakeup() const {
         hand_back_.is_half_done(departures_) || !take_over_.half_adopted().empty();
     const bool is_half_done = is_behind() || (moves_some && !is_back());
     if (is_half_done) return Instant::min();
-    return std::min({next_tick_, membership_.next_wakeup(), log_sender_.next_wakeup(),
+    return std::min({due_at(Timer::beacon), membership_.next_wakeup(), log_sender_.next_wakeup(),
                      view_change_.next_wakeup()});
 }
 

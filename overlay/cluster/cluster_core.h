@@ -11,6 +11,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cstdint>
 #include <limits>
@@ -225,6 +226,14 @@ private:
     /// so that none is missed.
     void heed_silence();
     void say_again(Effects& effects);
+    /// What is done again and again, in this order where several are due.
+    enum class Timer : std::size_t { cursors, trim, forget_moved, seek_addresses, beacon };
+    static constexpr std::size_t timers = 5;
+    [[nodiscard]] Instant due_at(Timer timer) const {
+        return due_[static_cast<std::size_t>(timer)];
+    }
+    /// Does it, and says after how long it is due again.
+    Duration on_timer(Effects& effects, Timer timer);
     /// Tries again for addresses that should be served here and are served by nobody.
     void seek_addresses(Effects& effects);
     void warn_when_leaderless(Effects& effects);
@@ -287,11 +296,7 @@ private:
     std::map<LogId, std::size_t> behind_;
     std::map<LogId, std::size_t> sessions_brought_;  // by their logs in this turn
     std::set<LogId> lacking_;  // logs with deliveries of messages that are not here
-    Instant next_tick_ = Instant::min();
-    Instant next_cursors_ = Instant::min();
-    Instant next_trim_ = Instant::min();
-    Instant next_moved_ = Instant::min();
-    Instant next_addresses_ = Instant::min();
+    std::array<Instant, timers> due_;
     std::uint64_t views_seen_ = 0;
     std::uint64_t beacons_sent_ = 0;
     std::uint64_t octets_sent_ = 0;

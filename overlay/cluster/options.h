@@ -26,6 +26,7 @@ struct ClusterOptions {
     Duration detection_timeout{std::chrono::milliseconds{100}};
     Duration found_within{};  // by the transport: a peer that starts must prove who it is first
     Duration found_again_within{std::chrono::milliseconds{500}};  // by the transport, after a cut
+    Duration people_told_every{std::chrono::seconds{1}};
     std::string
         profile;  // its name and the program's version are only compared (settings_comparison.h)
     std::string version;
@@ -36,7 +37,7 @@ struct ClusterOptions {
 
     /// With the detection time as of now.
     [[nodiscard]] Times times(Duration detection) const {
-        return {beacon_every, detection, found_within, found_again_within};
+        return {beacon_every, detection, found_within, found_again_within, people_told_every};
     }
 };
 

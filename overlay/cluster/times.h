@@ -1,9 +1,9 @@
 // How long the cluster waits for what: every wait between brokers, but the lease's
-// (speaking/lease.cpp), is a named multiple of one of four times, and stands in this table.
+// (speaking/lease.cpp), is a named multiple of one of five times, and stands in this table.
 //
 // The detection time is the detector's own, as of now: phi-accrual changes it. The times in which a
 // peer is found, and found again, belong to the transport (DDS) and the machines, and not to the
-// beacons.
+// beacons. People read at one pace on all networks.
 #pragma once
 
 #include <algorithm>
@@ -17,6 +17,7 @@ struct Times {
     Duration detection{};
     Duration found_within{};
     Duration found_again_within{};
+    Duration people_told_every{};
 
     // --- beacons
     [[nodiscard]] Duration particulars_asked_again_after() const { return 2 * beacon_every; }
@@ -62,8 +63,10 @@ struct Times {
     }
     /// On a busy machine it takes some detection times until two processes hear each other.
     [[nodiscard]] Duration unmet_peer_waited_for() const { return found_within + 20 * detection; }
-    /// Its process may stand still, and is found again after that.
-    [[nodiscard]] Duration silent_home_waited_for() const { return 6 * found_again_within; }
+    /// Its process may stand still, and is found again after that; then it needs some beacons.
+    [[nodiscard]] Duration silent_home_waited_for() const {
+        return 6 * found_again_within + 2 * detection;
+    }
     [[nodiscard]] Duration members_read_within() const { return 20 * detection; }
 
     // --- addresses and sessions that move
@@ -92,8 +95,19 @@ struct Times {
     [[nodiscard]] Duration clearly_heard_for() const { return detection / 2; }
     [[nodiscard]] Duration waiting_handover_outlives() const { return 8 * detection; }
 
+    // --- the uplink's session
+    /// By then a session that a robot or another leader left is at a home, or on its way to one.
+    [[nodiscard]] Duration uplink_session_found_within() const {
+        return handover_acknowledged_within();
+    }
+    [[nodiscard]] Duration uplink_session_asked_again_after() const { return session_waited_for(); }
+    [[nodiscard]] Duration taken_safe_within() const { return 20 * detection; }
+
     // --- what people are told
     [[nodiscard]] Duration leaderless_told_every() const { return 100 * detection; }
+    [[nodiscard]] Duration namesake_told_every() const { return 20 * people_told_every; }
+    [[nodiscard]] Duration long_message_told_every() const { return 10 * people_told_every; }
+    [[nodiscard]] Duration status_told_every() const { return people_told_every; }
 };
 
 }  // namespace romano::cluster

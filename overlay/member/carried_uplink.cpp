@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <utility>
 
 #include "romano/base/printable.h"
@@ -11,14 +10,7 @@
 namespace romano::overlay {
 namespace {
 
-using namespace std::chrono_literals;
 using Datagrams = std::vector<std::vector<std::uint8_t>>;
-
-constexpr Duration connect_again_after = 500ms;
-// A home that died is replaced sooner: then the session is somewhere, or there never was one.
-constexpr Duration settled_after = 1s;
-constexpr Duration warn_again_after = 10s;
-constexpr Duration taken_is_safe_within = 1s;
 
 std::vector<std::uint8_t> encoded(const mqttsn::Message& message) {
     std::vector<std::uint8_t> octets(512);
@@ -43,7 +35,7 @@ Datagrams CarriedUplink::requests(Instant now, const broker::BrokerCore& broker,
     if (!leads_) {
         is_subscribed_ = false;
         // What was taken goes out first: the next leader does not have it.
-        if (taken_.empty() || now >= led_at_ + taken_is_safe_within) let_go(out);
+        if (taken_.empty() || now >= led_at_ + cluster.times().taken_safe_within()) let_go(out);
         return {};
     }
     led_at_ = now;
@@ -51,7 +43,7 @@ Datagrams CarriedUplink::requests(Instant now, const broker::BrokerCore& broker,
         is_subscribed_ = false;
         subscribe_again_at_ = Instant::min();
         if (!may_connect(now, broker, cluster)) return {};
-        connect_again_at_ = now + connect_again_after;
+        connect_again_at_ = now + cluster.times().uplink_session_asked_again_after();
         return {encoded(mqttsn::Connect{.will = false,
                                         .clean_session = false,
                                         .protocol_id = mqttsn::protocol_id,
@@ -62,7 +54,9 @@ Datagrams CarriedUplink::requests(Instant now, const broker::BrokerCore& broker,
         Datagrams missing = missing_subscriptions(broker);
         is_subscribed_ = missing.empty();
         if (now < subscribe_again_at_) missing.clear();
-        if (!missing.empty()) subscribe_again_at_ = now + connect_again_after;
+        if (!missing.empty()) {
+            subscribe_again_at_ = now + cluster.times().uplink_session_asked_again_after();
+        }
         if (!is_subscribed_) return missing;
     }
     core_.hold(true, out);  // not before: what is published from then on goes out
@@ -73,7 +67,7 @@ bool CarriedUplink::may_connect(Instant now, const broker::BrokerCore& broker,
                                 const cluster::ClusterCore& cluster) {
     if (now < connect_again_at_) return false;
     return broker.header(client_id_) != nullptr || cluster.is_homed_at_peer(client_id_) ||
-           now >= view_since_ + settled_after;
+           now >= view_since_ + cluster.times().uplink_session_found_within();
 }
 
 Datagrams CarriedUplink::missing_subscriptions(const broker::BrokerCore& broker) const {
@@ -108,12 +102,13 @@ void CarriedUplink::on_answer(Instant now, const broker::LogPosition& position,
     confirmed_ = broker.last_seq();
 }
 
-void CarriedUplink::on_message(Instant now, const uplink::FromRemote& message, std::uint64_t token,
+void CarriedUplink::on_message(Instant now, const cluster::Times& times,
+                               const uplink::FromRemote& message, std::uint64_t token,
                                broker::BrokerCore& broker, broker::Actions& actions,
                                std::vector<cluster::LocalAction>& local) {
     const std::size_t most = broker.limits().payload_octets;
     if (message.payload.size() > most) {
-        warn_of_long(now, message, most, local);
+        warn_of_long(now, times, message, most, local);
     } else if (const auto inbound = core_.receive(message)) {
         broker.publish(now, inbound->place.topic, message.payload, inbound->place.qos,
                        message.retain, actions, inbound->origin);
@@ -124,11 +119,12 @@ void CarriedUplink::on_message(Instant now, const uplink::FromRemote& message, s
 }
 
 /// MQTT allows 256 MB, an MQTT-SN datagram holds less than 64 KiB.
-void CarriedUplink::warn_of_long(Instant now, const uplink::FromRemote& message, std::size_t most,
+void CarriedUplink::warn_of_long(Instant now, const cluster::Times& times,
+                                 const uplink::FromRemote& message, std::size_t most,
                                  std::vector<cluster::LocalAction>& local) {
     ++too_long_;
     if (now < warn_again_at_) return;
-    warn_again_at_ = now + warn_again_after;
+    warn_again_at_ = now + times.long_message_told_every();
     local.push_back(cluster::Notice{"the message of " + std::to_string(message.payload.size()) +
                                         " octets that came for '" + printable(message.topic) +
                                         "' is dropped: MQTT-SN clients can be sent " +

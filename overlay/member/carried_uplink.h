@@ -57,8 +57,8 @@ public:
     void on_down() { core_.on_down(); }
     void on_answer(Instant now, const broker::LogPosition& position, uplink::Answer answer,
                    broker::BrokerCore& broker, broker::Actions& actions);
-    void on_message(Instant now, const uplink::FromRemote& message, std::uint64_t token,
-                    broker::BrokerCore& broker, broker::Actions& actions,
+    void on_message(Instant now, const cluster::Times& times, const uplink::FromRemote& message,
+                    std::uint64_t token, broker::BrokerCore& broker, broker::Actions& actions,
                     std::vector<cluster::LocalAction>& local);
     void on_for_owner(const broker::MessagePtr& message, std::vector<uplink::UplinkAction>& out);
 
@@ -83,8 +83,8 @@ private:
     /// From `first` on: of QoS 2 they leave their session, and go when that is safe.
     void take(Instant now, std::size_t first, broker::BrokerCore& broker, broker::Actions& actions,
               std::vector<uplink::UplinkAction>& out);
-    void warn_of_long(Instant now, const uplink::FromRemote& message, std::size_t most,
-                      std::vector<cluster::LocalAction>& local);
+    void warn_of_long(Instant now, const cluster::Times& times, const uplink::FromRemote& message,
+                      std::size_t most, std::vector<cluster::LocalAction>& local);
     [[nodiscard]] bool may_connect(Instant now, const broker::BrokerCore& broker,
                                    const cluster::ClusterCore& cluster);
     [[nodiscard]] std::vector<std::vector<std::uint8_t>> missing_subscriptions(

@@ -357,7 +357,7 @@ void Member::on_uplink_message(Instant now, const uplink::FromRemote& message, s
         if (token != 0) late_message_.emplace(message, token);
         return;
     }
-    uplink_->on_message(now, message, token, broker_, work_, out.local);
+    uplink_->on_message(now, cluster_.times(), message, token, broker_, work_, out.local);
     carry_out(now, out);
 }
 

@@ -1,6 +1,5 @@
 #include "overlay/member/status_teller.h"
 
-#include <chrono>
 #include <utility>
 #include <vector>
 
@@ -8,8 +7,6 @@
 
 namespace romano::overlay {
 namespace {
-
-constexpr Duration tell_every = std::chrono::seconds{1};
 
 /// The newest beacons: this broker's own, which is the first, and its peers'.
 std::vector<cluster::Beacon> newest_beacons(const cluster::ClusterCore& cluster,
@@ -56,7 +53,7 @@ void StatusTeller::on_tick(Instant now, const cluster::ClusterCore& cluster,
     }
     if (now < next_ && !is_news) return;
     told_serving_ = serving_in(cluster);
-    next_ = now + tell_every;
+    next_ = now + cluster.times().status_told_every();
     told_view_ = cluster.view().number;
     told_leadership_ = cluster.leadership();
     tell(now, cluster, broker, out);

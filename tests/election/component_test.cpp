@@ -179,5 +179,20 @@ TEST(ComponentElector, ANodeWhoseNeighbourFollowsAStrangerLeadsItself) {
     EXPECT_EQ(nodes.leader_of(1), 1);
 }
 
+// phi-accrual changes the detection time: a node above that leads nobody is waited for by what it
+// is now.
+TEST(ComponentElector, WaitsForAHigherNodeByTheDetectionTimeAsOfNow) {
+    ComponentElector elector{{.self = {.capability = 1, .id = NodeId{1}},
+                              .detection_time = detection,
+                              .listens_alone_for = detection}};
+    elector.on_detection_time(3 * detection);
+    elector.on_claim(Instant{},
+                     {.rank = {.capability = 2, .id = NodeId{2}}, .term = 0, .leader = {}});
+    elector.on_tick(Instant{3 * detection - 1ms});
+    EXPECT_EQ(elector.leadership().leader, std::nullopt);
+    elector.on_tick(Instant{3 * detection});
+    EXPECT_EQ(elector.leadership().leader, NodeId{1});
+}
+
 }  // namespace
 }  // namespace romano::election::component_test

@@ -197,6 +197,7 @@ void Membership::on_tick(Instant now) {
     heard_->on_tick(now);
     linked_->on_tick(now);
     bury_suspects(now);
+    elector_->on_detection_time(linked_->detection_time());
     elector_->on_tick(now);
 }
 

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "overlay/cluster/ownership/service_address.h"
+#include "romano/base/time.h"
 
 namespace romano::cluster {
 
@@ -16,11 +17,12 @@ class Namesake {
 public:
     /// A message came from a broker of our name. What people should be told: nothing of a few last
     /// words of our former life, and then not often.
-    std::optional<Notice> on_message(const std::string& name, std::uint64_t own_process,
-                                     std::uint64_t process) {
+    std::optional<Notice> on_message(Instant now, Duration told_every, const std::string& name,
+                                     std::uint64_t own_process, std::uint64_t process) {
         if (process == own_process) return std::nullopt;
         if (std::exchange(process_, process) != process) messages_ = 0;
-        if (++messages_ % told_every != least_messages) return std::nullopt;
+        if (++messages_ < least_messages || now < told_again_at_) return std::nullopt;
+        told_again_at_ = now + told_every;
         return Notice{.text = "another broker is named " + name +
                               ", too: messages will be lost; give each its own --name",
                       .is_warning = true};
@@ -28,10 +30,10 @@ public:
 
 private:
     static constexpr std::uint64_t least_messages = 20;
-    static constexpr std::uint64_t told_every = 2'000;  // 20 s of beacons on a LAN
 
     std::uint64_t process_ = 0;
-    std::uint64_t messages_ = 0;
+    std::uint64_t messages_ = 0;  // of that process
+    Instant told_again_at_ = Instant::min();
 };
 
 }  // namespace romano::cluster

@@ -16,7 +16,8 @@ namespace romano::test {
 /// Those of ClusterOptions{}.
 inline constexpr cluster::Times times{.beacon_every = std::chrono::milliseconds{10},
                                       .detection = std::chrono::milliseconds{100},
-                                      .found_again_within = std::chrono::milliseconds{500}};
+                                      .found_again_within = std::chrono::milliseconds{500},
+                                      .people_told_every = std::chrono::seconds{1}};
 
 inline broker::LogId log_of(std::string_view name, std::uint64_t incarnation = 1) {
     return {broker::broker_id_of(name), incarnation};
