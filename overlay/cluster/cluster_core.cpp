@@ -284,6 +284,7 @@ void ClusterCore::heed_arrivals(Effects& effects) {
         departures_);
     for (const auto& [from, address] : settled) {
         hand_back_.on_handed_over(from, address);
+        take_over_.on_handed_over(from, address);
         // It may have been handed on while they were on their way: they follow it.
         if (address.family != Endpoint::Family::none) addresses_.take(effects, address);
     }

@@ -166,7 +166,7 @@ void ClusterCore::on_view(Effects& effects, const ViewAnnouncement& announcement
         hand_back_.expect(effects.now, address, std::move(heirs));
     }
     warn_of_foreign_sessions(effects, announcement);
-    take_over_.on_view(effects.now, announcement);
+    take_over_.on_view(effects.now, announcement, addresses_);
     fetching_.on_view(announcement);
     acknowledge_what_waited(effects);
     settlement_.compare(view());

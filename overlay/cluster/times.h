@@ -70,6 +70,8 @@ struct Times {
     [[nodiscard]] Duration members_read_within() const { return 20 * detection; }
 
     // --- addresses and sessions that move
+    /// They wait for tails, and then pass on what they have.
+    [[nodiscard]] Duration other_heirs_waited_for() const { return tail_waited_for() + detection; }
     [[nodiscard]] Duration addresses_sought_every() const { return 20 * beacon_every; }
     /// Answers may leave from an address that its owner has bound as well.
     [[nodiscard]] Duration answers_leave_within() const { return beacon_every / 5; }

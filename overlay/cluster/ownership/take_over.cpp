@@ -48,7 +48,8 @@ bool is_elsewhere(const broker::SessionHeader& left, const PeerLog& log, const E
 
 }  // namespace
 
-void TakeOver::on_view(Instant now, const ViewAnnouncement& announcement) {
+void TakeOver::on_view(Instant now, const ViewAnnouncement& announcement,
+                       const ServiceAddresses& addresses) {
     // What was assigned by an earlier view and is not done is assigned anew by this one. What is
     // half done is ours, unless it is another one's now.
     const auto is_same = [](const Assignment& a, const Assignment& b) {
@@ -61,12 +62,26 @@ void TakeOver::on_view(Instant now, const ViewAnnouncement& announcement) {
                });
     });
     others_.clear();
+    for (auto& [address, awaited] : awaited_heirs_) {
+        std::erase_if(awaited.heirs, [&announcement](BrokerId heir) {
+            return std::ranges::count(announcement.view.members, heir, &LogId::broker) == 0;
+        });
+    }
     std::set<Endpoint> named{Endpoint{}};  // what was left at no address is each heir's
+    std::set<Endpoint> taken;              // that nobody spoke from until now
     for (const Assignment& assignment : announcement.assignments) {
         const bool is_first = named.insert(assignment.address).second;
         if (assignment.heir != self_) {
             if (is_first) others_.insert(assignment.address);
+            if (taken.contains(assignment.address)) {
+                AwaitedHeirs& awaited = awaited_heirs_[assignment.address];
+                awaited.heirs.insert(assignment.heir);
+                awaited.since = now;
+            }
             continue;
+        }
+        if (is_first && !addresses.is_claimed(assignment.address)) {
+            taken.insert(assignment.address);
         }
         const bool is_begun = std::ranges::any_of(pending_, [&](const Pending& pending) {
             return is_same(assignment, pending.assignment);
@@ -78,6 +93,11 @@ void TakeOver::on_view(Instant now, const ViewAnnouncement& announcement) {
 void TakeOver::carry_on(Effects& effects, const Logs& logs, const Membership& membership,
                         const View& view, ServiceAddresses& addresses, Departures& departures,
                         bool may_begin) {
+    std::erase_if(awaited_heirs_, [&effects](const auto& entry) {
+        const AwaitedHeirs& awaited = entry.second;
+        return awaited.heirs.empty() ||
+               effects.now > awaited.since + effects.times.other_heirs_waited_for();
+    });
     const bool may_go_on = std::exchange(may_go_on_, false);
     std::vector<broker::ClientId> awaited;
     if (may_go_on) awaited = awaited_.take(sessions_per_turn_);
@@ -237,6 +257,11 @@ void TakeOver::adopt_one(Effects& effects, const Pending& pending, PeerLog& log,
         }
     }
     log.mark_taken(client);
+}
+
+void TakeOver::on_handed_over(BrokerId from, const Endpoint& address) {
+    const auto awaited = awaited_heirs_.find(address);
+    if (awaited != awaited_heirs_.end()) awaited->second.heirs.erase(from);
 }
 
 void TakeOver::on_publish(std::string_view topic) {

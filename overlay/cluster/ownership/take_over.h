@@ -6,7 +6,8 @@
 // sessions are passed on to it instead (departures.h), as soon as it hears us in its new life, and
 // with all that they missed: a newcomer holds none of the removed brokers' logs. When several
 // inherit an address, each from another log, the address is the first heir's, and the others pass
-// their sessions on to it in the same way. When the first heir does not serve it in time, they
+// their sessions on to it in the same way; until then it is silent there, for it may have an older
+// copy of what they pass on. When the first heir does not serve it in time, they
 // adopt the sessions without the address. What its home had moved to a member of the view is that
 // one's. And while the removed broker itself is heard to serve the address, it is left there.
 //
@@ -17,6 +18,7 @@
 // waits until its session is here, and what strangers say until all are.
 #pragma once
 
+#include <map>
 #include <optional>
 #include <set>
 #include <string_view>
@@ -37,7 +39,8 @@ public:
     TakeOver(BrokerId self, std::size_t sessions_per_turn)
         : self_(self), sessions_per_turn_(sessions_per_turn) {}
 
-    void on_view(Instant now, const ViewAnnouncement& announcement);
+    void on_view(Instant now, const ViewAnnouncement& announcement,
+                 const ServiceAddresses& addresses);
     /// A new turn: the next carry_on() goes on with what is half adopted.
     void on_turn() { may_go_on_ = true; }
     /// Does what has become possible. Begins nothing unless `may_begin`: who has promised another
@@ -56,6 +59,12 @@ public:
     [[nodiscard]] bool may_rest() const;
     /// They come from several logs: which copy of a session stays is known when all are here.
     [[nodiscard]] bool is_adopted_from_several(const Endpoint& address) const;
+    /// Other heirs have copies of its sessions, too: which one stays is known when those are here
+    /// (P3).
+    [[nodiscard]] bool awaits_heirs(const Endpoint& address) const {
+        return awaited_heirs_.contains(address);
+    }
+    void on_handed_over(BrokerId from, const Endpoint& address);
     /// Somebody waits for the sessions that want such messages, or for that client's.
     void on_publish(std::string_view topic);
     void on_client(const broker::ClientId& client) { awaited_.on_client(client); }
@@ -64,6 +73,7 @@ public:
     void restart() {
         pending_.clear();
         others_.clear();
+        awaited_heirs_.clear();
         awaited_.clear();
     }
 
@@ -100,6 +110,11 @@ private:
     std::vector<Pending> pending_;
     AwaitedSessions awaited_;    // of those that are begun
     std::set<Endpoint> others_;  // that the view gave to other heirs first
+    struct AwaitedHeirs {
+        std::set<BrokerId> heirs = {};
+        Instant since = {};
+    };
+    std::map<Endpoint, AwaitedHeirs> awaited_heirs_;
     std::uint64_t inherited_ = 0;
 };
 

@@ -3,7 +3,8 @@
 //     what is said to a client    leaves      with a lease, from an address that is here
 //                                 waits       without a lease, or while the address is being bound
 //                                 is dropped  where the sessions of the address leave, or another
-//                                             broker serves it too, that has not handed them over
+//                                             broker serves it too, that has not handed them over,
+//                                             or other heirs have not passed on theirs
 //
 //     what a client says          is heard    with a lease, if nothing of it is on its way
 //                                 waits       without view or lease; before all members are met;
@@ -56,7 +57,7 @@ public:
     [[nodiscard]] HeldOutput::Fate said_from(Instant now, const Endpoint& address) const;
     /// Nothing is said from there: it would be dropped.
     [[nodiscard]] bool is_silent(const Endpoint& address) const {
-        return by_.hand_back.is_silent(address);
+        return by_.hand_back.is_silent(address) || by_.take_over.awaits_heirs(address);
     }
     /// Its sessions are about to leave: what comes for them is theirs no more.
     [[nodiscard]] bool is_deaf(const Endpoint& address) const {

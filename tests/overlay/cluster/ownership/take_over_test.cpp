@@ -34,7 +34,7 @@ protected:
         TakeOver take_over{self.broker, 256};
         ViewAnnouncement view_and_heirs{.assignments = others, .ends = {{dead, 1}}};
         view_and_heirs.assignments.push_back({{dead, 1}, theirs, self.broker});
-        take_over.on_view(now, view_and_heirs);
+        take_over.on_view(now, view_and_heirs, addresses);
         Effects effects{now, broker, clients, outbox, local, test::times};
         take_over.carry_on(effects, {peers, own}, membership, view, addresses, departures,
                            may_begin);
@@ -92,6 +92,53 @@ TEST_F(TakeOverTest, I1_WhereAMemberAnswersAlreadyNobodyElseTakesTheAddress) {
     EXPECT_EQ(std::get<broker::Sealed>(*sealed.event).address, theirs);
 }
 
+// Its copy may be the older one: it would begin what the other heir's has begun already (simulator,
+// faults `relapse`, seed 9870835).
+TEST_F(TakeOverTest, P3_TheFirstHeirIsSilentUntilTheOthersHavePassedOnTheirs) {
+    view.members.push_back(other);
+    const auto in_view = [&](const Assignment& first, const Assignment& second) {
+        peers.at(dead).freeze();
+        TakeOver take_over{self.broker, 256};
+        take_over.on_view(now, {.view = view, .assignments = {first, second}}, addresses);
+        return take_over;
+    };
+    const auto carry_on = [&](TakeOver& take_over) {
+        Effects effects{now, broker, clients, outbox, local, test::times};
+        take_over.carry_on(effects, {peers, own}, membership, view, addresses, departures, true);
+    };
+    const auto give_up_all = [&] {
+        Effects effects{now, broker, clients, outbox, local, test::times};
+        addresses.give_up_all(effects);
+    };
+    const Assignment ours{{dead, 1}, theirs, self.broker};
+    const Assignment to_other{{test::log_of("third"), 1}, theirs, other.broker};
+    EXPECT_FALSE(in_view(to_other, ours).awaits_heirs(theirs)) << "it is the other one's";
+
+    TakeOver take_over = in_view(ours, to_other);
+    carry_on(take_over);
+    EXPECT_EQ(broker.session_count(), 1U) << "it adopts";
+    EXPECT_TRUE(take_over.awaits_heirs(theirs));
+    take_over.on_handed_over(dead.broker, theirs);
+    carry_on(take_over);
+    EXPECT_TRUE(take_over.awaits_heirs(theirs)) << "that was somebody else";
+    take_over.on_handed_over(other.broker, theirs);
+    carry_on(take_over);
+    EXPECT_FALSE(take_over.awaits_heirs(theirs));
+
+    EXPECT_FALSE(in_view(ours, to_other).awaits_heirs(theirs)) << "it is spoken from already";
+    give_up_all();
+    TakeOver impatient = in_view(ours, to_other);
+    now += test::times.other_heirs_waited_for() + 1ms;
+    carry_on(impatient);
+    EXPECT_FALSE(impatient.awaits_heirs(theirs)) << "it has waited long enough";
+
+    give_up_all();
+    TakeOver bereft = in_view(ours, to_other);
+    bereft.on_view(now, {.view = {.members = {self}}, .assignments = {ours}}, addresses);
+    carry_on(bereft);
+    EXPECT_FALSE(bereft.awaits_heirs(theirs)) << "that one died, too";
+}
+
 // Two dead lives of one broker left it, and no member held both logs: each had an heir, and both
 // took the address (simulator, faults `relapse`, seed 366).
 TEST_F(TakeOverTest, I1_AnAddressThatSeveralInheritIsTheFirstHeirs) {
@@ -125,7 +172,8 @@ TEST_F(TakeOverTest, P2_WhatTheFirstHeirNeverServesIsAdoptedWithoutTheAddress) {
     peers.at(dead).freeze();
     TakeOver take_over{self.broker, 256};
     const Assignment to_other{{test::log_of("third"), 1}, theirs, other.broker};
-    take_over.on_view(now, {.assignments = {to_other, {{dead, 1}, theirs, self.broker}}});
+    take_over.on_view(now, {.assignments = {to_other, {{dead, 1}, theirs, self.broker}}},
+                      addresses);
     now += test::times.giver_waited_for() + 1ms;
     Effects effects{now, broker, clients, outbox, local, test::times};
     take_over.carry_on(effects, {peers, own}, membership, view, addresses, departures, true);
@@ -230,7 +278,7 @@ TEST_F(TakeOverTest, P2_WhatMayHaveArrivedAtAnotherDeadOneIsWaitedFor) {
     last_words.freeze();
     last_words.end_at(1, {.term = 1});
     TakeOver take_over{self.broker, 256};
-    take_over.on_view(now, {.assignments = {{{dead, 2}, theirs, self.broker}}});
+    take_over.on_view(now, {.assignments = {{{dead, 2}, theirs, self.broker}}}, addresses);
     Effects effects{now, broker, clients, outbox, local, test::times};
     const auto carry_on = [&] {
         take_over.carry_on(effects, {peers, own}, membership, view, addresses, departures, true);
