@@ -52,7 +52,7 @@ private:
     void count_grant(Instant now, NodeId from, const Ballot& ballot);
     void ask_voters(std::uint8_t kind, Term term);
     void restart_timeout(Instant now);
-    /// Its place among the voters, without that one.
+    /// This node's place among the voters, when `leader` is not counted.
     [[nodiscard]] std::ptrdiff_t turn_after(NodeId leader) const;
     [[nodiscard]] bool is_voter(NodeId node) const;
     [[nodiscard]] bool is_majority(std::size_t count) const {
@@ -74,8 +74,8 @@ private:
     Instant may_vote_at_ = never;  // set by the first tick
     std::vector<BallotTo> outbox_;
 
-    /// A pre-vote that was refused because of the leader: its sender noticed before us that this
-    /// one is gone. Answered again as soon as we do.
+    /// We refused this pre-vote because of the leader: its sender noticed before us that the leader
+    /// is gone. We answer again as soon as we notice.
     struct EarlyRequest {
         NodeId from;
         Ballot ballot;
