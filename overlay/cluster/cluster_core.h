@@ -193,7 +193,7 @@ private:
     [[nodiscard]] bool is_back() const { return stood_still_for_ != Duration{}; }
     [[nodiscard]] bool knows_its_place(Instant now) const;
     [[nodiscard]] bool is_for_later(Instant now, const ClusterMessage& message) const;
-    /// Who is there has changed, perhaps.
+    /// Acts on news of peers: one came or went, serves other addresses, or may lead now.
     void heed_news_of_peers(Effects& effects);
     enum class Answer : std::uint8_t { at_once, with_the_beacon };
     /// Up to `most` events that are here, and as many sessions as one turn may bring; the rest at

@@ -2,12 +2,12 @@
 // yet: one of them may be home to the robots at its address. And one that comes into a view that
 // others had without it may bring what was published while they were parted.
 //
-// Who had no lease may have been replaced meanwhile, and be taken in again by a leader that it
-// hears while it does not hear who speaks in its place. That one speaks on until the view comes
-// there, or its lease in the former one is over. So it says nothing before it knows what each
-// member says now, or a detection time has passed (I1).
+// A broker that had no lease may have been replaced meanwhile. A leader that it hears may take it
+// in again while it does not hear who speaks in its place. That one speaks on until the view comes
+// there, or its lease in the former view is over. So the broker that is back says nothing before it
+// knows what each member says now, or a detection time has passed (I1).
 //
-// Whose robots are whose, a newcomer knows when it has read what the members had written by then:
+// A newcomer knows whose robots are whose when it has read what the members had written by then:
 // until that a stranger may be a robot that roams. A log is read when the messages that it names
 // are here as well (I6): a session that came earlier would go on without them (P2), though its home
 // still has those that all others forgot (fetching.h).
@@ -27,8 +27,8 @@ namespace romano::cluster {
 
 class Acquaintance {
 public:
-    /// Whose logs are held is met. Marks those of members from whom we were parted. `had_lease`:
-    /// until now.
+    /// We have met a member when we hold its log. The logs of members that our last view lacked
+    /// are marked as apart. `had_lease`: we held one until now.
     void on_view(Instant now, const Times& times, const LogId& self, const View& view,
                  bool had_lease, PeerLogs& logs) {
         const bool is_new_here = members_.empty();
@@ -56,13 +56,13 @@ public:
         }
         members_ = view.members;
     }
-    /// It is heard, and says where its log ends.
+    /// The writer is heard, and says where its log ends.
     void meet(const LogId& log, Seq end) {
         std::erase(unmet_, log);
         const auto unread = unread_.find(log);
         if (unread != unread_.end() && !unread->second) unread->second = end;
     }
-    /// All that this member says now is known.
+    /// We know all that this member says now.
     using IsKnown = std::function<bool(const LogId&)>;
     void carry_on(Instant now, const PeerLogs& logs, const IsKnown& is_known) {
         std::erase_if(unheard_, is_known);
@@ -79,7 +79,7 @@ public:
     [[nodiscard]] bool is_returning(Instant now) const {
         return !unheard_.empty() && now < returns_until_;
     }
-    /// It may be home at a member whose log is not read yet: whoever has no session here.
+    /// A client without a session here may be homed at a member whose log is not read yet.
     [[nodiscard]] bool may_roam() const { return !unread_.empty(); }
 
 private:

@@ -1,5 +1,5 @@
-// Battery or load in the rank: what is told of a reading from 0 to 100, so coarse and so late that
-// the lead does not swing between two brokers whose batteries drain together.
+// Battery or load in the rank: a reading from 0 to 100 is told so coarsely and so late that the
+// lead does not swing between two brokers whose batteries drain together.
 #pragma once
 
 #include <algorithm>
@@ -11,7 +11,7 @@ class Condition {
 public:
     static constexpr std::uint32_t best = 100;
 
-    /// The steps that are told: 0, 25, 50, 75, 100. True when it is another one now.
+    /// We tell the steps 0, 25, 50, 75 and 100. True when the step is another one now.
     bool on_reading(std::uint32_t reading) {
         reading = std::min(reading, best);
         const bool has_left = reading + slack < told_ || reading >= told_ + step + slack ||

@@ -1,9 +1,9 @@
-// Where the logs of removed brokers ended: of each broker the newest life that did, as the views
-// told that we were in and as our peers know. Beacons tell it on.
+// Where the logs of removed brokers ended: we keep one end for each broker, that of its newest life
+// that ended, as our views and our peers told it. Beacons tell it on.
 //
-// A broker that stood still for long learns from it that others went on for it, and from how far;
-// also from those who came when its sessions had long been taken over. And who holds more of a log
-// than that, because it stood still when the others agreed, has no say in where it ended (heirs.h).
+// A broker that stood still for long learns from it that others went on for it, and from which
+// event; brokers that came later tell it, too. A broker that stood still when the others agreed may
+// hold more of a log than that: it has no say in where the log ended (heirs.h).
 #pragma once
 
 #include <cstddef>
@@ -16,12 +16,12 @@ namespace romano::cluster {
 
 class EndedLogs {
 public:
-    /// Of so many brokers. Whoever comes after them learns by the views alone that it was replaced.
+    /// We keep the ends of so many brokers; any other learns from views alone that it was replaced.
     static constexpr std::size_t most = 256;
 
-    /// Whatever log is a member's lives on, or again.
+    /// A view was installed with these ends. The logs of its members live on, or live again.
     void on_view(const View& view, const std::vector<LogPosition>& ends);
-    /// What somebody else knows.
+    /// A peer says that logs ended there. We are in `view`: the logs of its members live.
     void learn(const View& view, const std::vector<LogPosition>& ends);
 
     [[nodiscard]] bool contains(const LogId& log) const;

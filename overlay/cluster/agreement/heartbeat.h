@@ -4,8 +4,8 @@
 // with a hundred brokers that was the whole traffic. So a heartbeat says what is new. Members of
 // one view name each other by their places in it, in one bit. How far a log is held is said in
 // three heartbeats when it has changed, and of a few logs in turn: whoever lost those three has it
-// some heartbeats later. What a heartbeat cannot tell to one who has lost something, or is new, it
-// makes known by a digest, a view number and a count; that one asks for the particulars.
+// some heartbeats later. By a digest, a view number and a count a heartbeat shows a reader that it
+// lacks something, for it lost a heartbeat or is new; that reader asks for the particulars.
 #pragma once
 
 #include <cstdint>
@@ -47,8 +47,8 @@ private:
     bool has_news_ = false;
 };
 
-/// Puts the peers' beacons together. The newest one of each peer is its owner's to keep: brokers
-/// that hear a hundred of them should find each in one place.
+/// Puts the peers' beacons together. The caller keeps the newest one of each peer: brokers that
+/// hear a hundred of them should find each in one place.
 class HeartbeatReader {
 public:
     explicit HeartbeatReader(BrokerId self) : self_(self) {}

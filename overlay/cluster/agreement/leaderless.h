@@ -1,5 +1,5 @@
-// Nobody leads us for long: no view comes then, and clients may wait. What people configured may be
-// why, so that they are told whom we hear and what the elector waits for.
+// When nobody leads us for long, no view comes, and clients may wait. What people configured may be
+// the cause, so that they are told whom we hear and what the elector waits for.
 #pragma once
 
 #include <chrono>
@@ -15,7 +15,7 @@ namespace romano::cluster {
 
 class Leaderless {
 public:
-    /// True when people should be told: no leader or no view for so long, and as long not told.
+    /// True when there was no leader or no view for so long, and people were not told meanwhile.
     bool is_to_be_told(Instant now, Duration told_every, bool is_led) {
         if (is_led || !since_) since_ = now;
         if (is_led || now - *since_ < told_every) return false;

@@ -2,7 +2,7 @@
 // makes leader; and what the own beacon says about that.
 //
 // A link counts when it works both ways: a peer is alive to us when its beacons come here and say
-// that ours reach it. One way only, it could neither acknowledge our log nor follow our view.
+// that ours reach it. Over one way only, it could not acknowledge our log or follow our view.
 #pragma once
 
 #include <functional>
@@ -63,13 +63,13 @@ public:
     /// where none is known; it says whether that was done.
     using Join = std::function<bool(Beacon* last)>;
     Heard on_heartbeat(Instant now, const LogId& log, const Join& join);
-    /// A sign of life, and only of those who are alive: the next beacon tells the rest.
+    /// A pulse is a sign of life of those who are alive; the next beacon tells the rest.
     void on_pulse(Instant now, const Pulse& pulse);
     /// The leader's claim comes with its proposals too, and may come there before its beacon. Not
     /// in raft: terms are voted, and only beacons tell of them.
     void on_leader(Instant now, BrokerId leader, election::Term term);
-    /// A view left it out, perhaps before the own detectors noticed: gone until its next beacon;
-    /// but when the last one is so young that it lives, it is still heard.
+    /// A view left it out, perhaps before our detectors noticed. It is gone until its next beacon;
+    /// but when its last one is so young that it lives, it is still heard.
     void on_left_out(Instant now, const LogId& log);
     /// News of the link to a peer's process. False when it is another process by now.
     bool on_link(Instant now, const LogId& process, election::Link link);
@@ -90,12 +90,12 @@ public:
     [[nodiscard]] const Peer* find(BrokerId id) const;
     /// Its beacons come here, whether or not ours reach it.
     [[nodiscard]] bool is_heard(BrokerId id) const { return heard_->is_alive(node_of(id)); }
-    /// Those of this life.
+    /// The beacons of this life come here.
     [[nodiscard]] bool is_heard(const LogId& log) const;
     /// Somebody's heartbeats come here, or came before it fell silent, of whom nothing else is
     /// known yet.
     [[nodiscard]] bool heard_unknown(Instant now) const;
-    /// Alive, and in this life.
+    /// The peer is alive, and in this life.
     [[nodiscard]] bool is_alive(const LogId& log) const;
     /// Its last sign of life is much younger than a silence that means death.
     [[nodiscard]] bool is_heard_clearly(const LogId& log, Instant now) const;

@@ -1,6 +1,6 @@
 // Whether this broker is on the smaller side of a cut: it lost more members by silence than its
-// view has. Their clients, and ours that they reach, may well live on there: that such a client
-// says nothing here is no sign of its loss.
+// view has. Their clients, and ours that they reach, may well live on there: the silence of such a
+// client here is no sign of its loss.
 #pragma once
 
 #include <algorithm>

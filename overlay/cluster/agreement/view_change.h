@@ -28,7 +28,7 @@
 
 namespace romano::cluster {
 
-/// What view change looks at; the cluster core owns it all.
+/// View change looks at these; the cluster core keeps them all.
 struct Surroundings {
     const Membership& membership;
     Lease& lease;
@@ -56,18 +56,18 @@ public:
     /// The highest number that was promised: what is below it is never entered.
     [[nodiscard]] const ViewNumber& promised() const { return promised_; }
     [[nodiscard]] bool contains(const LogId& log) const { return view_.contains(log); }
-    /// Of the others in the view nobody is left whom we reach, and some were never met here: they
-    /// may be about to go on without us.
+    /// We reach no other member of the view, and have never met some of them: they may be about to
+    /// go on without us.
     [[nodiscard]] bool is_stranded(const Membership& membership, const PeerLogs& logs) const;
     /// Goes on as another member: in no view until the leader takes it into one.
     void restart(LogId self);
-    /// What was asked before is asked anew, by who leads then.
+    /// Whoever leads then asks anew for what was asked before.
     void on_standstill();
-    /// That view was promised, and not before the last standstill.
+    /// We promised that view, and not before the last standstill.
     [[nodiscard]] bool is_promised_anew(const View& view) const {
         return view.number == promised_ && promised_ > promised_before_;
     }
-    /// It waits until then for the lease of one that the next view leaves out.
+    /// Until then we wait for the lease of a member that the next view leaves out.
     [[nodiscard]] Instant next_wakeup() const { return waits_until_; }
 
 private:
@@ -110,9 +110,9 @@ private:
     std::optional<ViewAnnouncement> installed_;
     Appointed appointed_;  // by the view
 
-    /// Of a leader that we do not follow yet: it noticed before we did that the former one is gone.
-    /// Or it leaves somebody out whom we hear well: it may hear that one again. Answered when that
-    /// has changed, unless it must have asked again since.
+    /// We cannot answer this proposal yet. Its leader noticed before us that the former one is
+    /// gone, or leaves out a member that we hear well, and may hear that one again. We answer when
+    /// that has changed, unless the leader must have asked again since.
     struct EarlyProposal {
         ViewProposal message;
         Instant first;  // when the leader first asked this
