@@ -2,8 +2,8 @@
 // before the message is held too, in the log in which it was published.
 //
 // A home speaks to a client of a peer's message as soon as enough peers hold that it works on it.
-// Would one of these lack the message itself, and outlive both the home and the publisher's broker,
-// then the message ends nowhere, its publisher says it again, and the client gets it twice.
+// If one of these lacked the message, and outlived both the home and the publisher's broker, no log
+// would have the message: its publisher would say it again, and the client would get it twice.
 #pragma once
 
 #include <cstddef>
@@ -25,13 +25,13 @@ public:
     /// The next event of that log, which is `seq` of it, was applied.
     void on_event(const broker::LogId& log, broker::Seq seq, const broker::LogEvent& event,
                   const IsHeld& is_held);
-    /// It was replaced by a snapshot up to `seq`, and this is a session of it.
+    /// A snapshot up to `seq` replaced the log, and this is one of its sessions.
     void on_session(const broker::LogId& log, broker::Seq seq, const broker::SessionImage& session,
                     const IsHeld& is_held);
-    /// How far a log counts as held that is applied so far.
+    /// How far the log counts as held, when it is applied up to `applied`.
     [[nodiscard]] broker::Seq through(const broker::LogId& log, broker::Seq applied,
                                       const IsHeld& is_held) const;
-    /// Forgets what needs not be waited for any more: the logs of which more counts now.
+    /// Forgets messages that are held by now, and returns the logs of which more counts since.
     [[nodiscard]] std::vector<broker::LogId> advance(const IsHeld& is_held);
     void forget(const broker::LogId& log) { waiting_.erase(log); }
 

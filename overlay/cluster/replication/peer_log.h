@@ -2,10 +2,10 @@
 //
 // Batches may come twice, early or not at all. Early ones wait (bounded; the oldest gap is asked
 // for anyway, so that overflow drops the newest). When a gap closes there may be much at once: what
-// can be applied waits, too, until its owner takes it. A frozen log takes nothing from its writer
-// any more: its broker is being removed, and the members must agree on its last event; only tails
-// that peers send continue it, and no further than to that event. A later view may know of more,
-// and agree on a later one.
+// can be applied waits, too, until the cluster core applies it. A frozen log takes nothing from its
+// writer any more: its broker is being removed, and the members must agree on its last event; only
+// tails that peers send continue it, and no further than to that event. A later view may know of
+// more, and agree on a later one.
 #pragma once
 
 #include <algorithm>
@@ -28,8 +28,8 @@ public:
     PeerLog(LogId id, std::size_t events_kept);
 
     [[nodiscard]] Seq applied() const { return history_.last(); }
-    /// What counts of it: of a frozen log no more than was agreed on, though a process that stood
-    /// still may hold more; unless its writer has lived on.
+    /// The last event that counts. A process that stood still may hold more of a frozen log than
+    /// was agreed on: that counts only if the writer has lived on.
     [[nodiscard]] Seq end() const {
         const bool is_over = frozen_ && agreed_end_ != 0 && !lived_on_;
         return is_over ? std::min(applied(), agreed_end_) : applied();
@@ -85,7 +85,7 @@ public:
     /// back.
     [[nodiscard]] const MovedSession* moved(const broker::ClientId& client, Seq at) const;
     [[nodiscard]] const std::map<broker::ClientId, MovedSession>& moved() const { return moved_; }
-    /// Its new home has it in its log: what the event `at` moved. That may not be here yet.
+    /// The new home has in its log what the event `at` moved. That event may not be here yet.
     void on_arrived(const broker::ClientId& client, Seq at);
     /// To be called every so often, and within that time a living home takes back what did not
     /// arrive: what it had moved by the last call has arrived, though a snapshot left out the event
@@ -154,9 +154,9 @@ public:
     [[nodiscard]] std::vector<Endpoint> addresses_left(const View& view) const;
 
 private:
-    /// Of a later view, whose announcement is on its way. It is fetched then.
+    /// A later view brings that event. Its announcement is on its way, and we fetch the event then.
     [[nodiscard]] bool is_beyond_agreed_end(Seq seq) const;
-    /// Those that follow what is here.
+    /// Takes the events that follow what is here.
     void take(Seq first_seq, const std::vector<LogEventPtr>& events);
     void take_early();
     void follow_in_tail(const LogEvent& event);
@@ -171,7 +171,7 @@ private:
     std::map<Seq, std::vector<LogEventPtr>> early_;  // by first seq; beyond a gap
     std::size_t early_events_ = 0;
     Seq known_end_ = 0;
-    /// What has come of it.
+    /// The parts of a snapshot that have come so far.
     struct Snapshot {
         explicit Snapshot(const SnapshotPart& first)
             : since(first.since), sessions(first.as_of.log) {}
