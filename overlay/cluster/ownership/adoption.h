@@ -1,5 +1,5 @@
-// Becoming the home of a session that another broker had: the image as its home or a mirror gives
-// it, and the publishes that came between what that home had worked through and what we have.
+// This broker becomes the home of a session that another one had. It takes the image that the home
+// or a mirror has, and the publishes between what that home had worked through and what we have.
 #pragma once
 
 #include <optional>
@@ -28,7 +28,7 @@ struct Logs {
                                                        const broker::BrokerCore& broker,
                                                        const Logs& logs);
 
-/// The image of a dead home's session for another one than us: with all that it missed and we have.
+/// The image of a dead home's session, for another home than us, with what it missed and we have.
 [[nodiscard]] broker::SessionImage caught_up(const Effects& effects, const Logs& logs,
                                              broker::SessionImage image);
 

@@ -1,8 +1,8 @@
-// Sessions that their former homes moved here (broker::SessionMoved, in the logs of those): adopted
-// from the mirrors of these logs, many in pieces. The SessionPut of the adoption names the event
-// that it answers. One of which another home has a higher copy goes on there (I7). What their
-// clients publish here comes after what their former home had worked through: they wait for that,
-// but for no longer than a snapshot takes to come.
+// Sessions that their former homes moved here (broker::SessionMoved, in the logs of those) are
+// adopted from the mirrors of these logs, many in pieces. The SessionPut of the adoption names the
+// event that it answers. A session of which another home has a higher copy goes on there (I7). What
+// a client publishes here comes after what its former home had worked through: the session waits
+// for that, but for no longer than a snapshot takes to come.
 #pragma once
 
 #include <functional>
@@ -21,7 +21,7 @@ public:
     Arrivals(const LogId& self, std::size_t sessions_per_turn)
         : self_(self), sessions_per_turn_(sessions_per_turn) {}
 
-    /// From whom all sessions of an address are here now.
+    /// All sessions of the address that `from` had are here now.
     struct Settled {
         BrokerId from;
         Endpoint address;
@@ -29,9 +29,9 @@ public:
 
     /// The event has just been applied.
     void on_event(const Effects& effects, const PeerLog& log, const broker::LogEvent& event);
-    /// What the log has of sessions that were moved here is a snapshot's.
+    /// A snapshot brought the sessions that this log moved here.
     void on_snapshot(const Effects& effects, const PeerLog& log);
-    /// Of a log that has ended, what was moved here and called off counts again: nobody takes it
+    /// The log has ended: what it moved here and called off counts again, for nobody takes it
     /// back.
     void on_end(const Effects& effects, const PeerLog& log);
     /// We stood still: their homes called them off, or will.

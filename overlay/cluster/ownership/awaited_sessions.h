@@ -1,6 +1,6 @@
-// Whose turn comes first while many sessions are adopted in pieces: somebody waits for them. Their
-// client speaks, or a message was published for it. Whoever subscribes with a wildcard is taken to
-// want every message; and each topic is looked up once, however many want it.
+// While many sessions are adopted in pieces, those come first for which somebody waits: the client
+// speaks, or a message was published for it. A client that subscribes with a wildcard is taken to
+// want every message. Each topic is looked up once, however many want it.
 #pragma once
 
 #include <set>
@@ -16,11 +16,11 @@ namespace romano::cluster {
 
 class AwaitedSessions {
 public:
-    /// One that is still to be adopted. Messages that were published since clear() count.
+    /// The session is still to be adopted. Messages that were published since clear() count.
     void list(const broker::SessionImage& session);
     void on_client(const broker::ClientId& client) { awaited_.insert(client); }
     void on_publish(std::string_view topic);
-    /// So many of them at most: the others are left for the next call.
+    /// Takes `most` clients at most, and leaves the others for the next call.
     [[nodiscard]] std::vector<broker::ClientId> take(std::size_t most);
     [[nodiscard]] bool has_any() const { return !awaited_.empty(); }
     void clear() { *this = {}; }

@@ -1,7 +1,7 @@
-// Sessions that were moved from here to another home (broker::SessionMoved): forgotten here with
-// the event, so that two homes never speak to a client, but kept until the new home has them in its
-// log. What does not get there is taken back: when the log of the new home has ended without it,
-// as the view agreed, or the answer does not come.
+// Sessions that were moved from here to another home (broker::SessionMoved). This broker stops
+// serving them with the event, so that two homes never speak to a client, and keeps them until the
+// new home has them in its log. It takes back what does not get there: when the log of the new home
+// has ended without it, as the view agreed, or the answer does not come.
 //
 // I7: a broker has one copy of a session: its own, or one on its way. What comes beside that is
 // joined with it, as their ranks say (broker::settle), from wherever it comes.
@@ -24,9 +24,9 @@ public:
     /// connect anew.
     void move(Effects& effects, const broker::ClientId& client, const LogId& to,
               std::uint64_t epochs, const PeerLogs& logs);
-    /// A session that was never here goes on to another home: of a dead one to the one that serves
-    /// its address, of a living one (`moved`) to the one whose copy outranks it. Readers of our log
-    /// take it for as far worked through as we are, and so it is.
+    /// A session that was never here goes on to another home. A dead home's goes to the broker that
+    /// serves its address; a living home's (`moved`) to the one whose copy outranks it. Readers of
+    /// our log take it for as far worked through as we are, and so it is.
     void pass_on(Effects& effects, const Logs& logs, broker::SessionImage image, const LogId& to,
                  const std::optional<LogPosition>& moved = std::nullopt);
     /// The new home says that it has what the event `at` of the own log moved there.
@@ -34,8 +34,8 @@ public:
     /// The session comes here. `moved`: the event by which its living home said so.
     void adopt(Effects& effects, const Logs& logs, broker::SessionImage image,
                const std::optional<LogPosition>& moved = std::nullopt);
-    /// Ours goes to the broker whose copy comes from that log, and outranks it: the two are joined
-    /// there.
+    /// Our copy is on its way to the broker of the log from which this one comes, and outranks it:
+    /// the two are joined there.
     [[nodiscard]] bool crosses(const MovedSession& comes, const LogId& from) const;
     /// Takes back what did not get there; in pieces.
     void carry_on(Effects& effects, const Logs& logs, const View& view);
@@ -51,7 +51,7 @@ public:
         const auto found = to_.find(home);
         return found == to_.end() ? 0 : found->second;
     }
-    /// It does not answer for some: carry_on() takes them back.
+    /// That home does not answer for some sessions: carry_on() takes them back.
     [[nodiscard]] bool has_late_ones(const Effects& effects, const LogId& to) const;
     struct Leaving {
         MovedSession session;
@@ -61,7 +61,7 @@ public:
     [[nodiscard]] const std::map<broker::ClientId, Leaving>& all() const { return leaving_; }
 
 private:
-    /// Ours, that has not arrived; none when there is none.
+    /// Ends the client's departure, and returns the copy that was on its way, if there is one.
     [[nodiscard]] std::optional<broker::SessionImage> call_off(const broker::ClientId& client);
     void put(Effects& effects, broker::SessionImage image, const LogId& to, std::uint64_t epochs);
     Leaving take(std::map<broker::ClientId, Leaving>::iterator leaving);

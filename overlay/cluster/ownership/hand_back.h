@@ -11,22 +11,22 @@
 //       |<------ log: SessionPut ... ----------|
 //       |  unbinds                             |
 //
-// So many sessions at most are on their way at a time: one that is wanted soon is soon there. Those
-// go first whose clients speak, and those for which a message waits.
+// So many sessions at most are on their way at a time, so that a wanted one is soon there. Sessions
+// go first whose clients speak, or for which a message waits.
 //
 // After a heal two brokers may serve an address: it belongs to the one whose home address it is,
-// else to the one with the higher id. Who does not own it falls silent as soon as it hears of the
-// other, and so does its home. The home claims the address, so that datagrams come to it and wait,
-// as soon as the other one hears it.
-// That one begins at "SessionMoved" when they are in one view; which copy of a session stays is
-// settled by their ranks (broker::outranks). A move that both want counts like being heard: it
-// raises the epoch, so that the holder's copy never wins again.
+// else to the one with the higher id. The broker that does not own it falls silent as soon as it
+// hears of the other, and so does the owner. The owner claims the address, so that datagrams come
+// to it and wait, as soon as the other one hears it. The other one begins at "SessionMoved" when
+// they are in one view; the ranks of two copies of a session settle which stays (broker::outranks).
+// A move that both want counts like being heard: it raises the epoch, so that the holder's copy
+// never wins again.
 //
-// A rival's machine may call datagrams to itself for as long as it has the address: what its kernel
-// still wants to send from there asks for the client's hardware address in the name of ours. So the
-// owner announces it once more when the rival has let it go.
+// A rival's machine may call datagrams to itself for as long as it has the address: to send from
+// there, its kernel asks for the client's hardware address in the name of our address. So the owner
+// announces the address once more when the rival has let it go.
 //
-// Whoever goes on at an address after its owner, or a rival, has fallen silent there takes it anew:
+// A broker that goes on at an address where its owner, or a rival, has fallen silent takes it anew:
 // datagrams may still come to that one, which may have stopped and not died.
 #pragma once
 
@@ -70,13 +70,13 @@ public:
     /// to which it belongs is not heard any more.
     void compare(Effects& effects, const Membership& membership, const View& view,
                  const ServiceAddresses& addresses);
-    /// compare() found somebody.
+    /// compare() found another broker that serves one of our addresses.
     [[nodiscard]] bool has_rivals() const { return !contested_.empty() || !rivals_.empty(); }
-    /// The address's sessions are on their way, or it belongs to another broker that serves it:
-    /// nothing is heard for them here.
+    /// The address's sessions are on their way, or it belongs to another broker that serves it: we
+    /// take nothing that clients say there.
     [[nodiscard]] bool is_deaf(const Endpoint& address) const;
-    /// Nor said; and the owner, too, says nothing before it has what its rivals had, but it hears:
-    /// that waits. It speaks to those who have come from its only rival, which is silent then.
+    /// We say nothing there. The owner is silent, too, before it has what its rivals had; what it
+    /// hears waits. It speaks to those who have come from its only rival, which is silent then.
     [[nodiscard]] bool is_silent(const Endpoint& address) const;
 
     // --- the owner's side
@@ -84,12 +84,12 @@ public:
     void reclaim(Effects& effects, const Membership& membership, const View& view,
                  ServiceAddresses& addresses);
     void on_address(Instant now, const Endpoint& address, bool served);
-    /// Bound beside another broker, or about to be.
+    /// We have bound the address beside another broker, or are about to.
     [[nodiscard]] bool is_reclaiming(const Endpoint& address) const {
         return reclaiming_.contains(address);
     }
-    /// Bound, and silent until the sessions are here: so it says, and its giver speaks until it
-    /// moves them.
+    /// We have bound the address, and are silent until its sessions are here. Our beacons say so,
+    /// and the giver speaks until it moves them.
     [[nodiscard]] bool is_binding(const Endpoint& address) const {
         return expected_.contains(address);
     }

@@ -1,11 +1,11 @@
 // Who inherits: the leader's choice for every service address that lost its broker.
 //
-// Deterministic, from the members' answers alone. An address that a member already serves stays
-// with it, for what is left of its sessions; one whose own broker is there goes to that one; the
-// others go to the least loaded. An heir always is one that holds the dead broker's log,
-// but for its last events perhaps, and one whose machine can serve the address, if there is any:
-// when an address's own broker has just come back, that is whoever serves the address beside it, or
-// was told to.
+// Equal answers and beacons lead to one choice. An address that a member already serves stays with
+// it, and what is left of its sessions goes there; an address whose own broker is there goes to
+// that broker; the others go to the least loaded member. Every heir holds the dead broker's log,
+// but for its last events perhaps, and its machine can serve the address, if one of them can. An
+// address's own broker that has just come back does not hold the log: then the heir is the member
+// that serves the address beside it, or was told to.
 #pragma once
 
 #include <map>
@@ -29,10 +29,10 @@ struct Answers {
     std::uint32_t leader_sessions = 0;
 };
 
-/// The agreed last event of every log that somebody holds and that has no member: the last one that
-/// is held, but for what only those hold who were replaced meanwhile. It came to them while they
-/// stood still, others had agreed on an earlier end, and clients said it again to the heir. When
-/// only those are left, what the others agreed on counts.
+/// The agreed last event of each held log whose writer is no member: the last one that a member
+/// holds who was not replaced meanwhile. To those who were, more may have come while they stood
+/// still: others had agreed on an earlier end by then, and clients said it again to the heir. Where
+/// all holders were replaced, the end counts on which the others agreed.
 [[nodiscard]] std::map<LogId, Seq> agreed_ends(const Answers& answers);
 [[nodiscard]] std::vector<Assignment> assign(const Answers& answers,
                                              const std::map<LogId, Seq>& ends,

@@ -1,7 +1,7 @@
-// Which peer is home to which client, by client id and by where the client was heard. Kept from the
-// events of their logs. While two peers say so, as after a heal, the one that said so last counts;
-// when that one takes it back, the other is left. What the dead said stays until an heir says that
-// it is home, and counts only where nobody else says so.
+// Which peer is home to which client, by client id and by where the client was heard. The events of
+// the peers' logs tell it. While two peers say so, as after a heal, the one that said so last
+// counts; when that one takes it back, the other is left. What the dead said stays until an heir
+// says that it is home, and counts only where nobody else says so.
 //
 // Of two clients that were heard at one client address and service address the later one is there
 // (broker/core/session_table.h has the same rule for the own clients).
@@ -29,7 +29,7 @@ public:
     void on_end(BrokerId peer);
     void forget(BrokerId peer);
     void forget(BrokerId peer, const broker::ClientId& client);
-    /// What its log that has ended said.
+    /// Forgets what the peer's ended log said.
     void forget_ended(BrokerId peer);
     void forget_ended(BrokerId peer, const broker::ClientId& client);
 
@@ -63,7 +63,7 @@ private:
     [[nodiscard]] Claims::iterator find(BrokerId peer, const broker::ClientId& client);
     Claims::iterator erase(Claims::iterator entry);
     void lose(BrokerId peer, const broker::ClientId& client);
-    /// Of all that were heard at its place: who is there.
+    /// Decides who is there of all that were heard at its place.
     void settle_place_of(const Entry& newest);
     /// Calls `look(Entry&)` for each claim with that address.
     template <typename Look>

@@ -1,14 +1,14 @@
-// A client whose session is homed at a peer talks to us: fetch the session, one round trip, and let
-// its datagrams wait meanwhile. Has the home died, they wait for the heir's word, and the session
-// is fetched from there. Has the home just let it go to another broker, because the client roams
-// faster than a round trip, they wait for that one's word. Comes none, because others hear the home
-// and we do not, it is adopted from the copy that is held here; settlement.h does the rest. What is
-// on its way from here is waited for: it arrives, or comes back. A home with other predefined
-// topics is asked for nothing: its client is a stranger here.
+// A client whose session is homed at a peer talks to us: we fetch the session, which takes a round
+// trip, and the client's datagrams wait meanwhile. If the home has died, they wait until an heir
+// says that it has the session, and we fetch it there. If the home has just let the session go,
+// because the client roams faster than a round trip, they wait until the next home says so. If
+// nobody says so, because others hear the home and we do not, we adopt the copy that we hold, and
+// settlement.h does the rest. For a session that is on its way from here we wait until it arrives
+// or comes back. We ask no home with other predefined topics: its client is a stranger here.
 //
-// Bounded: so many clients at a time, and each for so long, longer while the home lives; without an
-// answer of the home the datagram is handled as that of a stranger. Time in which this broker
-// stands still does not count.
+// We wait for so many clients at a time, and for each so long, longer while its home lives. After
+// that we handle the datagram as a stranger's. Time in which this broker stands still does not
+// count.
 #pragma once
 
 #include <compare>
@@ -40,7 +40,7 @@ public:
     /// `predefined`: the own digest of the predefined topics.
     explicit Roaming(std::uint32_t predefined) : predefined_(predefined) {}
 
-    /// True when the datagram shall wait: its session is asked for.
+    /// True when the datagram shall wait: we ask for its session.
     bool on_datagram(Effects& effects, const Way& way, Bytes datagram, const Homes& homes,
                      const Departures& leaving, const Membership& membership, const View& view);
     /// We let it go to a peer, or a peer's log says that it is no longer home to the client.

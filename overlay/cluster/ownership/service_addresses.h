@@ -33,19 +33,19 @@ public:
     [[nodiscard]] std::vector<Endpoint> cannot_take() const {
         return {cannot_take_.begin(), cannot_take_.end()};
     }
-    /// With those that are being taken: nobody else shall take them meanwhile.
+    /// Also names addresses that are being taken: nobody else shall take them meanwhile.
     [[nodiscard]] std::vector<Endpoint> claimed() const {
         std::set<Endpoint> all = serving_;
         all.insert(taking_.begin(), taking_.end());
         return {all.begin(), all.end()};
     }
     [[nodiscard]] const std::set<Endpoint>& serving() const { return serving_; }
-    /// Asked for, not answered yet.
+    /// The machine was asked to serve the address, and has not answered yet.
     [[nodiscard]] bool is_taking(const Endpoint& address) const {
         return taking_.contains(address);
     }
 
-    /// Here, or soon.
+    /// We serve the address, or shall soon.
     [[nodiscard]] bool is_claimed(const Endpoint& address) const {
         return is_serving(address) || is_taking(address);
     }
@@ -81,7 +81,7 @@ public:
         inherited_.erase(address);
         effects.local.push_back(GiveUpAddress{address});
     }
-    /// And seeks none any more.
+    /// Gives up every address, and seeks none any more.
     void give_up_all(Effects& effects) {
         for (const Endpoint& address : claimed()) give_up(effects, address);
         inherited_.clear();

@@ -9,14 +9,14 @@
 // whether or not that one's home hears it. A copy on its way to a third home counts as that one's.
 // All conflicts are looked at again from time to time.
 //
-// I7, never both: the rank of a copy does not fall, and a mirror shows one that the copy had. Had
-// each home given way, then each copy would have ended below a rank that the other one had before.
+// I7, never both: the rank of a copy does not fall, and a mirror shows one that the copy had. If
+// both homes gave way, each copy would have ended below a rank that the other one had before.
 //
-// P4, one finally does. Both homes notice, whoever was the last to become one. A client talks to
-// one address at a time. The rank of the copy that is not heard is written once; that of the other
-// one is written whenever it has grown. Once both mirrors show that, the lower copy's home sees it.
-// Where the higher copy is not heard, its rank is final; where the lower one is not, whatever is
-// written of the higher one lies above it.
+// P4, one home gives way in the end: both notice the conflict, whichever became a home last. The
+// client talks to one address at a time, so that one copy hears it. That copy's rank is written
+// whenever it has grown, and the other one's once. When both mirrors show these, the lower copy's
+// home sees that it is the lower one. If the higher copy does not hear the client, its rank is
+// final; if the lower one does not, whatever is written of the higher one lies above it.
 #pragma once
 
 #include <cstdint>
@@ -41,8 +41,8 @@ public:
 
     /// A peer's log says that it is home to this client, or what has changed there.
     void on_peer_session(const Effects& effects, const LogId& peer, const broker::ClientId& client);
-    /// This broker is home to the client: the other home sees it no sooner than the own log says
-    /// so.
+    /// This broker is home to the client: another home sees that when our log says so, and no
+    /// sooner.
     void on_own_session(const broker::ClientId& client, const PeerLogs& logs);
     /// Looks for all clients that are homed here and at another member; in pieces.
     void compare(const View& view);
@@ -53,7 +53,7 @@ public:
     [[nodiscard]] std::optional<LogId> home_of_higher(broker::SessionHeader comes,
                                                       const PeerLogs& logs,
                                                       const Membership& membership) const;
-    /// There is more to look at.
+    /// More conflicts are to be looked at.
     [[nodiscard]] bool is_half_done() const {
         return next_compared_.has_value() || goes_on_at_.has_value() || !news_.empty();
     }

@@ -1,8 +1,8 @@
-// Sessions that were adopted and whose address another broker serves: this one's machine could not
-// take it, or was not the first heir. Clients that speak are fetched from here (roaming.h); those
-// that only listen would hear nothing until their next keep-alive. So all go to the server, some in
-// each turn, as soon as it reads this log. It speaks already: its copy of a session, if it has one,
-// may be the later one.
+// Sessions that were adopted here and whose address another broker serves: this machine could not
+// take the address, or this broker was not the first heir. The server fetches clients that speak
+// from here (roaming.h); those that only listen would hear nothing until their next keep-alive. So
+// all sessions go to the server, some in each turn, as soon as it reads this log. The server speaks
+// already: its copy of a session, if it has one, may be the later one.
 #pragma once
 
 #include <cstddef>
@@ -22,7 +22,7 @@ class Strays {
 public:
     explicit Strays(std::size_t sessions_per_turn) : sessions_per_turn_(sessions_per_turn) {}
 
-    /// `half_adopted`: which copies of their sessions stay is not known yet.
+    /// `half_adopted`: of these addresses' sessions it is not known yet which copies stay.
     void carry_on(Effects& effects, const Logs& logs, const Membership& membership,
                   const View& view, ServiceAddresses& addresses, Departures& departures,
                   const std::set<Endpoint>& half_adopted);
