@@ -66,8 +66,8 @@ void ViewChange::on_standstill() {
     promised_before_ = promised_;
 }
 
-/// Everybody whom the view leaves out has no lease any more, for all that we know of it; until then
-/// it gets none from us.
+/// Everybody whom the view leaves out has no lease any more, as far as we know; until then we echo
+/// none of them (model: wait_for_leases).
 bool ViewChange::may_promise(Instant now, const View& next, Surroundings around) {
     const auto has_ended = [&](const LogId& log) { return around.membership.has_ended(log); };
     const Instant over = around.lease.is_over_at(next, has_ended);
@@ -118,9 +118,9 @@ void ViewChange::lead(Instant now, Surroundings around, Outbox& out) {
     }
 }
 
-/// Those of the present view that stay in it: what an earlier proposal froze of them lives on, for
-/// nobody may announce that one any more. And whoever is in the next view may take for safe what we
-/// hold of its log, before we have that view; not so who was replaced, for it begins anew there.
+/// Promises the view (model: promise). What an earlier proposal froze of members that stay goes on,
+/// for nobody may announce that one any more. And whoever is in the next view may take for safe
+/// what we hold of its log, before we have that view; not so who was replaced, for it begins anew.
 ///
 /// Of brokers that are gone, what is left is frozen. One that is alive and not in the view, because
 /// it has just started or follows another leader, serves its clients itself. Of the later life of
@@ -254,6 +254,7 @@ bool ViewChange::needs_change(Instant now, const std::vector<LogId>& desired,
     });
 }
 
+/// Promises a view of these members, and asks them to promise it (model: propose).
 void ViewChange::propose(Instant now, std::vector<LogId> members, Surroundings around,
                          Outbox& out) {
     const ViewNumber number = next_number(around.membership);
@@ -376,6 +377,7 @@ void ViewChange::announce_again(Instant now, const Membership& membership, Outbo
 
 // --- a member's side
 
+/// Promises the view and says what we hold, at once or later (model: answer_proposal).
 void ViewChange::on_proposal(Instant now, const ViewProposal& proposal, Surroundings around,
                              Outbox& out) {
     const View& view = proposal.view;
@@ -462,6 +464,7 @@ ViewHoldings ViewChange::holdings(const View& view, Surroundings around) const {
     return answer;
 }
 
+/// Enters the view (model: install).
 void ViewChange::install(Instant now, ViewAnnouncement announcement, Surroundings around) {
     PeerLogs& logs = around.logs;
     view_ = announcement.view;

@@ -6,13 +6,13 @@
 // sessions are passed on to it instead (departures.h), as soon as it hears us in its new life, and
 // with all that they missed: a newcomer holds none of the removed brokers' logs. When several
 // inherit an address, each from another log, the address is the first heir's, and the others pass
-// their sessions on to it in the same way; until then it is silent there, for it may have an older
-// copy of what they pass on. When the first heir does not serve it in time, they
-// adopt the sessions without the address. What its home had moved to a member of the view is that
-// one's. And while the removed broker itself is heard to serve the address, it is left there.
+// their sessions on to it in the same way; until then it is silent there, for its copy of a session
+// may be the older one. When the first heir does not serve the address in time, they adopt the
+// sessions without it. A session that its home had moved to a member of the view stays with that
+// member. While the removed broker is heard to serve the address, it keeps it.
 //
-// From an outdated log it takes what is nowhere else, and must hold all that the members say for
-// that.
+// From an outdated log the heir takes what nobody else has; to know that, it first reads all that
+// the members say.
 //
 // Many sessions are adopted in pieces, those first for which somebody waits. What a client says
 // waits until its session is here, and what strangers say until all are.
@@ -43,21 +43,21 @@ public:
                  const ServiceAddresses& addresses);
     /// A new turn: the next carry_on() goes on with what is half adopted.
     void on_turn() { may_go_on_ = true; }
-    /// Does what has become possible. Begins nothing unless `may_begin`: who has promised another
-    /// view has said what is left, and its leader may give that to somebody else (I1).
+    /// Does what has become possible (model: adopt). Begins nothing unless `may_begin`: if we have
+    /// promised another view, its leader may give what is left to somebody else (I1).
     void carry_on(Effects& effects, const Logs& logs, const Membership& membership,
                   const View& view, ServiceAddresses& addresses, Departures& departures,
                   bool may_begin);
     /// We are to go on from that log, and have not begun.
     [[nodiscard]] bool awaits(const LogId& log) const;
-    /// Addresses of which sessions are here, and others not yet.
+    /// These addresses have some of their sessions here, and others not yet.
     [[nodiscard]] std::set<Endpoint> half_adopted() const;
-    /// Also those that are still to come.
+    /// We adopt sessions of these addresses, or are about to.
     [[nodiscard]] std::set<Endpoint> inheriting() const;
     [[nodiscard]] bool is_half_adopted(const Endpoint& address) const;
-    /// Some are left to be adopted, and it is known that nobody waits for them.
+    /// Sessions are left to be adopted, and we know that nobody waits for them.
     [[nodiscard]] bool may_rest() const;
-    /// They come from several logs: which copy of a session stays is known when all are here.
+    /// Its sessions come from several logs: which copy of one stays is known when all are here.
     [[nodiscard]] bool is_adopted_from_several(const Endpoint& address) const;
     /// Other heirs have copies of its sessions, too: which one stays is known when those are here
     /// (P3).

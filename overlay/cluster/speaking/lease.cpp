@@ -213,6 +213,7 @@ void Lease::on_promise(const View& promised) {
     held_until_ = Instant::min();
 }
 
+/// From here on all members of the view are echoed (model: echo_again).
 void Lease::on_view(Instant now, const View& installed) {
     was_held_before_ = is_held(now);
     view_ = installed;

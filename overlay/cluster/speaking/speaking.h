@@ -42,8 +42,8 @@ public:
     explicit Speaking(const Grounds& grounds) : by_(grounds) {}
 
     // --- this broker
-    /// The members of the view vouch for it that this broker is in its place there, and nobody
-    /// speaks there in its place any more.
+    /// The members of the view vouch for it that this broker is in its place there, and nobody else
+    /// speaks in its place any more (model: may_speak).
     [[nodiscard]] bool may_speak(Instant now) const {
         return by_.lease.is_held(now) && !by_.acquaintance.is_returning(now);
     }
