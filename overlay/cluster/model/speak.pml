@@ -272,7 +272,9 @@ inline some_broker() {
     fi
 }
 
+/* I4: what a broker promised never falls. */
 inline promise(p, view) {
+    assert(promised[p] <= view);
     wait_before_promise(p, view);
     promised[p] = view;
     promisers[view] = promisers[view] | bit(p);
@@ -335,17 +337,31 @@ inline some_view() {
 }
 
 /* A promise is given up for a higher number only. */
+#ifdef OLDER_PROPOSAL_ANSWERED
+#define is_new_to(p, view) true
+#else
+#define is_new_to(p, view) (promised[p] < view)
+#endif
+
 inline answer_proposal() {
     if
-    :: !has(dead, b) && has(members[n], b) && promised[b] < n -> promise(b, n)
+    :: !has(dead, b) && has(members[n], b) && is_new_to(b, n) -> promise(b, n)
     :: else
     fi
 }
 
+#ifdef INSTALL_BELOW_PROMISE
+#define is_as_promised(p, view) true
+#else
+#define is_as_promised(p, view) (promised[p] <= view)
+#endif
+
+/* I4: nor does the number of its view fall. */
 inline install() {
     if
     :: !has(dead, b) && has(members[n], b) && promisers[n] == members[n] && installed[b] < n &&
-       promised[b] <= n ->
+       is_as_promised(b, n) ->
+        assert(installed[b] < n && promised[b] <= n);
         installed[b] = n;
         promised[b] = n;
 #ifdef TIERS
