@@ -1,8 +1,8 @@
 // The cluster's side of one broker: composes membership, logs, view change, take-over, hand-back
-// and settlement. It acts on the broker core that its owner lends it with each input (Effects), and
+// and settlement. It acts on the broker core that `Member` lends it with each input (Effects), and
 // carries that broker's log to the peers.
 //
-// The owner puts every Append of the broker core into append() after each input, and calls flush()
+// `Member` puts every Append of the broker core into append() after each input, and calls flush()
 // before it waits for the next one.
 //
 // No input takes long, however much there is to catch up with: a broker that is busy for too long
@@ -109,7 +109,7 @@ public:
     /// The log is held by enough peers up to here.
     Seq safe(Instant now);
 
-    // --- what the owner must know
+    // --- what `Member` must know
     [[nodiscard]] bool is_in_view() const { return view_change_.has_view(); }
     [[nodiscard]] const Speaking& speaking() const { return speaking_; }
     [[nodiscard]] std::uint64_t leases_lost() const { return lease_.times_lost(); }

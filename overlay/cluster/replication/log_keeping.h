@@ -18,7 +18,7 @@ namespace romano::cluster {
 
 class LogKeeping {
 public:
-    /// Removed brokers' logs whose time is over, emptied: their owner drops them.
+    /// Empties the logs of removed brokers whose time is over, and names those that are empty now.
     [[nodiscard]] std::vector<LogId> expire(Instant now, const Times& times, PeerLogs& logs,
                                             const Membership& members, const ViewChange& views);
     /// Forgets what nobody can need any more.
