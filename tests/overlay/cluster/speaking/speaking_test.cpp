@@ -106,6 +106,27 @@ TEST(Speaking, I1_WhereItsOwnerServesAnAddressNothingIsSaidOrHeard) {
     EXPECT_EQ(heir.speaking().said_from(heir.now, ours), Fate::leaves);
 }
 
+// The other heir's copy of a session may be the newer one.
+TEST(Speaking, P3_TheFirstHeirSaysAndHearsNothingBeforeTheOtherHasPassedOnItsSessions) {
+    Speaker heir;
+    const Endpoint left = test::address(3);
+    ViewAnnouncement next{
+        .view = {.number = {200, self.broker, 1}, .members = heir.core.view().members},
+        .assignments = {{{test::log_of("third", 1), 1}, left, self.broker},
+                        {{test::log_of("third", 2), 1}, left, peer.broker}}};
+    heir.take(next);
+    heir.serve(left);
+    heir.hear();
+    EXPECT_EQ(heir.speaking().said_from(heir.now, left), Fate::is_dropped);
+    EXPECT_TRUE(heir.waits_for_session(left, test::address(99)));
+    EXPECT_EQ(heir.speaking().said_from(heir.now, ours), Fate::leaves);
+    heir.take(LogBatch{
+        .log = peer, .first_seq = 1, .events = {broker::LogEvent{broker::Sealed{left, self}}}});
+    heir.tick();
+    EXPECT_EQ(heir.speaking().said_from(heir.now, left), Fate::leaves);
+    EXPECT_FALSE(heir.waits_for_session(left, test::address(99)));
+}
+
 // I7: it may come back, and what its client says meanwhile would be a stranger's.
 TEST(Speaking, I7_WhatAClientSaysWaitsUntilItsNewHomeHasItsSession) {
     Speaker former;
