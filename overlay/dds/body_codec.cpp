@@ -53,7 +53,8 @@ std::optional<cluster::ClusterMessage> BodyCodec::decode(Bytes body) {
 std::optional<std::string> BodyCodec::version_of_other_protocol(Bytes body) {
     const auto* whole = parse(body);
     if (whole == nullptr || whole->protocol() == protocol) return std::nullopt;
-    return whole->program_version();
+    const bool has_neither = whole->protocol() == 0 && whole->program_version().empty();
+    return has_neither ? "0" : whole->program_version();
 }
 
 }  // namespace romano::dds

@@ -27,8 +27,8 @@ public:
     [[nodiscard]] Bytes encode(const cluster::ClusterMessage& message);
     /// Total: any octets give a message or nothing. Nothing of another protocol, too.
     [[nodiscard]] std::optional<cluster::ClusterMessage> decode(Bytes body);
-    /// Of the program that said this in another protocol; it may be empty. Nothing when it is this
-    /// protocol, or none.
+    /// Of the program that said this in another protocol: "0" when it comes from before there were
+    /// versions; else it may be empty. Nothing when it is this protocol, or none.
     [[nodiscard]] std::optional<std::string> version_of_other_protocol(Bytes body);
 
     /// What brokers of this build speak, and require of each other.

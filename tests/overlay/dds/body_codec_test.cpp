@@ -292,6 +292,10 @@ TEST(BodyCodec, AMessageOfAnotherProtocolIsNotReadAndNamesItsVersion) {
         EXPECT_FALSE(codec.decode(as_octets(body)));
         EXPECT_EQ(codec.version_of_other_protocol(as_octets(body)), "7.8.9");
     }
+    message.clear_protocol();
+    message.clear_program_version();
+    const std::string earlier = message.SerializeAsString();
+    EXPECT_EQ(codec.version_of_other_protocol(as_octets(earlier)), "0");
     EXPECT_FALSE(codec.version_of_other_protocol(codec.encode(cluster::Heartbeat{})));
     EXPECT_FALSE(codec.version_of_other_protocol(std::vector<std::uint8_t>(9, 0xFF)));
 }
