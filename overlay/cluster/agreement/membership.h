@@ -97,6 +97,21 @@ public:
     [[nodiscard]] bool heard_unknown(Instant now) const;
     /// The peer is alive, and in this life.
     [[nodiscard]] bool is_alive(const LogId& log) const;
+    /// Of the members that are alive and of which `is_one` holds: the address's own broker, else
+    /// the highest.
+    template <typename IsOne>
+    [[nodiscard]] std::optional<LogId> server_of(const Endpoint& address, const View& view,
+                                                 IsOne&& is_one) const {
+        std::optional<LogId> server;
+        for (const LogId& member : view.members) {
+            if (!is_alive(member)) continue;
+            const Peer& peer = *find(member.broker);
+            if (!is_one(peer)) continue;
+            if (peer.is_home_of(address)) return member;
+            server = member;
+        }
+        return server;
+    }
     /// Its last sign of life is much younger than a silence that means death.
     [[nodiscard]] bool is_heard_clearly(const LogId& log, Instant now) const;
     /// That life of the broker is over for certain.

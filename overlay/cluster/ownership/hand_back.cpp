@@ -6,20 +6,6 @@
 namespace romano::cluster {
 // --- the holder's side
 
-std::optional<LogId> HandBack::owner_of(const Endpoint& address, const Membership& membership,
-                                        const View& view) const {
-    std::optional<LogId> highest;
-    for (const LogId& member : view.members) {
-        if (member.broker == self_ || !membership.is_alive(member)) continue;
-        const Peer& peer = *membership.find(member.broker);
-        if (peer.is_home_of(address)) return member;
-        if (peer.speaks_at(address) && member.broker > (highest ? highest->broker : self_)) {
-            highest = member;
-        }
-    }
-    return highest;
-}
-
 void HandBack::compare(Effects& effects, const Membership& membership, const View& view,
                        const ServiceAddresses& addresses) {
     const auto contested_before = std::exchange(contested_, {});
@@ -188,7 +174,10 @@ void HandBack::on_awaited(const broker::SessionHeader& client) {
 
 void HandBack::begin(Effects& effects, const Endpoint& address, const Logs& logs,
                      const Membership& membership, const View& view) {
-    const auto owner = owner_of(address, membership, view);
+    const auto owner = membership.server_of(address, view, [&](const Peer& peer) {
+        const bool is_higher = peer.beacon.log.broker > self_;
+        return peer.is_home_of(address) || (is_higher && peer.speaks_at(address));
+    });
     if (!owner) return;
     const Peer& peer = *membership.find(owner->broker);
     if (!peer.beacon.hears_from(self_) || !peer.is_serving(address)) return;

@@ -31,7 +31,6 @@
 #pragma once
 
 #include <map>
-#include <optional>
 #include <set>
 #include <vector>
 
@@ -137,9 +136,6 @@ private:
     [[nodiscard]] static bool is_in_vain(const Effects& effects, const Expected& expected,
                                          bool is_heir, const Membership& membership,
                                          const View& view);
-    [[nodiscard]] std::optional<LogId> owner_of(const Endpoint& address,
-                                                const Membership& membership,
-                                                const View& view) const;
 
     BrokerId self_;
     std::size_t sessions_per_turn_;

@@ -3,24 +3,6 @@
 #include <utility>
 
 namespace romano::cluster {
-namespace {
-
-/// The member that speaks there, its own broker before an heir; once it hears us and reads our log.
-std::optional<LogId> server_of(const Endpoint& address, const broker::LogPosition& own_end,
-                               const Membership& membership, const View& view) {
-    std::optional<LogId> server;
-    for (const LogId& member : view.members) {
-        if (member.broker == own_end.log.broker || !membership.is_alive(member)) continue;
-        const Peer& peer = *membership.find(member.broker);
-        if (!peer.speaks_at(address) || !peer.beacon.hears_from(own_end.log.broker)) continue;
-        if (!peer.follows(own_end)) continue;
-        if (peer.is_home_of(address)) return member;
-        server = member;
-    }
-    return server;
-}
-
-}  // namespace
 
 void Strays::carry_on(Effects& effects, const Logs& logs, const Membership& membership,
                       const View& view, ServiceAddresses& addresses, Departures& departures,
@@ -32,7 +14,10 @@ void Strays::carry_on(Effects& effects, const Logs& logs, const Membership& memb
             addresses.forget_adopted(address);  // they are where they belong
             continue;
         }
-        const auto server = server_of(address, own_end, membership, view);
+        const auto server = membership.server_of(address, view, [&](const Peer& peer) {
+            return peer.speaks_at(address) && peer.beacon.hears_from(own_end.log.broker) &&
+                   peer.follows(own_end);
+        });
         if (!server || !move_some(effects, address, *server, logs, departures)) continue;
         addresses.forget_adopted(address);
     }

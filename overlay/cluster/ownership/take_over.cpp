@@ -9,21 +9,6 @@ namespace {
 
 constexpr std::size_t listed_per_turn = 1'000;  // about a millisecond
 
-/// The member that answers on the address already: its own broker, when that is back, or an heir
-/// that an earlier life of it left the address to.
-std::optional<LogId> present_server(const Endpoint& address, BrokerId self,
-                                    const Membership& membership, const View& view) {
-    std::optional<LogId> heir;
-    for (const LogId& member : view.members) {
-        if (member.broker == self || !membership.is_alive(member)) continue;
-        const Peer& peer = *membership.find(member.broker);
-        if (!peer.is_serving(address)) continue;
-        if (peer.is_home_of(address)) return member;
-        heir = member;
-    }
-    return heir;
-}
-
 /// It was removed, and yet we hear it: not everybody does. Beside it we would be silent
 /// (hand_back.h), and call its clients away from where they are answered.
 bool is_still_serving(const Assignment& assignment, const Membership& membership) {
@@ -118,9 +103,13 @@ void TakeOver::carry_on(Effects& effects, const Logs& logs, const Membership& me
         if (is_still_serving(pending.assignment, membership)) return false;
         if (log->second.is_foreign()) return true;  // its leader is of a version that knows no such
         if (log->second.is_outdated() && !holds_all(logs, membership, view)) return false;
-        // What comes here is not passed on: it would be sealed, and then spoken from.
+        // What comes here is not passed on: it would be sealed, and then spoken from. Else it goes
+        // to the member that is there already: the address's own broker, when that is back, or an
+        // heir that an earlier life of it left the address to.
         const auto owner =
-            is_ours ? std::nullopt : present_server(address, self_, membership, view);
+            is_ours ? std::nullopt : membership.server_of(address, view, [&](const Peer& peer) {
+                return peer.is_serving(address);
+            });
         if (!is_ours && !owner && others_.contains(address) &&
             effects.now <= pending.since + effects.times.giver_waited_for()) {
             return false;
