@@ -12,22 +12,6 @@ constexpr std::size_t peers_known = 1'000;
 
 }  // namespace
 
-bool Peer::is_home_of(const Endpoint& address) const {
-    return std::ranges::count(beacon.home_addresses, address) > 0;
-}
-
-bool Peer::speaks_at(const Endpoint& address) const {
-    return is_serving(address) && !is_binding(address);
-}
-
-bool Peer::is_binding(const Endpoint& address) const {
-    return std::ranges::count(beacon.binding, address) > 0;
-}
-
-bool Peer::is_serving(const Endpoint& address) const {
-    return std::ranges::count(beacon.serving, address) > 0;
-}
-
 Membership::Membership(const ClusterOptions& options, BrokerId self, std::uint64_t seed)
     : options_(options), self_(self), seed_(seed) {
     const election::DetectorOptions times{.beacon_every = options.beacon_every,

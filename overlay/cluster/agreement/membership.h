@@ -5,6 +5,7 @@
 // that ours reach it. Over one way only, it could not acknowledge our log or follow our view.
 #pragma once
 
+#include <algorithm>
 #include <functional>
 #include <map>
 #include <memory>
@@ -35,11 +36,16 @@ struct Peer {
     bool alive = false;
     Instant heard_at{};  // its last beacon or pulse
     bool ended = false;  // it said goodbye, or its process is gone; it did not just fall silent
-    [[nodiscard]] bool is_home_of(const Endpoint& address) const;
-    [[nodiscard]] bool is_serving(const Endpoint& address) const;
-    /// Its own address, served by another one yet: it waits there for the sessions.
-    [[nodiscard]] bool is_binding(const Endpoint& address) const;
-    [[nodiscard]] bool speaks_at(const Endpoint& address) const;
+    [[nodiscard]] bool is_home_of(const Endpoint& address) const {
+        return std::ranges::count(beacon.home_addresses, address) > 0;
+    }
+    [[nodiscard]] bool is_serving(const Endpoint& address) const {
+        return std::ranges::count(beacon.serving, address) > 0;
+    }
+    /// Not at its own address while another one serves that yet: it waits there for the sessions.
+    [[nodiscard]] bool speaks_at(const Endpoint& address) const {
+        return is_serving(address) && std::ranges::count(beacon.binding, address) == 0;
+    }
     /// It follows that log, which ends there now: what is said in it reaches the peer.
     [[nodiscard]] bool follows(const broker::LogPosition& end) const {
         return end.seq == 0 || beacon.applied_through(end.log) > 0;
