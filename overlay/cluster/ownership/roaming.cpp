@@ -67,16 +67,14 @@ bool Roaming::on_datagram(Effects& effects, const Way& way, Bytes datagram, cons
     }
     auto client = client_of(way, datagram, effects.broker, homes);
     if (!client || fetching_.size() >= fetching_most) return false;
-    if (!homes.of(*client) && !has_let_go(*client) && !leaving.all().contains(*client)) {
-        return false;
-    }
-    if (is_foreign(*client, homes, membership)) return false;
+    const bool is_known = homes.of(*client) || leaving.all().contains(*client) ||
+                          std::ranges::count(let_go_, *client, &LetGo::client) > 0;
+    if (!is_known || is_foreign(*client, homes, membership)) return false;
     Fetching fetching{.client = *std::move(client),
-                      .at = way.via,
                       .since = effects.now,
                       .asked = std::nullopt,
                       .asked_at = Instant::min()};
-    ask(effects, fetching, homes, membership, view);
+    ask(effects, way, fetching, homes, membership, view);
     fetching_.insert_or_assign(way, std::move(fetching));
     return true;
 }
@@ -94,15 +92,10 @@ std::optional<broker::ClientId> Roaming::client_at(const broker::Origin& place,
                                                    const Homes& homes) const {
     if (auto last = homes.at(place)) return last;
     if (own.has_client_at(place.from)) return std::nullopt;
-    auto left = let_go(place.from);
     auto only = homes.only_one_at(place.from);
-    if (left && only && *only != *left) return std::nullopt;
-    return only ? std::move(only) : std::move(left);
-}
-
-std::optional<broker::ClientId> Roaming::let_go(const broker::ClientAddress& from) const {
-    const auto found = std::ranges::find(let_go_, from, &LetGo::from);
-    return found == let_go_.end() ? std::nullopt : std::optional{found->client};
+    const auto left = std::ranges::find(let_go_, place.from, &LetGo::from);
+    if (left == let_go_.end()) return only;
+    return only && *only != left->client ? std::nullopt : std::optional{left->client};
 }
 
 bool Roaming::is_foreign(const broker::ClientId& client, const Homes& homes,
@@ -110,10 +103,6 @@ bool Roaming::is_foreign(const broker::ClientId& client, const Homes& homes,
     const auto home = homes.of(client);
     const Peer* peer = home ? membership.find(*home) : nullptr;
     return peer != nullptr && peer->beacon.predefined != predefined_;
-}
-
-bool Roaming::has_let_go(const broker::ClientId& client) const {
-    return std::ranges::count(let_go_, client, &LetGo::client) > 0;
 }
 
 void Roaming::on_let_go(const Effects& effects, const broker::SessionHeader& session) {
@@ -142,7 +131,7 @@ void Roaming::carry_on(Effects& effects, const Logs& logs, const Homes& homes,
         if (!fetching.asked) adopt_copy(effects, logs, fetching.client, homes, departures);
         return true;
     });
-    for (auto& [way, fetching] : fetching_) ask(effects, fetching, homes, membership, view);
+    for (auto& [way, fetching] : fetching_) ask(effects, way, fetching, homes, membership, view);
 }
 
 /// A busy home is late, and to be a stranger would cost its client the session.
@@ -167,7 +156,7 @@ void Roaming::adopt_copy(Effects& effects, const Logs& logs, const broker::Clien
     }
 }
 
-void Roaming::ask(Effects& effects, Fetching& fetching, const Homes& homes,
+void Roaming::ask(Effects& effects, const Way& way, Fetching& fetching, const Homes& homes,
                   const Membership& membership, const View& view) const {
     const auto home = homes.of(fetching.client);
     if (!home) return;
@@ -183,7 +172,7 @@ void Roaming::ask(Effects& effects, Fetching& fetching, const Homes& homes,
         fetching.since = effects.now;
     }
     fetching.asked_at = effects.now;
-    effects.peers.push_back({*home, SessionRequest{fetching.client, fetching.at}});
+    effects.peers.push_back({*home, SessionRequest{fetching.client, way.via}});
 }
 
 }  // namespace romano::cluster

@@ -58,7 +58,6 @@ public:
 private:
     struct Fetching {
         broker::ClientId client;
-        Endpoint at;  // the service address that it talks to
         Instant since;
         std::optional<BrokerId> asked;  // none: its home cannot answer
         Instant asked_at;
@@ -74,14 +73,12 @@ private:
     [[nodiscard]] std::optional<broker::ClientId> client_at(const broker::Origin& place,
                                                             const broker::BrokerCore& own,
                                                             const Homes& homes) const;
-    [[nodiscard]] std::optional<broker::ClientId> let_go(const broker::ClientAddress& from) const;
-    [[nodiscard]] bool has_let_go(const broker::ClientId& client) const;
     [[nodiscard]] static Duration patience_with(const Effects& effects, const Fetching& fetching,
                                                 const Membership& membership, const View& view);
     static void adopt_copy(Effects& effects, const Logs& logs, const broker::ClientId& client,
                            const Homes& homes, Departures& departures);
-    void ask(Effects& effects, Fetching& fetching, const Homes& homes, const Membership& membership,
-             const View& view) const;
+    void ask(Effects& effects, const Way& way, Fetching& fetching, const Homes& homes,
+             const Membership& membership, const View& view) const;
 
     [[nodiscard]] bool is_foreign(const broker::ClientId& client, const Homes& homes,
                                   const Membership& membership) const;
