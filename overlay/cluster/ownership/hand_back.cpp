@@ -190,28 +190,24 @@ void HandBack::begin(Effects& effects, const Endpoint& address, const Logs& logs
 /// They change no more: nothing is heard or said here for them.
 bool HandBack::move_some(Effects& effects, const Endpoint& address, Giving& giving,
                          const PeerLogs& logs, Departures& departures) const {
+    const auto move = [&](const broker::ClientId& client) {
+        const broker::SessionHeader* own = effects.broker.header(client);
+        // One that talks to another address here came from its owner meanwhile: both gave theirs.
+        if (own == nullptr || own->via != address) return;
+        departures.move(effects, client, giving.owner, giving.contested ? 0 : 1, logs);
+    };
     std::size_t allowed = sessions_per_turn_;
     for (; allowed > 0 && !giving.awaited.empty(); --allowed) {
-        const auto first = giving.awaited.extract(giving.awaited.begin());
-        move_one(effects, address, giving, first.value(), logs, departures);
+        move(giving.awaited.extract(giving.awaited.begin()).value());
     }
     if (departures.to(giving.owner) > sessions_per_turn_) return false;
     for (; allowed > 0 && giving.moved < giving.clients.size(); --allowed) {
-        move_one(effects, address, giving, giving.clients[giving.moved++], logs, departures);
+        move(giving.clients[giving.moved++]);
     }
     if (giving.moved < giving.clients.size()) return false;
     giving.clients = effects.broker.client_ids_via(address);  // an heir, we, adopted more
     giving.moved = 0;
     return giving.clients.empty();
-}
-
-void HandBack::move_one(Effects& effects, const Endpoint& address, const Giving& giving,
-                        const broker::ClientId& client, const PeerLogs& logs,
-                        Departures& departures) const {
-    const broker::SessionHeader* own = effects.broker.header(client);
-    // One that talks to another address here came from its owner meanwhile: both gave theirs.
-    if (own == nullptr || own->via != address) return;
-    departures.move(effects, client, giving.owner, giving.contested ? 0 : 1, logs);
 }
 
 bool HandBack::is_deaf(const Endpoint& address) const {

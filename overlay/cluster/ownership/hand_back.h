@@ -126,9 +126,6 @@ private:
                                      const Giving& giving, const Membership& membership,
                                      const View& view, const Departures& departures,
                                      const NotYet& not_yet) const;
-    void move_one(Effects& effects, const Endpoint& address, const Giving& giving,
-                  const broker::ClientId& client, const PeerLogs& logs,
-                  Departures& departures) const;
     /// True when all that were there have left.
     bool move_some(Effects& effects, const Endpoint& address, Giving& giving, const PeerLogs& logs,
                    Departures& departures) const;

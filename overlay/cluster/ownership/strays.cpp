@@ -30,7 +30,10 @@ bool Strays::move_some(Effects& effects, const Endpoint& address, const LogId& s
     if (waiting.empty()) {
         if (departures.has_any_via(address)) return false;  // they may come back
         waiting = effects.broker.client_ids_via(address);
-        if (waiting.empty()) return waiting_.erase(address) > 0;
+        if (waiting.empty()) {
+            waiting_.erase(address);
+            return true;
+        }
     }
     for (std::size_t allowed = sessions_per_turn_; allowed > 0 && !waiting.empty(); --allowed) {
         const broker::ClientId client = std::move(waiting.back());
