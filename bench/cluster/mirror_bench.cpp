@@ -77,7 +77,9 @@ public:
 
     /// Of the first at the second; null when that knows of none.
     [[nodiscard]] const broker::Mirror* mirror() const {
-        return brokers_[1].member->mirror(brokers_[0].member->log());
+        const auto& logs = brokers_[1].member->cluster().peer_logs();
+        const auto held = logs.find(brokers_[0].member->log());
+        return held == logs.end() ? nullptr : &held->second.mirror();
     }
     /// What is there from now on is the second one's.
     void drop_the_first() {

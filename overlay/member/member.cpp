@@ -371,10 +371,4 @@ void Member::check_invariants() const {
 #endif
 }
 
-const broker::Mirror* Member::mirror(const broker::LogId& log) const {
-    const auto& logs = cluster_.peer_logs();
-    const auto found = logs.find(log);
-    return found == logs.end() ? nullptr : &found->second.mirror();
-}
-
 }  // namespace romano::overlay

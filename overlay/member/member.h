@@ -15,7 +15,6 @@
 #include <vector>
 
 #include "broker/core/broker_core.h"
-#include "broker/core/mirror.h"
 #include "broker/server/carried_server.h"
 #include "broker/uplink/uplink_core.h"
 #include "election/failure_detector.h"
@@ -135,8 +134,6 @@ public:
     [[nodiscard]] const cluster::ClusterCore& cluster() const { return cluster_; }
     [[nodiscard]] election::Leadership leadership() const { return cluster_.leadership(); }
     [[nodiscard]] MemberFacts facts() const;
-    /// The copy of a peer's sessions, up to mirror()->applied(); null when there is none.
-    [[nodiscard]] const broker::Mirror* mirror(const broker::LogId& log) const;
     /// What is said to clients would leave now, if it may_speak_from() there.
     [[nodiscard]] bool may_speak(Instant now) const {
         return !has_left_ && cluster_.is_in_view() && speaking().may_speak(now);

@@ -102,8 +102,9 @@ void judge_mirrors(const Component& component, Violations& out) {
         const auto images = home->member().broker().images();
         for (const ClusterBroker* peer : component) {
             if (peer == home) continue;
-            const broker::Mirror* mirror = peer->member().mirror(home->log());
-            if (mirror == nullptr) {
+            const auto& logs = peer->member().cluster().peer_logs();
+            const auto held = logs.find(home->log());
+            if (held == logs.end()) {
                 out.push_back({Promise::same_state,
                                peer->name() + " has no copy of " + home->name() + "'s sessions"});
                 continue;
@@ -111,7 +112,8 @@ void judge_mirrors(const Component& component, Violations& out) {
             std::string its;
             for (const auto& image : images) its += describe(image) + '\n';
             std::string copies;
-            for (const auto& image : mirror->images()) copies += describe(image) + '\n';
+            for (const auto& image : held->second.mirror().images())
+                copies += describe(image) + '\n';
             if (its == copies) continue;
             out.push_back({Promise::same_state, home->name() + "'s sessions\n" + its + "are to " +
                                                     peer->name() + '\n' + copies});

@@ -58,7 +58,6 @@ public:
     bool forget_all();
 
     [[nodiscard]] std::size_t events_kept() const { return events_.size(); }
-    [[nodiscard]] std::size_t publishes_kept() const { return publishes_.size(); }
 
     static constexpr std::size_t most_at_once = 2'000;  // less than a millisecond
 

@@ -144,7 +144,8 @@ TEST(ClusterScenarios, HomesOfAPublisherAndOfASubscriberDieTogetherBehindAPublis
         scenario.begin();
         ClusterWorld& world = scenario.world;
         world.run_for(1s);  // in the first view some may not have met yet
-        const broker::Mirror& mirror = *world.broker(2).member().mirror(world.broker(0).log());
+        const auto& logs = world.broker(2).member().cluster().peer_logs();
+        const broker::Mirror& mirror = logs.at(world.broker(0).log()).mirror();
         const broker::Seq before = mirror.applied();
         talker.publish("pose", Qos::exactly_once);
         ASSERT_TRUE(world.run_until(
