@@ -1,6 +1,7 @@
 #include "overlay/cluster/agreement/view_change.h"
 
 #include <algorithm>
+#include <cassert>
 #include <utility>
 
 #include "overlay/cluster/ownership/heirs.h"
@@ -486,12 +487,7 @@ void ViewChange::install(Instant now, ViewAnnouncement announcement, Surrounding
         const auto heir = std::ranges::find(view_.members, assignment.heir, &LogId::broker);
         if (heir != view_.members.end()) appointed_.try_emplace(assignment.address, *heir);
     }
-    // A view that nobody has looked at yet leaves its assignments to the next one.
-    if (installed_) {
-        auto& assignments = announcement.assignments;
-        assignments.insert(assignments.end(), installed_->assignments.begin(),
-                           installed_->assignments.end());
-    }
+    assert(!installed_ && "a view is taken in the turn that installs it");
     installed_ = std::move(announcement);
 }
 

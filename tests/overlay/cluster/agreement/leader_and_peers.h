@@ -35,6 +35,7 @@ struct Leader {
     ServiceAddresses addresses{{}};
     EndedLogs ended;
     Outbox out;
+    std::optional<ViewAnnouncement> installed;  // last
     Instant now{1s};
     std::uint64_t ticks = 0;
 
@@ -68,7 +69,12 @@ struct Leader {
             now += 10ms;
             membership.on_tick(now);
             change.on_tick(now, around(), out);
+            take_view();
         }
+    }
+    /// After each input, as the cluster core does.
+    void take_view() {
+        if (auto taken = change.take_installed()) installed = std::move(taken);
     }
     [[nodiscard]] election::Term term() { return membership.leadership().term; }
     template <typename Message>
@@ -93,6 +99,7 @@ struct Leader {
         if (!asked) return;
         holdings.number = *asked;
         change.on_holdings(now, member, holdings, around(), out);
+        take_view();
     }
     /// From this moment on.
     void lead() {

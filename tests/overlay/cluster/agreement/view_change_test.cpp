@@ -45,7 +45,7 @@ TEST(ViewChange, WhomTheLeaderHearsIsNotTakenOverAtAMembersWord) {
     ASSERT_TRUE(leader.change.contains(newcomer));
     ASSERT_FALSE(leader.change.contains(high));
     ASSERT_TRUE(leader.membership.is_alive(high));
-    const auto installed = leader.change.take_installed();
+    const auto& installed = leader.installed;
     ASSERT_TRUE(installed);
     EXPECT_TRUE(installed->ends.empty());
     EXPECT_TRUE(installed->assignments.empty());
@@ -237,7 +237,7 @@ struct DoubtfulLeader : Leader {
             answer(high);
         }
         ASSERT_EQ(change.view().members.size(), 3U);
-        (void)change.take_installed();
+        installed.reset();
         out.clear();
         while (membership.is_alive(peer)) wait(10ms);
         ASSERT_FALSE(membership.is_alive(high));
@@ -277,7 +277,7 @@ TEST(ViewChange, WhoKeepsLessThanHalfTakesNobodysPlaceForThreeTerms) {
     leader.wait(20ms);
     EXPECT_FALSE(leader.proposes());
     EXPECT_EQ(leader.change.view().members.size(), 3U);
-    EXPECT_FALSE(leader.change.take_installed());
+    EXPECT_FALSE(leader.installed);
 }
 
 TEST(ViewChange, WhoHearsNobodyForThreeDetectionTimesGoesOnAlone) {
@@ -406,7 +406,7 @@ TEST(ViewChange, SomebodyGoesOnForABrokerThatDiedOutsideOfTheView) {
     leader.logs.try_emplace(high, high, 1'000);  // it followed somebody else, and is gone
     leader.wait(10ms);
     leader.answer(peer);
-    const auto installed = leader.change.take_installed();
+    const auto& installed = leader.installed;
     ASSERT_TRUE(installed);
     EXPECT_TRUE(leader.logs.at(high).is_frozen());
     EXPECT_THAT(installed->ends, testing::ElementsAre(LogPosition{high, 0}));
