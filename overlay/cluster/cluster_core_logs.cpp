@@ -114,7 +114,7 @@ void ClusterCore::on(Effects& effects, BrokerId from, const SnapshotPart& part) 
     if (!is_first) peer_sessions_.reset(id, log.mirror());
     publish_order_.on_snapshot_end(effects, *as_of);
     arrivals_.on_snapshot(effects, log);
-    settlement_.compare(view());
+    settlement_.compare();
     acknowledgements_.forget(id);
     log.mirror().visit([&](const broker::SessionImage& image) {
         mark_taken(image.header.client_id);
@@ -138,7 +138,7 @@ void ClusterCore::take_last_publishes(Effects& effects, BrokerId from, const Sna
 void ClusterCore::catch_up(Effects& effects) {
     publish_order_.allow(options_.events_per_turn);
     take_over_.on_turn();
-    settlement_.compare_some(effects.broker, logs_);
+    settlement_.compare_some(effects.broker, logs_, view());
     arrivals_.on_turn();
     say_again(effects);
     sessions_brought_.clear();

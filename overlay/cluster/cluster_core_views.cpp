@@ -169,8 +169,9 @@ void ClusterCore::on_view(Effects& effects, const ViewAnnouncement& announcement
     take_over_.on_view(effects.now, announcement, addresses_);
     fetching_.on_view(announcement);
     acknowledge_what_waited(effects);
-    settlement_.compare(view());
-    settlement_.compare_some(effects.broker, logs_);  // before anything is said in this view
+    settlement_.compare();
+    // Before anything is said in this view.
+    settlement_.compare_some(effects.broker, logs_, view());
 }
 
 /// Nobody goes on for those whom only brokers with other predefined topics survive. Told once, and

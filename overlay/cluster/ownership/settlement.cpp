@@ -19,16 +19,12 @@ void Settlement::on_own_session(const broker::ClientId& client, const PeerLogs& 
     }
 }
 
-void Settlement::compare(const View& view) {
-    next_compared_ = 0;
-    compared_with_ = view.members;
-}
-
 /// A session that is begun meanwhile is looked at as it comes, whatever its number.
-void Settlement::compare_some(const broker::BrokerCore& broker, const PeerLogs& logs) {
+void Settlement::compare_some(const broker::BrokerCore& broker, const PeerLogs& logs,
+                              const View& view) {
     if (!next_compared_) return;
     std::vector<const PeerLog*> others;
-    for (const LogId& member : compared_with_) {
+    for (const LogId& member : view.members) {
         const auto log = logs.find(member);
         if (log != logs.end()) others.push_back(&log->second);
     }

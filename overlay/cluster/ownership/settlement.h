@@ -45,8 +45,8 @@ public:
     /// sooner.
     void on_own_session(const broker::ClientId& client, const PeerLogs& logs);
     /// Looks for all clients that are homed here and at another member; in pieces.
-    void compare(const View& view);
-    void compare_some(const broker::BrokerCore& broker, const PeerLogs& logs);
+    void compare() { next_compared_ = 0; }
+    void compare_some(const broker::BrokerCore& broker, const PeerLogs& logs, const View& view);
     /// An address is silent no more: its sessions are settled before anything is said there.
     void look_again() { next_look_ = Instant::min(); }
     /// I7: where a session that comes here is spoken for already; this broker never speaks then.
@@ -87,7 +87,6 @@ private:
     BrokerId self_;
     std::size_t sessions_per_turn_;
     std::optional<std::uint32_t> next_compared_;  // a session's number; none when all are
-    std::vector<LogId> compared_with_;
     std::map<Conflict, broker::HybridTime> conflicts_;
     std::set<Conflict> news_;             // looked at in the next turn, as many as that allows
     std::optional<Conflict> goes_on_at_;  // in the next turn
