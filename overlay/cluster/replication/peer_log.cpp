@@ -13,7 +13,7 @@ constexpr std::size_t arrived_early_most = 20'000;
 
 }  // namespace
 
-PeerLog::PeerLog(LogId id, std::size_t events_kept) : id_(id), mirror_(id), history_(events_kept) {}
+PeerLog::PeerLog(LogId id, std::size_t events_kept) : mirror_(id), history_(events_kept) {}
 
 void PeerLog::offer(Seq first_seq, const std::vector<LogEventPtr>& events) {
     if (events.empty() || first_seq == 0) return;
@@ -187,7 +187,7 @@ std::optional<LogPosition> PeerLog::restart() {
     std::erase_if(arrived_early_, [as_of](Seq seq) { return seq <= as_of; });
     known_end_ = std::max(known_end_, as_of);
     take_early();
-    return LogPosition{id_, as_of};
+    return LogPosition{mirror_.log(), as_of};
 }
 
 void PeerLog::freeze() {

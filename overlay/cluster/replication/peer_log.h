@@ -164,7 +164,6 @@ private:
     template <typename Look>
     void visit_left(Look&& look) const;
 
-    LogId id_;
     broker::Mirror mirror_;
     LogHistory history_;
     std::deque<LogEventPtr> ready_;                  // follow applied()
