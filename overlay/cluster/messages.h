@@ -7,6 +7,7 @@
 #pragma once
 
 #include <array>
+#include <compare>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -32,7 +33,6 @@ struct ViewNumber {
     BrokerId leader{};
     std::uint64_t count = 0;  // views that this leader made in this term
 
-    friend bool operator==(const ViewNumber&, const ViewNumber&) = default;
     friend auto operator<=>(const ViewNumber&, const ViewNumber&) = default;
 };
 
