@@ -63,6 +63,14 @@ void Member::set_rights(const broker::Permissions* permissions, const std::strin
 
 // --- inputs
 
+template <typename Act>
+void Member::on_input(Instant now, MemberActions& out, Act&& act) {
+    if (has_left_) return;
+    notice_standstill(now, out);
+    act();
+    carry_out(now, out);
+}
+
 void Member::on_datagram(Instant now, const Endpoint& via, const Endpoint& from, Bytes datagram,
                          MemberActions& out) {
     if (has_left_) return;
@@ -85,34 +93,24 @@ void Member::on_datagram(Instant now, const Endpoint& via, const Endpoint& from,
 }
 
 void Member::on_peer_message(Instant now, const Envelope& envelope, MemberActions& out) {
-    if (has_left_) return;
-    notice_standstill(now, out);
-    const cluster::ViewNumber before = cluster_.view().number;
-    cluster_.on_message(effects(now, out), envelope);
-    if (stood_still_ && cluster_.view().number != before) waiting_.clear();
-    if (cluster_.was_replaced(now)) restart(now, out);
-    carry_out(now, out);
+    on_input(now, out, [&] {
+        const cluster::ViewNumber before = cluster_.view().number;
+        cluster_.on_message(effects(now, out), envelope);
+        if (stood_still_ && cluster_.view().number != before) waiting_.clear();
+        if (cluster_.was_replaced(now)) restart(now, out);
+    });
 }
 
 void Member::on_address(Instant now, const Endpoint& address, bool served, MemberActions& out) {
-    if (has_left_) return;
-    notice_standstill(now, out);
-    cluster_.on_address(effects(now, out), address, served);
-    carry_out(now, out);
+    on_input(now, out, [&] { cluster_.on_address(effects(now, out), address, served); });
 }
 
 void Member::on_link(Instant now, const LogId& process, election::Link link, MemberActions& out) {
-    if (has_left_) return;
-    notice_standstill(now, out);
-    cluster_.on_link(effects(now, out), process, link);
-    carry_out(now, out);
+    on_input(now, out, [&] { cluster_.on_link(effects(now, out), process, link); });
 }
 
 void Member::on_condition(Instant now, std::uint32_t reading, MemberActions& out) {
-    if (has_left_) return;
-    notice_standstill(now, out);
-    cluster_.on_condition(effects(now, out), reading);
-    carry_out(now, out);
+    on_input(now, out, [&] { cluster_.on_condition(effects(now, out), reading); });
 }
 
 void Member::on_tick(Instant now, MemberActions& out) {
@@ -334,18 +332,14 @@ void Member::go_on_uplink(Instant now, MemberActions& out) {
 }
 
 void Member::on_uplink_up(Instant now, bool resumed, MemberActions& out) {
-    if (!uplink_ || has_left_) return;
-    notice_standstill(now, out);
-    uplink_->on_up(resumed, broker_, out.uplink);
-    carry_out(now, out);
+    if (!uplink_) return;
+    on_input(now, out, [&] { uplink_->on_up(resumed, broker_, out.uplink); });
 }
 
 void Member::on_uplink_answer(Instant now, const broker::LogPosition& position,
                               uplink::Answer answer, MemberActions& out) {
-    if (!uplink_ || has_left_) return;
-    notice_standstill(now, out);
-    uplink_->on_answer(now, position, answer, broker_, work_);
-    carry_out(now, out);
+    if (!uplink_) return;
+    on_input(now, out, [&] { uplink_->on_answer(now, position, answer, broker_, work_); });
 }
 
 void Member::on_uplink_message(Instant now, const uplink::FromRemote& message, std::uint64_t token,

@@ -159,6 +159,9 @@ private:
         return {now, broker_, work_, out.peers, out.local, cluster_.times()};
     }
 
+    template <typename Act>
+    void on_input(Instant now, MemberActions& out, Act&& act);
+
     // --- while others may have gone on for us
     void notice_standstill(Instant now, MemberActions& out);
     [[nodiscard]] bool may_be_elsewhere(const broker::SessionHeader& client) const;
