@@ -18,10 +18,8 @@
 #include <map>
 #include <optional>
 #include <set>
-#include <span>
 #include <string>
 #include <tuple>
-#include <utility>
 #include <vector>
 
 #include "overlay/cluster/agreement/acquaintance.h"

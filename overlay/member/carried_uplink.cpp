@@ -1,7 +1,6 @@
 #include "overlay/member/carried_uplink.h"
 
 #include <algorithm>
-#include <array>
 #include <utility>
 
 #include "romano/base/printable.h"

@@ -1,6 +1,5 @@
 #include "overlay/member/status_topic.h"
 
-#include <array>
 #include <cstdint>
 #include <string_view>
 

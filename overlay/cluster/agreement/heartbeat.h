@@ -11,7 +11,6 @@
 #include <cstdint>
 #include <map>
 #include <optional>
-#include <vector>
 
 #include "overlay/cluster/messages.h"
 #include "romano/base/flat_map.h"

@@ -4,7 +4,6 @@
 #include <cassert>
 #include <utility>
 
-#include "overlay/cluster/ownership/heirs.h"
 #include "overlay/cluster/replication/own_log.h"
 
 namespace romano::cluster {

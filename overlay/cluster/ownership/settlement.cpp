@@ -1,5 +1,7 @@
 #include "overlay/cluster/ownership/settlement.h"
 
+#include <vector>
+
 namespace romano::cluster {
 
 void Settlement::on_peer_session(const Effects& effects, const LogId& peer,

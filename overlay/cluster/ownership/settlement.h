@@ -24,7 +24,6 @@
 #include <optional>
 #include <set>
 #include <utility>
-#include <vector>
 
 #include "overlay/cluster/agreement/membership.h"
 #include "overlay/cluster/effects.h"

@@ -7,7 +7,6 @@
 #pragma once
 
 #include <cstddef>
-#include <optional>
 
 #include "overlay/cluster/envelope.h"
 #include "overlay/cluster/replication/log_history.h"

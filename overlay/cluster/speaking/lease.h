@@ -23,7 +23,6 @@
 #include <deque>
 #include <functional>
 #include <optional>
-#include <utility>
 #include <vector>
 
 #include "overlay/cluster/messages.h"
