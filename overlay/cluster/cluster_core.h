@@ -10,11 +10,8 @@
 // and some more at each tick; sessions come, and snapshots leave, in pieces.
 #pragma once
 
-#include <algorithm>
 #include <array>
-#include <chrono>
 #include <cstdint>
-#include <limits>
 #include <map>
 #include <optional>
 #include <set>
@@ -82,16 +79,7 @@ public:
     void on_ability(const Endpoint& address, bool can_take) {
         addresses_.on_ability(address, can_take);
     }
-    void on_transport_octets(std::uint64_t sent, std::uint64_t received) {
-        octets_sent_ = sent;
-        octets_received_ = received;
-    }
-    void on_longest_turn(std::chrono::microseconds longest) {
-        constexpr std::int64_t most = std::numeric_limits<std::uint32_t>::max();
-        longest_turn_us_ =
-            static_cast<std::uint32_t>(std::min<std::int64_t>(longest.count(), most));
-    }
-    void on_cpu_percent(std::uint32_t percent) { cpu_percent_ = percent; }
+    void on_usage(const Usage& usage) { usage_ = usage; }
     /// Instant::min(): there is more to be done than fits one turn.
     [[nodiscard]] Instant next_wakeup() const;
     /// What does not fit one turn are sessions that move, and nobody waits for them.
@@ -297,10 +285,7 @@ private:
     std::array<Instant, timers> due_;
     std::uint64_t views_seen_ = 0;
     std::uint64_t beacons_sent_ = 0;
-    std::uint64_t octets_sent_ = 0;
-    std::uint64_t octets_received_ = 0;
-    std::uint32_t longest_turn_us_ = 0;
-    std::uint32_t cpu_percent_ = 0;
+    Usage usage_;
     election::Leadership last_leadership_;  // as the last beacon said
     ViewNumber last_view_;
 };

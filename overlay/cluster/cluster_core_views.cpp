@@ -272,10 +272,7 @@ Beacon ClusterCore::beacon(const broker::BrokerCore& broker) const {
                   .sessions = static_cast<std::uint32_t>(broker.session_count()),
                   .connected = static_cast<std::uint32_t>(broker.connected_count()),
                   .cannot_take = static_cast<std::uint32_t>(addresses_.cannot_take().size()),
-                  .transport_octets_sent = octets_sent_,
-                  .transport_octets_received = octets_received_,
-                  .longest_turn_us = longest_turn_us_,
-                  .cpu_percent = cpu_percent_,
+                  .usage = usage_,
                   .link = link_,
                   .settings = settings_.digest(),
                   .predefined = predefined_};

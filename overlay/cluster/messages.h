@@ -73,6 +73,14 @@ struct HeldByMember {
     friend bool operator==(const HeldByMember&, const HeldByMember&) = default;
 };
 
+/// What the sender's process does, for people.
+struct Usage {
+    std::uint64_t transport_octets_sent = 0;  // between brokers, since the start
+    std::uint64_t transport_octets_received = 0;
+    std::uint32_t longest_turn_us = 0;  // that its shell was busy at a stretch, of late
+    std::uint32_t cpu_percent = 0;      // of a core, that its process had of late
+};
+
 /// All that a broker says of itself from time to time. It travels in two parts, for most of it
 /// changes rarely: Heartbeat and Particulars (heartbeat.h).
 struct Beacon {
@@ -96,11 +104,8 @@ struct Beacon {
     std::uint32_t sessions = 0;
     std::uint32_t connected = 0;
     std::uint32_t cannot_take = 0;  // so many of the peers' home addresses, were they to die
-    std::uint64_t transport_octets_sent = 0;  // between brokers, since the start
-    std::uint64_t transport_octets_received = 0;
-    std::uint32_t longest_turn_us = 0;  // that its shell was busy at a stretch, of late
-    std::uint32_t cpu_percent = 0;      // of a core, that its process had of late
-    bool leaving = false;               // the last beacon of an orderly stop
+    Usage usage{};
+    bool leaving = false;  // the last beacon of an orderly stop
     LinkAddress link{};
     std::uint32_t settings = 0;  // digest of what all brokers must agree on (settings_comparison.h)
     std::uint32_t predefined = 0;  // of the predefined topics; 0: there are none
@@ -134,10 +139,7 @@ struct Heartbeat {
     std::uint32_t logs_held = 0;             // of so many logs in all
     std::uint32_t sessions = 0;
     std::uint32_t connected = 0;
-    std::uint64_t transport_octets_sent = 0;  // 0: not said this time
-    std::uint64_t transport_octets_received = 0;
-    std::uint32_t longest_turn_us = 0;
-    std::uint32_t cpu_percent = 0;
+    Usage usage{};  // no octets sent: not said this time
     bool leaving = false;
 };
 /// A setting that all brokers must agree on, as people wrote it.

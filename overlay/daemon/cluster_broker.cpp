@@ -3,7 +3,9 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <chrono>
 #include <functional>
+#include <limits>
 
 #include "broker/daemon/broker_options.h"
 #include "broker/daemon/refusal.h"
@@ -351,11 +353,18 @@ void ClusterBroker::on_particulars(const cluster::Beacon& beacon) {
 
 void ClusterBroker::on_peers_drained() {
     if (!member_) return;
-    const auto& counters = transport_->counters();
-    member_->on_transport_octets(counters.sent_octets, counters.received_octets);
-    member_->on_longest_turn(
-        std::chrono::duration_cast<std::chrono::microseconds>(turns_.longest(net::now())));
+    tell_of_usage();
     carry_out();
+}
+
+void ClusterBroker::tell_of_usage() {
+    constexpr std::int64_t most = std::numeric_limits<std::uint32_t>::max();
+    const std::int64_t longest_us = turns_.longest(net::now()) / std::chrono::microseconds{1};
+    const auto& counters = transport_->counters();
+    member_->on_usage({.transport_octets_sent = counters.sent_octets,
+                       .transport_octets_received = counters.received_octets,
+                       .longest_turn_us = static_cast<std::uint32_t>(std::min(longest_us, most)),
+                       .cpu_percent = processor_load_.percent()});
 }
 
 void ClusterBroker::on_link(const broker::LogId& process, election::Link link) {
@@ -430,7 +439,7 @@ void ClusterBroker::look_around() {
         if (!actions_.clients.empty()) carry_out();
     }
     processor_load_.on_reading(net::now(), process_processor_time());
-    member_->on_cpu_percent(processor_load_.percent());
+    tell_of_usage();
     const auto reading = condition_ ? condition_->look() : std::nullopt;
     if (reading) {
         member_->on_condition(net::now(), *reading, actions_);

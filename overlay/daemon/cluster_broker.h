@@ -64,6 +64,7 @@ private:
     void on_peer_message(const overlay::Envelope& envelope);
     void on_particulars(const cluster::Beacon& beacon);
     void on_peers_drained();
+    void tell_of_usage();
     void on_later_life(std::uint64_t incarnation);
     void listen_for_namesake();
     void begin_again();

@@ -42,6 +42,23 @@ std::optional<cluster::View> from_proto(const View& in) {
     return out;
 }
 
+/// Its figures stand among the others of a heartbeat, and of a beacon.
+template <typename Message>
+void to_proto(const cluster::Usage& in, Message& out) {
+    out.set_transport_octets_sent(in.transport_octets_sent);
+    out.set_transport_octets_received(in.transport_octets_received);
+    out.set_longest_turn_us(in.longest_turn_us);
+    out.set_cpu_percent(in.cpu_percent);
+}
+
+template <typename Message>
+cluster::Usage usage_from(const Message& in) {
+    return {.transport_octets_sent = in.transport_octets_sent(),
+            .transport_octets_received = in.transport_octets_received(),
+            .longest_turn_us = in.longest_turn_us(),
+            .cpu_percent = in.cpu_percent()};
+}
+
 void to_proto(const election::Claim& in, Claim& out) {
     out.set_capability(in.rank.capability);
     out.set_condition(in.rank.condition);
@@ -115,10 +132,7 @@ struct MessageWriter {
         to.set_logs_held(m.logs_held);
         to.set_sessions(m.sessions);
         to.set_connected(m.connected);
-        to.set_transport_octets_sent(m.transport_octets_sent);
-        to.set_transport_octets_received(m.transport_octets_received);
-        to.set_longest_turn_us(m.longest_turn_us);
-        to.set_cpu_percent(m.cpu_percent);
+        to_proto(m.usage, to);
         to.set_leaving(m.leaving);
     }
     void operator()(const cluster::Particulars& told) const {
@@ -153,10 +167,7 @@ struct MessageWriter {
         to.set_sessions(m.sessions);
         to.set_connected(m.connected);
         to.set_cannot_take(m.cannot_take);
-        to.set_transport_octets_sent(m.transport_octets_sent);
-        to.set_transport_octets_received(m.transport_octets_received);
-        to.set_longest_turn_us(m.longest_turn_us);
-        to.set_cpu_percent(m.cpu_percent);
+        to_proto(m.usage, to);
         to.set_leaving(m.leaving);
         to_proto(m.link.endpoint, *to.mutable_link());
         to.set_link_process(m.link.process);
@@ -293,10 +304,7 @@ MaybeMessage read_heartbeat(const Heartbeat& in) {
     out.logs_held = in.logs_held();
     out.sessions = in.sessions();
     out.connected = in.connected();
-    out.transport_octets_sent = in.transport_octets_sent();
-    out.transport_octets_received = in.transport_octets_received();
-    out.longest_turn_us = in.longest_turn_us();
-    out.cpu_percent = in.cpu_percent();
+    out.usage = usage_from(in);
     out.leaving = in.leaving();
     return out;
 }
@@ -324,10 +332,7 @@ MaybeMessage read_particulars(const Particulars& all) {
     out.sessions = in.sessions();
     out.connected = in.connected();
     out.cannot_take = in.cannot_take();
-    out.transport_octets_sent = in.transport_octets_sent();
-    out.transport_octets_received = in.transport_octets_received();
-    out.longest_turn_us = in.longest_turn_us();
-    out.cpu_percent = in.cpu_percent();
+    out.usage = usage_from(in);
     out.leaving = in.leaving();
     out.settings = in.settings();
     out.predefined = in.predefined();

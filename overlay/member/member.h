@@ -7,7 +7,6 @@
 #pragma once
 
 #include <array>
-#include <chrono>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -109,14 +108,8 @@ public:
     /// have gone on meanwhile.
     void before_sending(Instant now, MemberActions& out);
 
-    /// What the transport has carried so far: told to people in $SYS/brokers/<name>.
-    void on_transport_octets(std::uint64_t sent, std::uint64_t received) {
-        cluster_.on_transport_octets(sent, received);
-    }
-    /// How long the shell was busy at a stretch, of late: told there, too.
-    void on_longest_turn(std::chrono::microseconds longest) { cluster_.on_longest_turn(longest); }
-    /// How much of a core the process had, of late: told there, too.
-    void on_cpu_percent(std::uint32_t percent) { cluster_.on_cpu_percent(percent); }
+    /// Told to people in $SYS/brokers/<name>.
+    void on_usage(const cluster::Usage& usage) { cluster_.on_usage(usage); }
 
     /// See broker::BrokerCore::set_permissions. Peers compare the digest with theirs.
     void set_rights(const broker::Permissions* permissions, const std::string& digest);

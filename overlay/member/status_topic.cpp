@@ -140,10 +140,10 @@ std::string to_json(const BrokerStatus& status) {
            field("addresses", list_of(beacon.serving, to_text)) + ',' +
            field("cannot_take", number(beacon.cannot_take)) + ',' + field("view", view) + ',' +
            field("incarnation", number(beacon.log.incarnation)) + ',' +
-           field("transport_octets_sent", number(beacon.transport_octets_sent)) + ',' +
-           field("transport_octets_received", number(beacon.transport_octets_received)) + ',' +
-           field("longest_turn_us", number(beacon.longest_turn_us)) + ',' +
-           field("cpu_percent", number(beacon.cpu_percent)) +
+           field("transport_octets_sent", number(beacon.usage.transport_octets_sent)) + ',' +
+           field("transport_octets_received", number(beacon.usage.transport_octets_received)) +
+           ',' + field("longest_turn_us", number(beacon.usage.longest_turn_us)) + ',' +
+           field("cpu_percent", number(beacon.usage.cpu_percent)) +
            (status.does_not_hear.empty()
                 ? std::string{}
                 : ',' + field("does_not_hear", list_of(status.does_not_hear,

@@ -247,8 +247,9 @@ void ClusterBroker::take(const broker::LogId& process, election::Link link) {
 
 void ClusterBroker::tell_of_traffic() {
     if (!peers_.options().octets_of) return;
-    member_->on_transport_octets(octets_of(peers_.sent_by(node())) - sent_before_,
-                                 octets_of(peers_.received_by(node())) - received_before_);
+    member_->on_usage(
+        {.transport_octets_sent = octets_of(peers_.sent_by(node())) - sent_before_,
+         .transport_octets_received = octets_of(peers_.received_by(node())) - received_before_});
 }
 
 void ClusterBroker::tick() {

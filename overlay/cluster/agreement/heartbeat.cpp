@@ -105,12 +105,7 @@ Heartbeat HeartbeatWriter::write(const Beacon& beacon) {
                   .sessions = beacon.sessions,
                   .connected = beacon.connected,
                   .leaving = beacon.leaving};
-    if (beacon.tick % octets_told_every == 0) {
-        out.transport_octets_sent = beacon.transport_octets_sent;
-        out.transport_octets_received = beacon.transport_octets_received;
-        out.longest_turn_us = beacon.longest_turn_us;
-        out.cpu_percent = beacon.cpu_percent;
-    }
+    if (beacon.tick % usage_told_every == 0) out.usage = beacon.usage;
     const std::uint32_t before = std::exchange(particulars_, out.particulars);
     has_news_ = before != 0 && before != out.particulars;
 
@@ -273,12 +268,7 @@ void HeartbeatReader::join(Peer& peer, Beacon& beacon, const View& own_view) con
     beacon.claim = said.claim;
     beacon.sessions = said.sessions;
     beacon.connected = said.connected;
-    if (said.transport_octets_sent != 0) {
-        beacon.transport_octets_sent = said.transport_octets_sent;
-        beacon.transport_octets_received = said.transport_octets_received;
-        beacon.longest_turn_us = said.longest_turn_us;
-        beacon.cpu_percent = said.cpu_percent;
-    }
+    if (said.usage.transport_octets_sent != 0) beacon.usage = said.usage;
     beacon.leaving = said.leaving;
     join_view(peer, beacon, own_view);
     for (const LogPosition& position : said.held_others) set_held(beacon.applied, position);

@@ -29,10 +29,9 @@ public:
     /// The particulars changed with the last beacon that was written: all peers should have them.
     [[nodiscard]] bool has_news() const { return has_news_; }
 
-    static constexpr std::uint64_t said_in = 3;  // heartbeats: what has changed
-    static constexpr std::size_t repeated = 4;   // logs that have not, in turn
-    static constexpr std::uint64_t octets_told_every =
-        64;  // heartbeats: what the transport carried
+    static constexpr std::uint64_t said_in = 3;            // heartbeats: what has changed
+    static constexpr std::size_t repeated = 4;             // logs that have not, in turn
+    static constexpr std::uint64_t usage_told_every = 64;  // heartbeats
 
 private:
     struct Said {

@@ -43,10 +43,11 @@ static_assert(field_count<election::Claim>() == 3);
 static_assert(field_count<election::Ballot>() == 2);
 static_assert(field_count<cluster::ViewNumber>() == 3);
 static_assert(field_count<cluster::View>() == 2);
-static_assert(field_count<cluster::Beacon>() == 26);
+static_assert(field_count<cluster::Beacon>() == 23);
 static_assert(field_count<cluster::Echo>() == 2);
 static_assert(field_count<cluster::HeldByMember>() == 2);
-static_assert(field_count<cluster::Heartbeat>() == 21);
+static_assert(field_count<cluster::Heartbeat>() == 18);
+static_assert(field_count<cluster::Usage>() == 4);
 static_assert(field_count<cluster::Particulars>() == 3);
 static_assert(field_count<cluster::Pulse>() == 2);
 static_assert(field_count<cluster::LogBatch>() == 4);
@@ -106,10 +107,10 @@ TEST(BodyCodec, AHeartbeatKeepsItsFields) {
     EXPECT_EQ(out.logs_held, in.logs_held);
     EXPECT_EQ(out.sessions, in.sessions);
     EXPECT_EQ(out.connected, in.connected);
-    EXPECT_EQ(out.transport_octets_sent, in.transport_octets_sent);
-    EXPECT_EQ(out.transport_octets_received, in.transport_octets_received);
-    EXPECT_EQ(out.longest_turn_us, in.longest_turn_us);
-    EXPECT_EQ(out.cpu_percent, in.cpu_percent);
+    EXPECT_EQ(out.usage.transport_octets_sent, in.usage.transport_octets_sent);
+    EXPECT_EQ(out.usage.transport_octets_received, in.usage.transport_octets_received);
+    EXPECT_EQ(out.usage.longest_turn_us, in.usage.longest_turn_us);
+    EXPECT_EQ(out.usage.cpu_percent, in.usage.cpu_percent);
     EXPECT_EQ(out.leaving, in.leaving);
 }
 
@@ -187,10 +188,10 @@ TEST(BodyCodec, ParticularsKeepTheirFields) {
     EXPECT_EQ(out.sessions, in.sessions);
     EXPECT_EQ(out.connected, in.connected);
     EXPECT_EQ(out.cannot_take, in.cannot_take);
-    EXPECT_EQ(out.transport_octets_sent, in.transport_octets_sent);
-    EXPECT_EQ(out.transport_octets_received, in.transport_octets_received);
-    EXPECT_EQ(out.longest_turn_us, in.longest_turn_us);
-    EXPECT_EQ(out.cpu_percent, in.cpu_percent);
+    EXPECT_EQ(out.usage.transport_octets_sent, in.usage.transport_octets_sent);
+    EXPECT_EQ(out.usage.transport_octets_received, in.usage.transport_octets_received);
+    EXPECT_EQ(out.usage.longest_turn_us, in.usage.longest_turn_us);
+    EXPECT_EQ(out.usage.cpu_percent, in.usage.cpu_percent);
     EXPECT_EQ(out.leaving, in.leaving);
     EXPECT_EQ(out.link, in.link);
     EXPECT_EQ(out.settings, in.settings);

@@ -237,10 +237,7 @@ cluster::Beacon beacon(Random& r) {
     out.sessions = r.next();
     out.connected = r.next();
     out.cannot_take = r.next();
-    out.transport_octets_sent = wide(r);
-    out.transport_octets_received = wide(r);
-    out.longest_turn_us = r.next();
-    out.cpu_percent = r.next();
+    out.usage = {wide(r), wide(r), r.next(), r.next()};
     out.leaving = flag(r);
     out.link = {endpoint(r), wide(r)};
     for (auto& octet : out.link.secret) octet = static_cast<std::uint8_t>(r.next());
@@ -271,10 +268,7 @@ cluster::Heartbeat heartbeat(Random& r) {
     out.logs_held = r.next();
     out.sessions = r.next();
     out.connected = r.next();
-    out.transport_octets_sent = wide(r);
-    out.transport_octets_received = wide(r);
-    out.longest_turn_us = r.next();
-    out.cpu_percent = r.next();
+    out.usage = {wide(r), wide(r), r.next(), r.next()};
     out.leaving = flag(r);
     return out;
 }

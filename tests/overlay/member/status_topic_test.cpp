@@ -30,8 +30,8 @@ TEST(StatusTopic, IsAJsonObjectWithQuotesAndControlsEscaped) {
     cluster::Beacon beacon{.name = "r\"1\\\n", .log = {{}, 7}};
     beacon.sessions = 3;
     beacon.cannot_take = 2;
-    beacon.longest_turn_us = 1500;
-    beacon.cpu_percent = 12;
+    beacon.usage.longest_turn_us = 1500;
+    beacon.usage.cpu_percent = 12;
     beacon.claim.rank = {.capability = 3, .condition = 75};
     const cluster::View view{.number = {.term = 2, .leader = {}, .count = 4}, .members = {}};
     const std::vector<std::string> names{"a", "b"};
