@@ -98,7 +98,6 @@ public:
     // --- what `Member` must know
     [[nodiscard]] bool is_in_view() const { return view_change_.has_view(); }
     [[nodiscard]] const Speaking& speaking() const { return speaking_; }
-    [[nodiscard]] std::uint64_t leases_lost() const { return lease_.times_lost(); }
     /// The datagram waits for a session that is on its way here with many others: it comes first.
     void hurry(Effects effects, const Endpoint& via, const Endpoint& from, Bytes datagram);
     /// A message waits for the client, whose address is silent: the session leaves first.

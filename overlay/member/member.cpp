@@ -117,6 +117,7 @@ void Member::on_tick(Instant now, MemberActions& out) {
     if (has_left_) return;
     notice_standstill(now, out);
     broker_.set_congested(cluster_.is_short_of_peers());
+    note_lease(now);
     broker_waits_ = speaking().has_lost_lease(now);
     if (!broker_waits_) {
         broker_.on_tick(now, work_, [&](const broker::SessionHeader& client) {
@@ -159,7 +160,14 @@ void Member::leave(Instant now, MemberActions& out) {
 
 /// Waits until members echo again. Whoever was replaced meanwhile begins anew, and forgets it.
 void Member::before_sending(Instant now, MemberActions& out) {
-    if (!has_left_ && speaking().has_lost_lease(now)) hold_output(out);
+    if (has_left_) return;
+    note_lease(now);
+    if (speaking().has_lost_lease(now)) hold_output(out);
+}
+
+void Member::note_lease(Instant now) {
+    const bool spoke = std::exchange(speaks_, may_speak(now));
+    if (spoke && !speaks_) ++leases_lost_;
 }
 
 void Member::hold_output(MemberActions& out) {

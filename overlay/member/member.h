@@ -159,6 +159,8 @@ private:
     void notice_standstill(Instant now, MemberActions& out);
     [[nodiscard]] bool may_be_elsewhere(const broker::SessionHeader& client) const;
     void hold_output(MemberActions& out);
+    /// Counts leases that were lost.
+    void note_lease(Instant now);
     void restart(Instant now, MemberActions& out);
 
     // --- the broker core's actions
@@ -189,6 +191,8 @@ private:
 
     bool has_left_ = false;
     std::uint64_t replacements_ = 0;
+    bool speaks_ = false;  // with a lease, when it was asked last
+    std::uint64_t leases_lost_ = 0;
 
     bool broker_waits_ = false;  // its timers, as of the last tick: the lease was lost
     std::optional<std::uint32_t> begins_from_;  // the session from which on exchanges wait for it

@@ -30,7 +30,7 @@ MemberFacts Member::facts() const {
     if (out.leads) out.leader = options_.name;
     std::ranges::sort(out.peers, {}, &PeerFacts::name);
     out.replacements = replacements_;
-    out.leases_lost = cluster_.leases_lost();
+    out.leases_lost = leases_lost_;
     out.held_output = held_.size();
     out.held_output_dropped = held_.dropped();
     out.waiting_input = waiting_.size();

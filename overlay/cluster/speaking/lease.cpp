@@ -64,9 +64,7 @@ void Lease::take(const LogId& by, Instant stamped_at, const std::vector<BrokerId
 
 bool Lease::is_held(Instant now) const {
     if (now >= held_until_) held_until_ = ends_at();
-    const bool is_held = now < held_until_;
-    if (std::exchange(was_held_when_asked_, is_held) && !is_held) ++times_lost_;
-    return is_held;
+    return now < held_until_;
 }
 
 Instant Lease::stamped_at(const LogId& echoed_by) const {
@@ -240,7 +238,6 @@ void Lease::restart(const LogId& self) {
     ahead_.clear();
     refused_.clear();
     held_until_ = Instant::min();
-    was_held_when_asked_ = false;
 }
 
 }  // namespace romano::cluster

@@ -46,8 +46,6 @@ public:
     void on_echo(const LogId& by, std::uint64_t tick, const ViewNumber& installed,
                  const std::vector<BrokerId>& vouched);
     [[nodiscard]] bool is_held(Instant now) const;
-    /// Times that somebody asked for it when it was over, and had not been when asked before.
-    [[nodiscard]] std::uint64_t times_lost() const { return times_lost_; }
     /// Until the view was installed.
     [[nodiscard]] bool was_held_before() const { return was_held_before_; }
 
@@ -125,8 +123,6 @@ private:
     FlatMap<LogId, Refusal> refused_;              // members that are not echoed
     Instant missed_until_ = Instant::min();        // after a standstill
     mutable Instant held_until_ = Instant::min();  // as far as it was looked up
-    mutable bool was_held_when_asked_ = false;
-    mutable std::uint64_t times_lost_ = 0;
 };
 
 }  // namespace romano::cluster

@@ -281,6 +281,8 @@ TEST(Member, NobodyIsReplacedForListening) {
     brokers.run_for(1s);
     EXPECT_EQ(take_overs(brokers, {1, 2}), 0U);
     EXPECT_EQ(brokers.member(3).facts().replacements, 0U);
+    EXPECT_EQ(brokers.member(3).facts().leases_lost, 1U);
+    EXPECT_EQ(brokers.member(1).facts().leases_lost, 0U);
     robot.publish("pose", "1", Qos::exactly_once);
     brokers.run_for(500ms);
     EXPECT_THAT(robot.received(), ElementsAre("1"));

@@ -75,20 +75,6 @@ TEST_F(LeaseTest, AViewTellsWhetherThereWasOneUntilThen) {
     EXPECT_FALSE(lease.was_held_before());
 }
 
-TEST_F(LeaseTest, TellsHowOftenItWasLostAndNotForHowLong) {
-    lease.on_view(now, view(1, {self, a, b}));
-    EXPECT_FALSE(is_held_after(0ms));
-    EXPECT_EQ(lease.times_lost(), 0U) << "there was none yet";
-    for (std::uint64_t times = 1; times <= 3; ++times) {
-        beat({a, b});
-        EXPECT_TRUE(is_held_after(0ms));
-        now += 50ms;
-        EXPECT_FALSE(is_held_after(0ms));
-        EXPECT_FALSE(is_held_after(10ms));
-        EXPECT_EQ(lease.times_lost(), times);
-    }
-}
-
 TEST_F(LeaseTest, WhoIsAloneInItsViewHoldsOne) {
     lease.on_view(now, view(1, {self}));
     EXPECT_TRUE(is_held_after(1h));
