@@ -20,12 +20,12 @@ inline Instant now() {
 }
 
 /// When that is if the machine is not suspended meanwhile: steady_clock does not count that time.
+/// It is never too early: steady_clock is read last.
 inline std::chrono::steady_clock::time_point to_steady_clock(Instant instant) {
-    const auto steady = std::chrono::steady_clock::now();
-    const Instant current = now();
-    if (instant <= current) return steady;
     if (instant == never) return std::chrono::steady_clock::time_point::max();
-    return steady + (instant - current);
+    const Instant current = now();
+    const auto steady = std::chrono::steady_clock::now();
+    return instant <= current ? steady : steady + (instant - current);
 }
 
 inline Duration unix_time() {

@@ -24,9 +24,9 @@ void CoreTimer::wait() {
     timer_.expires_at(to_steady_clock(armed_for_));
     timer_.async_wait([this](const boost::system::error_code& error) {
         if (error || armed_for_ == never) return;
-        // A wait that was replaced just as it ended may bring an old wake-up: wait on.
+        // A wait that was replaced just as it ended may bring an old wake-up.
         const Instant woken = now();
-        if (woken < armed_for_) return;
+        if (woken < armed_for_) return wait();
         turns_.begin(woken);
         const Instant deadline = std::exchange(armed_for_, never);
         const bool at_once = deadline == Instant::min();

@@ -19,6 +19,16 @@ TEST(CoreTimer, WakesAtTheDeadlineAndNotBefore) {
     EXPECT_GE(woken, deadline);
 }
 
+// Between two clocks that are read one after the other this thread may lose its processor. A timer
+// of the one that ends before the other one's deadline would wake nobody.
+TEST(Clock, AnInstantIsNotTooEarlyOnTheSteadyClock) {
+    for (int i = 0; i < 100'000; ++i) {
+        const auto before = std::chrono::steady_clock::now();
+        const Instant deadline = now() + 10ms;
+        ASSERT_GE(to_steady_clock(deadline), before + 10ms);
+    }
+}
+
 TEST(CoreTimer, MovesForwardToAnEarlierDeadline) {
     boost::asio::io_context io;
     int wakeups = 0;
