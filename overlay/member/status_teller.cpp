@@ -43,11 +43,16 @@ std::string rights_of(const cluster::ClusterCore& cluster, const broker::LogId& 
 void StatusTeller::on_tick(Instant now, const cluster::ClusterCore& cluster,
                            broker::BrokerCore& broker, broker::Actions& out) {
     // An heir takes its addresses some time after the view in which it is one.
-    std::vector<Endpoint> serving = serving_in(cluster);
-    const bool is_news = cluster.view().number != told_view_ ||
-                         cluster.leadership() != told_leadership_ || serving != told_serving_;
+    bool is_news = cluster.view().number != told_view_ || cluster.leadership() != told_leadership_;
+    const std::uint64_t news = cluster.membership().news();
+    std::vector<Endpoint> claimed = cluster.addresses().claimed();
+    if (news != looked_at_ || claimed != claimed_) {
+        looked_at_ = news;
+        claimed_ = std::move(claimed);
+        is_news |= serving_in(cluster) != told_serving_;
+    }
     if (now < next_ && !is_news) return;
-    told_serving_ = std::move(serving);
+    told_serving_ = serving_in(cluster);
     next_ = now + cluster.times().status_told_every();
     told_view_ = cluster.view().number;
     told_leadership_ = cluster.leadership();

@@ -3,6 +3,7 @@
 // which address changes.
 #pragma once
 
+#include <cstdint>
 #include <map>
 #include <string>
 #include <vector>
@@ -28,6 +29,8 @@ private:
     cluster::ViewNumber told_view_;
     election::Leadership told_leadership_;
     std::vector<Endpoint> told_serving_;
+    std::uint64_t looked_at_ = 0;    // Membership::news(), when it was compared with that last
+    std::vector<Endpoint> claimed_;  // as well
     std::map<std::string, std::string> told_;  // by topic: only changes are published
 };
 
