@@ -12,8 +12,9 @@ constexpr int terms_to_meet = 10;
 
 }  // namespace
 
-// Peers miss a member a beacon time before the detection timeout at the soonest, so that nobody
-// waits for a lease longer than for that. Two beacon times are the age of an echo without loss.
+// A term is the detection timeout: who misses a member waits for its lease a beacon time longer at
+// most, for detectors count beacons. Two beacon times are the age of an echo without loss; what is
+// left of the holder's term is for processes that wait for a processor.
 //
 // A time daemon slews a clock by a twelfth at most, and two clocks may be slewed apart: then what
 // the holder takes for a term is 15.4 % of one longer than what the others wait. A fifth of a term
@@ -21,7 +22,7 @@ constexpr int terms_to_meet = 10;
 Lease::Lease(const LogId& self, Duration beacon_every, Duration detection_timeout)
     : self_(self),
       beacon_every_(beacon_every),
-      term_(std::max(detection_timeout - beacon_every, 3 * beacon_every)),
+      term_(std::max(detection_timeout, 3 * beacon_every)),
       margin_(term_ / 5) {}
 
 // --- the own lease

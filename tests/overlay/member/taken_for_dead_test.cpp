@@ -393,7 +393,7 @@ TEST(Member, ABrokerThatWasReplacedForAMomentHearsItsRobotsAtOnce) {
     };
     publish_for(29);
     brokers.stall_before_sending(3);
-    publish_for(84);
+    publish_for(95);
     ASSERT_NE(brokers.server_of(3), 3);
     brokers.wake(3);
     brokers.run_for(5ms);

@@ -21,8 +21,8 @@ const LogId c = test::log_of("c");
 const LogId d = test::log_of("d");
 
 constexpr Duration beacon = 10ms;
-constexpr Duration term = 40ms;  // of a detection timeout of 50 ms
-constexpr Duration margin = 8ms;
+constexpr Duration term = 50ms;  // the detection timeout
+constexpr Duration margin = 10ms;
 
 ViewNumber number(std::uint64_t count) {
     return {.term = 1, .leader = self.broker, .count = count};
@@ -52,7 +52,7 @@ struct LeaseTest : testing::Test {
         return std::ranges::count(lease.echoes(), peer, &Echo::of) > 0;
     }
 
-    Lease lease{self, beacon, 50ms};
+    Lease lease{self, beacon, term};
     Instant now{10s};
     std::uint64_t tick = 100;
     std::uint64_t heard = 0;
