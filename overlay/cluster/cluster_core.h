@@ -104,6 +104,14 @@ public:
     void on_awaited(const broker::SessionHeader& client) { hand_back_.on_awaited(client); }
     /// The datagram's session is at a peer, who is asked for it: it shall wait for that.
     bool must_fetch(Effects effects, const Endpoint& via, const Endpoint& from, Bytes datagram);
+    /// The datagram's session is at a peer, or on its way.
+    [[nodiscard]] bool is_elsewhere(const broker::BrokerCore& broker, const Endpoint& via,
+                                    const Endpoint& from, Bytes datagram) const {
+        return roaming_
+            .client_elsewhere(broker, {via, from}, datagram, peer_sessions_.homes(), departures_,
+                              membership_)
+            .has_value();
+    }
     [[nodiscard]] bool is_fetching(const Endpoint& via, const Endpoint& from) const {
         return roaming_.is_fetching({via, from});
     }

@@ -77,12 +77,15 @@ void Member::on_datagram(Instant now, const Endpoint& via, const Endpoint& from,
     notice_standstill(now, out);
     if (speaking().is_deaf(via)) return;  // its sessions are with another broker by now
     if (!cluster_.is_in_view() && now < fresh_from_) return;
+    const auto hold = [&] {
+        waiting_.hold(via, from, datagram, true, broker_.has_session_at(via, from, datagram));
+    };
     if (speaking().must_wait(now, broker_, via, from, datagram)) {
         cluster_.hurry(effects(now, out), via, from, datagram);
-        return waiting_.hold(via, from, datagram, true);
+        return hold();
     }
     if (waiting_.holds(from)) {
-        waiting_.hold(via, from, datagram, true);
+        hold();
         return carry_out(now, out);
     }
     if (cluster_.must_fetch(effects(now, out), via, from, datagram)) {
@@ -303,6 +306,10 @@ void Member::serve_waiting(Instant now, MemberActions& out) {
     for (auto& datagram : ready) {
         if (datagram.is_new) {
             if (speaking().is_deaf(datagram.via)) continue;
+            const bool is_gone =
+                datagram.was_homed &&
+                cluster_.is_elsewhere(broker_, datagram.via, datagram.from, datagram.octets);
+            if (is_gone) continue;
             if (cluster_.must_fetch(effects(now, out), datagram.via, datagram.from,
                                     datagram.octets)) {
                 datagram.is_new = false;

@@ -58,18 +58,29 @@ bool is_of_session(Bytes datagram) {
 
 }  // namespace
 
+std::optional<broker::ClientId> Roaming::client_elsewhere(const broker::BrokerCore& own,
+                                                          const Way& way, Bytes datagram,
+                                                          const Homes& homes,
+                                                          const Departures& leaving,
+                                                          const Membership& membership) const {
+    const Said said = unwrap(way.from, datagram);
+    if (!is_of_session(said.message) || own.serves(way.via, way.from, datagram)) {
+        return std::nullopt;
+    }
+    auto client = client_of(way, datagram, own, homes);
+    if (!client) return std::nullopt;
+    const bool is_known = homes.of(*client) || leaving.all().contains(*client) ||
+                          std::ranges::count(let_go_, *client, &LetGo::client) > 0;
+    if (!is_known || is_foreign(*client, homes, membership)) return std::nullopt;
+    return client;
+}
+
 bool Roaming::on_datagram(Effects& effects, const Way& way, Bytes datagram, const Homes& homes,
                           const Departures& leaving, const Membership& membership,
                           const View& view) {
-    const Said said = unwrap(way.from, datagram);
-    if (!is_of_session(said.message) || effects.broker.serves(way.via, way.from, datagram)) {
-        return false;
-    }
-    auto client = client_of(way, datagram, effects.broker, homes);
-    if (!client || fetching_.size() >= fetching_most) return false;
-    const bool is_known = homes.of(*client) || leaving.all().contains(*client) ||
-                          std::ranges::count(let_go_, *client, &LetGo::client) > 0;
-    if (!is_known || is_foreign(*client, homes, membership)) return false;
+    if (fetching_.size() >= fetching_most) return false;
+    auto client = client_elsewhere(effects.broker, way, datagram, homes, leaving, membership);
+    if (!client) return false;
     Fetching fetching{.client = *std::move(client),
                       .since = effects.now,
                       .asked = std::nullopt,

@@ -40,6 +40,10 @@ public:
     /// `predefined`: the own digest of the predefined topics.
     explicit Roaming(std::uint32_t predefined) : predefined_(predefined) {}
 
+    /// The client of the datagram, when its session is known and not here.
+    [[nodiscard]] std::optional<broker::ClientId> client_elsewhere(
+        const broker::BrokerCore& own, const Way& way, Bytes datagram, const Homes& homes,
+        const Departures& leaving, const Membership& membership) const;
     /// True when the datagram shall wait: we ask for its session.
     bool on_datagram(Effects& effects, const Way& way, Bytes datagram, const Homes& homes,
                      const Departures& leaving, const Membership& membership, const View& view);

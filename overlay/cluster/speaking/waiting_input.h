@@ -1,6 +1,7 @@
 // Clients' datagrams that cannot be answered yet: before the first view, without a lease, and while
 // sessions of their service address are on their way here. So many are served in one turn at most
-// (I8).
+// (I8). A session that leaves meanwhile leaves them behind: its client said them before it spoke
+// elsewhere, and an exchange that has ended there must not be heard again (P3).
 //
 // Bounded by octets; beyond that new ones are dropped, as a network may do: clients ask again.
 #pragma once
@@ -24,16 +25,18 @@ public:
         Endpoint via;
         Endpoint from;
         std::vector<std::uint8_t> octets;
-        bool is_new = false;  // the cluster was not asked yet whose client this is
+        bool is_new = false;     // the cluster was not asked yet whose client this is
+        bool was_homed = false;  // its session was here when it came
     };
 
-    void hold(const Endpoint& via, const Endpoint& from, Bytes octets, bool is_new) {
+    void hold(const Endpoint& via, const Endpoint& from, Bytes octets, bool is_new,
+              bool was_homed = false) {
         if (octets_ + octets.size() + overhead > octets_most) {
             ++dropped_;
             return;
         }
         octets_ += octets.size() + overhead;
-        waiting_.push_back({via, from, {octets.begin(), octets.end()}, is_new});
+        waiting_.push_back({via, from, {octets.begin(), octets.end()}, is_new, was_homed});
         ++clients_[from];
     }
 

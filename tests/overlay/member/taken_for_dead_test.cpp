@@ -376,6 +376,33 @@ TEST(Member, APauseShorterThanTheDetectionTimeChangesNothing) {
     EXPECT_THAT(robot.received(), ElementsAre("1"));
 }
 
+/// Of two voters neither is replaced. The robot's PUBLISH waits at the one that stands still, and
+/// its repetition at the other one, whose lease is back first: it asks for the session.
+TEST(Member, P3_WhatWaitsWhereItsSessionLeavesIsHeardAtTheNextHomeOnly) {
+    cluster::ClusterOptions options;
+    options.elector = "raft";
+    options.voters = {"b1", "b2"};
+    Brokers brokers(options);
+    brokers.start(1);
+    brokers.run_for(5ms);  // their beacons leave at different times
+    start(brokers, {2});
+    Robot& listener = subscriber(brokers, "listener", 1, Qos::exactly_once);
+    Robot& robot = publisher(brokers, "robot", 2);
+    robot.publish("pose", "0", Qos::exactly_once);
+    brokers.run_for(100ms);
+    brokers.stall(2);
+    robot.publish("pose", "1", Qos::exactly_once);
+    brokers.run_for(100ms);
+    robot.move_to(broker_address(1));
+    brokers.run_for(300ms);
+    brokers.wake(2);
+    brokers.run_for(settling);
+    EXPECT_THAT(listener.received(), ElementsAre("0", "1"));
+    EXPECT_THAT(brokers.sessions_at(1), ElementsAre("listener", "robot"));
+    EXPECT_EQ(robot.acknowledged(), 2U);
+    expect_unnoticed(robot);
+}
+
 /// Stopped between a beat and its beacon, it sees no standstill when it goes on. Its heir's socket
 /// is newer than its own, and what robots say must not end there.
 TEST(Member, ABrokerThatWasReplacedForAMomentHearsItsRobotsAtOnce) {

@@ -50,6 +50,7 @@ std::vector<OnceBad> once_bad() {
           19192, 19420}},
         {"TwoWithRaft", {.brokers = 2, .elector = "raft"}, {1200474, 1200611, 1200906}},
         {"AsShippedRaft", {.as_shipped = true, .elector = "raft"}, {2747}},
+        {"AsShippedOfWhoRoamsFromAStandstill", {.as_shipped = true}, {3078}},
         {"AsShippedOfOneWhoWasReplaced", {.as_shipped = true}, {3225, 3260, 3468, 4098, 42250}},
     };
 }
