@@ -122,12 +122,15 @@ void ClusterCore::on_view(Effects& effects, const ViewAnnouncement& announcement
     // An heir whose own detector is a little slower must not take the dead for a rival, and fall
     // silent, at the very moment at which it takes the address over.
     for (const LogPosition& end : announcement.ends) membership_.on_left_out(effects.now, end.log);
-    // It may have bound its address beside us, and stopped and not died: datagrams would go there.
+    // It may have bound its address beside us, and stopped and not died: datagrams would go there,
+    // and what clients answered until now did.
     for (const LogPosition& end : announcement.ends) {
         const Peer* peer = membership_.find(end.log.broker);
         if (peer == nullptr || peer->beacon.log != end.log) continue;
         for (const Endpoint& address : addresses_.serving()) {
-            if (peer->is_home_of(address)) addresses_.take_anew(effects, address);
+            if (!peer->is_home_of(address)) continue;
+            addresses_.take_anew(effects, address);
+            said_again_.insert_or_assign(address, 0);
         }
     }
     for (const auto& [id, log] : logs_) {

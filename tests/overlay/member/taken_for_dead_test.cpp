@@ -403,6 +403,36 @@ TEST(Member, P3_WhatWaitsWhereItsSessionLeavesIsHeardAtTheNextHomeOnly) {
     expect_unnoticed(robot);
 }
 
+/// Its address is its own again, and its robot's session is not: what the robot answers to its home
+/// ends at the dead one's socket.
+TEST(Member, P2_ABrokerThatIsStruckJustAfterItsReturnIsReplacedAsSoon) {
+    for (const auto after : {0ms, 5ms, 9ms}) {
+        SCOPED_TRACE(after.count());
+        Brokers brokers;
+        start(brokers, {1, 2, 3});
+        Robot& robot = subscriber(brokers, "robot", 1, Qos::at_least_once);
+        Robot& other = publisher(brokers, "other", 2);
+        const auto publish_for = [&](std::chrono::milliseconds time) {
+            for (; time > 0ms; time -= 1ms) {
+                other.publish("pose", "1", Qos::at_least_once);
+                brokers.run_for(1ms);
+            }
+        };
+        publish_for(30ms);
+        brokers.stall(1);
+        publish_for(170ms);
+        ASSERT_NE(brokers.server_of(1), 1);
+        brokers.wake(1);
+        for (int i = 0; i < 1000 && brokers.server_of(1) != 1; ++i) publish_for(1ms);
+        publish_for(after);
+        brokers.stall(1);
+        const auto received = robot.received().size();
+        publish_for(130ms);
+        EXPECT_GT(robot.received().size(), received + 5);
+        expect_unnoticed(robot);
+    }
+}
+
 /// Stopped between a beat and its beacon, it sees no standstill when it goes on. Its heir's socket
 /// is newer than its own, and what robots say must not end there.
 TEST(Member, ABrokerThatWasReplacedForAMomentHearsItsRobotsAtOnce) {
