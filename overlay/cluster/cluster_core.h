@@ -122,6 +122,12 @@ public:
     [[nodiscard]] const std::optional<Instant>& on_smaller_side_since() const {
         return smaller_side_.since();
     }
+    /// What clients answered may be lost: the next turns repeat what waits for that.
+    void say_again_everywhere() {
+        for (const Endpoint& address : addresses_.serving()) {
+            said_again_.insert_or_assign(address, 0);
+        }
+    }
     /// A peer says that it is home to the client.
     [[nodiscard]] bool is_homed_at_peer(const broker::ClientId& client) const {
         return peer_sessions_.homes().of(client).has_value();

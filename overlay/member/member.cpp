@@ -99,7 +99,10 @@ void Member::on_peer_message(Instant now, const Envelope& envelope, MemberAction
     on_input(now, out, [&] {
         const cluster::ViewNumber before = cluster_.view().number;
         cluster_.on_message(effects(now, out), envelope);
-        if (stood_still_ && cluster_.view().number != before) waiting_.clear();
+        if (stood_still_ && cluster_.view().number != before) {
+            waiting_.clear();
+            cluster_.say_again_everywhere();  // answers were among it
+        }
         if (cluster_.was_replaced(now)) restart(now, out);
     });
 }

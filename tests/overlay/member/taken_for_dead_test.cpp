@@ -433,6 +433,32 @@ TEST(Member, P2_ABrokerThatIsStruckJustAfterItsReturnIsReplacedAsSoon) {
     }
 }
 
+/// It goes on just as the others leave it out, and they take it back: it forgets what robots said,
+/// an answer among that.
+TEST(Member, P2_WhoIsTakenBackWaitsForNoAnswerThatItForgot) {
+    for (const auto away : {93ms, 94ms, 95ms, 96ms, 97ms, 98ms, 99ms}) {
+        SCOPED_TRACE(away.count());
+        Brokers brokers;
+        start(brokers, {1, 2, 3});
+        Robot& robot = subscriber(brokers, "robot", 1, Qos::at_least_once);
+        Robot& other = publisher(brokers, "other", 2);
+        const auto publish_for = [&](std::chrono::milliseconds time) {
+            for (; time > 0ms; time -= 1ms) {
+                other.publish("pose", "1", Qos::at_least_once);
+                brokers.run_for(1ms);
+            }
+        };
+        publish_for(38ms);
+        brokers.stall(1);
+        publish_for(away);
+        brokers.wake(1);
+        const auto received = robot.received().size();
+        publish_for(100ms);
+        EXPECT_GT(robot.received().size(), received + 5);
+        expect_unnoticed(robot);
+    }
+}
+
 /// Stopped between a beat and its beacon, it sees no standstill when it goes on. Its heir's socket
 /// is newer than its own, and what robots say must not end there.
 TEST(Member, ABrokerThatWasReplacedForAMomentHearsItsRobotsAtOnce) {
