@@ -403,6 +403,14 @@ TEST(Member, P3_WhatWaitsWhereItsSessionLeavesIsHeardAtTheNextHomeOnly) {
     expect_unnoticed(robot);
 }
 
+/// A message of QoS 1 each millisecond.
+void publish_for(Brokers& brokers, Robot& robot, std::chrono::milliseconds time) {
+    for (; time > 0ms; time -= 1ms) {
+        robot.publish("pose", "1", Qos::at_least_once);
+        brokers.run_for(1ms);
+    }
+}
+
 /// Its address is its own again, and its robot's session is not: what the robot answers to its home
 /// ends at the dead one's socket.
 TEST(Member, P2_ABrokerThatIsStruckJustAfterItsReturnIsReplacedAsSoon) {
@@ -412,22 +420,17 @@ TEST(Member, P2_ABrokerThatIsStruckJustAfterItsReturnIsReplacedAsSoon) {
         start(brokers, {1, 2, 3});
         Robot& robot = subscriber(brokers, "robot", 1, Qos::at_least_once);
         Robot& other = publisher(brokers, "other", 2);
-        const auto publish_for = [&](std::chrono::milliseconds time) {
-            for (; time > 0ms; time -= 1ms) {
-                other.publish("pose", "1", Qos::at_least_once);
-                brokers.run_for(1ms);
-            }
-        };
-        publish_for(30ms);
+        publish_for(brokers, other, 30ms);
         brokers.stall(1);
-        publish_for(170ms);
+        publish_for(brokers, other, 170ms);
         ASSERT_NE(brokers.server_of(1), 1);
         brokers.wake(1);
-        for (int i = 0; i < 1000 && brokers.server_of(1) != 1; ++i) publish_for(1ms);
-        publish_for(after);
+        for (int i = 0; i < 1000 && brokers.server_of(1) != 1; ++i)
+            publish_for(brokers, other, 1ms);
+        publish_for(brokers, other, after);
         brokers.stall(1);
         const auto received = robot.received().size();
-        publish_for(130ms);
+        publish_for(brokers, other, 130ms);
         EXPECT_GT(robot.received().size(), received + 5);
         expect_unnoticed(robot);
     }
@@ -442,18 +445,12 @@ TEST(Member, P2_WhoIsTakenBackWaitsForNoAnswerThatItForgot) {
         start(brokers, {1, 2, 3});
         Robot& robot = subscriber(brokers, "robot", 1, Qos::at_least_once);
         Robot& other = publisher(brokers, "other", 2);
-        const auto publish_for = [&](std::chrono::milliseconds time) {
-            for (; time > 0ms; time -= 1ms) {
-                other.publish("pose", "1", Qos::at_least_once);
-                brokers.run_for(1ms);
-            }
-        };
-        publish_for(38ms);
+        publish_for(brokers, other, 38ms);
         brokers.stall(1);
-        publish_for(away);
+        publish_for(brokers, other, away);
         brokers.wake(1);
         const auto received = robot.received().size();
-        publish_for(100ms);
+        publish_for(brokers, other, 100ms);
         EXPECT_GT(robot.received().size(), received + 5);
         expect_unnoticed(robot);
     }
