@@ -32,7 +32,7 @@ void HandBack::compare(Effects& effects, const Membership& membership, const Vie
         }
         if (rivals.empty()) {
             const auto ended = rivals_.extract(address);
-            if (!ended.empty() && ended.mapped().is_claimed) addresses.announce(effects, address);
+            if (!ended.empty() && ended.mapped().claimed_in) addresses.announce(effects, address);
             continue;
         }
         Rivalry& rivalry = rivals_[address];
@@ -46,7 +46,9 @@ void HandBack::compare(Effects& effects, const Membership& membership, const Vie
             rivalry.is_settled() || std::ranges::any_of(rivalry.with, [&](BrokerId id) {
                 return membership.find(id)->beacon.hears_from(self_);
             });
-        if (is_ours && !std::exchange(rivalry.is_claimed, true)) {
+        // A view that left us out may have had a rival take it anew: what clients answer would go
+        // there.
+        if (is_ours && std::exchange(rivalry.claimed_in, view.number) != view.number) {
             addresses.take_anew(effects, address);
         }
     }

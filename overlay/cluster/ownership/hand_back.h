@@ -31,6 +31,7 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <set>
 #include <vector>
 
@@ -140,11 +141,11 @@ private:
     std::map<Endpoint, Giving> giving_;
     struct Rivalry {
         std::set<BrokerId> with = {};
-        Instant since = {};                   // with these, or fewer
-        Instant together_since = {};          // in one view with all of them
-        std::set<BrokerId> handed_over = {};  // they did
-        bool is_in_vain = false;              // the others were waited for long enough
-        bool is_claimed = false;              // datagrams come here, and wait
+        Instant since = {};                         // with these, or fewer
+        Instant together_since = {};                // in one view with all of them
+        std::set<BrokerId> handed_over = {};        // they did
+        bool is_in_vain = false;                    // the others were waited for long enough
+        std::optional<ViewNumber> claimed_in = {};  // datagrams come here, and wait
         void on_rivals(Instant now, std::set<BrokerId> rivals);
         [[nodiscard]] bool is_settled() const;
     };

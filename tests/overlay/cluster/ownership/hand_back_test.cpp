@@ -185,6 +185,20 @@ TEST(HandBack, AnOwnAddressIsClaimedWhenTheRivalHearsUs) {
     EXPECT_EQ(healed.claimed(), 1U) << "once is enough";
 }
 
+// A view left us out, and the rival took the address anew; the next view has us again. The address
+// was bound here before that, and what clients answered to our repeats went to the rival, which was
+// deaf (profile `wifi`, a broker that was struck two beacons after its return: they waited for 2
+// s).
+TEST(HandBack, P2_AnOwnAddressIsClaimedOnceInEachViewWithARival) {
+    AfterAHeal healed;
+    ASSERT_EQ(healed.claimed(), 1U);
+    ++healed.view.number.count;
+    healed.compare();
+    EXPECT_EQ(healed.claimed(), 2U);
+    healed.compare();
+    EXPECT_EQ(healed.claimed(), 2U) << "once is enough";
+}
+
 // Its kernel asked for a client's hardware address in the name of ours, after we had claimed it:
 // for a second the client's datagrams went to a machine that did not have the address any more.
 TEST(HandBack, AnOwnAddressIsAnnouncedOnceMoreWhenTheRivalHasLetItGo) {
