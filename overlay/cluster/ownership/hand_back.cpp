@@ -148,9 +148,10 @@ bool HandBack::is_called_off(const Effects& effects, const Endpoint& address, co
                              const Membership& membership, const View& view,
                              const Departures& departures, const NotYet& not_yet) const {
     if (giving.stage != Stage::sealed) {
+        // What has begun to move may be adopted there until a view ends that log (I1).
         const bool has_begun = giving.stage == Stage::moving;
         if (has_begun && departures.has_late_ones(effects, giving.owner)) return true;
-        return !membership.is_alive(giving.owner) || !view.contains(giving.owner);
+        return !view.contains(giving.owner) || (!has_begun && !membership.is_alive(giving.owner));
     }
     if (effects.now > giving.since + effects.times.handover_acknowledged_within()) return true;
     return !view.contains(giving.owner) && !not_yet.inheriting.contains(address);

@@ -85,6 +85,7 @@ TEST(OnceBrokenSeeds, HaveOneSpeakerNow) {
     }
     keep(Invariant::one_speaker, 814, {.faults = {Fault::late}});
     keep(Invariant::one_speaker, 297, {.faults = {Fault::starve}});
+    keep(Invariant::one_speaker, 1767, {.faults = {Fault::starve}});
 }
 
 TEST(OnceBrokenSeeds, HaveOneOwnerAViewNow) {

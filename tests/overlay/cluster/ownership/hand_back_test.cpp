@@ -56,11 +56,12 @@ struct AfterAHeal {
             now, Beacon{.log = other, .tick = 1, .hears = {self.broker}, .serving = {ours}});
         compare();
     }
-    [[nodiscard]] std::size_t handed_over(const std::set<Endpoint>& pending_output = {}) {
+    [[nodiscard]] std::size_t handed_over(const std::set<Endpoint>& pending_output = {},
+                                          const std::set<Endpoint>& half_adopted = {}) {
         clients.clear();
         Effects acting = effects();
         hand_back.carry_on(acting, {logs, own}, membership, view, addresses, departures,
-                           {pending_output, {}, {}});
+                           {pending_output, half_adopted, {}});
         return clients.list().size();
     }
     void compare() {
@@ -491,6 +492,30 @@ TEST(HandBack, AHolderGoesOnUntilTheOwnerHasBoundAndAnswersHaveLeft) {
     hear({theirs}, {});
     EXPECT_EQ(holder.handed_over(), 0U);
     EXPECT_FALSE(holder.addresses.is_serving(theirs));
+}
+
+// Both starved in turn: the holder called it off and spoke again, and the owner adopted what was on
+// its way and spoke as well (simulator, faults `starve`, seed 1767).
+TEST(HandBack, I1_WhoIsOnlySuspectedMayAdoptWhatHasBegunToMove) {
+    AfterAHeal holder;
+    holder.membership.on_beacon(holder.now, Beacon{.log = rival,
+                                                   .tick = ++holder.tick,
+                                                   .hears = {self.broker},
+                                                   .home_addresses = {theirs},
+                                                   .serving = {theirs},
+                                                   .binding = {theirs}});
+    holder.compare();
+    EXPECT_EQ(holder.handed_over(), 0U);
+    holder.now += 50ms;
+    EXPECT_EQ(holder.handed_over({}, {theirs}), 0U) << "more sessions come first";
+    ASSERT_TRUE(holder.hand_back.is_silent(theirs));
+    holder.hear_nothing_for(200ms);
+    ASSERT_FALSE(holder.membership.is_alive(rival));
+    (void)holder.handed_over({}, {theirs});
+    EXPECT_TRUE(holder.hand_back.is_silent(theirs));
+    holder.view.members = {self};
+    (void)holder.handed_over({}, {theirs});
+    EXPECT_FALSE(holder.hand_back.is_silent(theirs)) << "its log has ended";
 }
 
 }  // namespace
