@@ -17,10 +17,10 @@
 // After a heal two brokers may serve an address: it belongs to the one whose home address it is,
 // else to the one with the higher id. The broker that does not own it falls silent as soon as it
 // hears of the other, and so does the owner. The owner claims the address, so that datagrams come
-// to it and wait, as soon as the other one hears it. The other one begins at "SessionMoved" when
-// they are in one view; the ranks of two copies of a session settle which stays (broker::outranks).
-// A move that both want counts like being heard: it raises the epoch, so that the holder's copy
-// never wins again.
+// to it and wait, as soon as the other one hears it, and once more in each view. The other begins
+// at "SessionMoved" when they are in one view; the ranks of two copies of a session settle which
+// stays (broker::outranks). A move that both want counts like being heard: it raises the epoch, so
+// that the holder's copy never wins again.
 //
 // A rival's machine may call datagrams to itself for as long as it has the address: to send from
 // there, its kernel asks for the client's hardware address in the name of our address. So the owner

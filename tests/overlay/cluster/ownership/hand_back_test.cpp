@@ -188,8 +188,7 @@ TEST(HandBack, AnOwnAddressIsClaimedWhenTheRivalHearsUs) {
 
 // A view left us out, and the rival took the address anew; the next view has us again. The address
 // was bound here before that, and what clients answered to our repeats went to the rival, which was
-// deaf (profile `wifi`, a broker that was struck two beacons after its return: they waited for 2
-// s).
+// deaf (profile `wifi`, a broker that was struck two beacons after its return).
 TEST(HandBack, P2_AnOwnAddressIsClaimedOnceInEachViewWithARival) {
     AfterAHeal healed;
     ASSERT_EQ(healed.claimed(), 1U);
