@@ -146,41 +146,44 @@ CostRow run(const CostScenario& scenario, unsigned repetition, const Options& br
     double cpu_after = 0;
     double cpu_of_the_dead = 0;
     std::optional<double> turn_ms;
+    std::optional<MachineStalls> stalls;
     bool is_stopped = false;
     std::optional<Instant> killed_at;
     std::vector<double> orphans_delays_ms;
-    experiments::LoadRun load(scenario.plan, clients,
-                              {.on_progress =
-                                   [&](const std::string& phase, double share) {
-                                       const bool stop = scenario.fault && phase == "measuring" &&
-                                                         share > 1.0 / 3 && share < 2.0 / 3;
-                                       if (stop == is_stopped) return;
-                                       is_stopped = stop;
-                                       if (!stop) return cluster.revive(last);
-                                       if (scenario.fault != Fault::crash) {
-                                           return cluster.pause(last);
-                                       }
-                                       cpu_of_the_dead = cpu_s(cluster, last);
-                                       cluster.kill(last);
-                                       killed_at = net::now();
-                                   },
-                               .on_measuring = [&] { cpu_before = cpu_s(cluster); },
-                               .on_measured =
-                                   [&] {
-                                       cpu_after = cpu_s(cluster) + cpu_of_the_dead;
-                                       if (scenario.measures_turns) {
-                                           turn_ms = longest_turn_ms(cluster);
-                                       }
-                                   },
-                               .is_stopped = {},
-                               .on_delivery =
-                                   [&](std::uint32_t subscriber, Instant due, Duration delay) {
-                                       if (!killed_at || home_of(scenario, subscriber) != last)
-                                           return;
-                                       if (due < *killed_at || due > *killed_at + orphaned_for)
-                                           return;
-                                       orphans_delays_ms.push_back(in_ms(delay));
-                                   }});
+    experiments::LoadRun load(
+        scenario.plan, clients,
+        {.on_progress =
+             [&](const std::string& phase, double share) {
+                 if (scenario.measures_turns && !stalls && phase == "warming up") {
+                     stalls.emplace();
+                 }
+                 const bool stop =
+                     scenario.fault && phase == "measuring" && share > 1.0 / 3 && share < 2.0 / 3;
+                 if (stop == is_stopped) return;
+                 is_stopped = stop;
+                 if (!stop) return cluster.revive(last);
+                 if (scenario.fault != Fault::crash) {
+                     return cluster.pause(last);
+                 }
+                 cpu_of_the_dead = cpu_s(cluster, last);
+                 cluster.kill(last);
+                 killed_at = net::now();
+             },
+         .on_measuring = [&] { cpu_before = cpu_s(cluster); },
+         .on_measured =
+             [&] {
+                 cpu_after = cpu_s(cluster) + cpu_of_the_dead;
+                 if (scenario.measures_turns) {
+                     turn_ms = longest_turn_ms(cluster);
+                 }
+             },
+         .is_stopped = {},
+         .on_delivery =
+             [&](std::uint32_t subscriber, Instant due, Duration delay) {
+                 if (!killed_at || home_of(scenario, subscriber) != last) return;
+                 if (due < *killed_at || due > *killed_at + orphaned_for) return;
+                 orphans_delays_ms.push_back(in_ms(delay));
+             }});
     const experiments::LoadFigures figures = load.run();
     return {
         .scenario = scenario.name,
@@ -192,6 +195,7 @@ CostRow run(const CostScenario& scenario, unsigned repetition, const Options& br
         .acknowledgement_max_ms = in_ms(figures.acknowledgement.max()),
         .orphans_delivery_p50_ms = experiments::Percentiles{std::move(orphans_delays_ms)}.at(0.5),
         .longest_turn_ms = turn_ms,
+        .machine_stalls = stalls ? stalls->seen() : std::nullopt,
         .broker_cpu_percent = 100 * (cpu_after - cpu_before) / figures.measured_s,
         .lost = static_cast<double>(figures.lost())};
 }
@@ -273,7 +277,7 @@ std::string csv_of(const std::vector<CostRow>& rows) {
     std::string text = experiments::csv_line(
         {"scenario", "repetition", "deliveries_per_s", "delivery_p50_ms", "delivery_max_ms",
          "acknowledgement_p50_ms", "acknowledgement_max_ms", "orphans_delivery_p50_ms",
-         "longest_turn_ms", "broker_cpu_percent", "lost"});
+         "longest_turn_ms", "longest_machine_stall_ms", "broker_cpu_percent", "lost"});
     for (const CostRow& row : rows) {
         const auto number = [](double each) { return experiments::csv_number(each); };
         text += experiments::csv_line(
@@ -282,6 +286,7 @@ std::string csv_of(const std::vector<CostRow>& rows) {
              number(row.acknowledgement_p50_ms), number(row.acknowledgement_max_ms),
              row.orphans_delivery_p50_ms ? number(*row.orphans_delivery_p50_ms) : std::string{},
              row.longest_turn_ms ? number(*row.longest_turn_ms) : std::string{},
+             row.machine_stalls ? number(in_ms(row.machine_stalls->longest)) : std::string{},
              number(row.broker_cpu_percent), number(row.lost)});
     }
     return text;

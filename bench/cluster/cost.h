@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "bench/failover/options.h"
+#include "bench/machine_stalls.h"
 #include "experiments/load/load_plan.h"
 
 namespace romano::bench {
@@ -37,8 +38,9 @@ struct CostRow {
     double acknowledgement_max_ms = 0;
     /// Of the messages for the clients of a broker that has just been killed.
     std::optional<double> orphans_delivery_p50_ms = {};
-    std::optional<double> longest_turn_ms = {};  // of any broker
-    double broker_cpu_percent = 0;               // of all brokers together, in percent of one core
+    std::optional<double> longest_turn_ms = {};              // of any broker
+    std::optional<MachineStalls::Seen> machine_stalls = {};  // while turns were measured
+    double broker_cpu_percent = 0;  // of all brokers together, in percent of one core
     double lost = 0;
 };
 

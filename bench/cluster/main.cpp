@@ -56,6 +56,9 @@ int run_all(const Options& options, double seconds, unsigned repetitions,
                          repetition, repetitions, scenario.name.c_str(), row.deliveries_per_s,
                          row.delivery_p50_ms, row.delivery_max_ms, row.acknowledgement_p50_ms,
                          row.acknowledgement_max_ms, row.broker_cpu_percent, row.lost);
+            if (row.longest_turn_ms) {
+                std::fprintf(stderr, "%s\n", text_of(row.machine_stalls).c_str());
+            }
             std::ofstream(options.output / "runs.csv") << csv_of(rows);
         }
     }

@@ -217,7 +217,9 @@ Watched Bench::watch(Duration duration, const std::function<bool()>& is_over) {
                                .on_measuring = {},
                                .on_measured = {},
                                .is_stopped = is_over});
+    const MachineStalls stalls;
     const experiments::LoadFigures figures = load.run();
+    const auto machine_stalls = stalls.seen();
     cluster_.look();
     std::uint64_t lost_since = 0;
     for (std::size_t i = 0; i < cluster_.size(); ++i) {
@@ -229,7 +231,8 @@ Watched Bench::watch(Duration duration, const std::function<bool()>& is_over) {
             .suspicions = count("lost "),
             .leases_lost = lost_since,
             .take_overs = count("adopts ") - (victim ? 1 : 0),  // the victim's, rightly
-            .away_s = options_.away_s};
+            .away_s = options_.away_s,
+            .machine_stalls = machine_stalls};
 }
 
 std::optional<Instant> Bench::await_message(std::size_t robot, Instant since, Duration patience) {

@@ -1,6 +1,7 @@
 #include "bench/failover/results.h"
 
 #include <array>
+#include <chrono>
 #include <cstdio>
 #include <fstream>
 #include <functional>
@@ -124,6 +125,7 @@ void print(const Watched& watched) {
         static_cast<unsigned long long>(watched.suspicions),
         static_cast<unsigned long long>(watched.leases_lost),
         static_cast<unsigned long long>(watched.take_overs));
+    std::printf("%s\n", text_of(watched.machine_stalls).c_str());
 }
 
 /// The share of trials in which it had happened by then.
@@ -244,6 +246,11 @@ void Results::conclude() const {
             {"messages", watched_->messages},         {"lost", watched_->lost},
             {"suspicions", watched_->suspicions},     {"leases_lost", watched_->leases_lost},
             {"false_failovers", watched_->take_overs}};
+        if (const auto& stalls = watched_->machine_stalls) {
+            summary["watch"]["machine_stalls"] = stalls->count;
+            summary["watch"]["longest_machine_stall_ms"] =
+                std::chrono::duration<double, std::milli>(stalls->longest).count();
+        }
     }
     std::ofstream(options_.output / "summary.json") << summary.dump(2) << '\n';
     if (const auto svg = experiments::draw(figure(options_, trials_), options_.output)) {

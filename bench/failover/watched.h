@@ -2,6 +2,9 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
+
+#include "bench/machine_stalls.h"
 
 namespace romano::bench {
 
@@ -14,6 +17,7 @@ struct Watched {
     std::uint64_t leases_lost = 0;  // by brokers that nothing befell
     std::uint64_t take_overs = 0;   // of a living broker's address
     std::uint32_t away_s = 0;       // the victim
+    std::optional<MachineStalls::Seen> machine_stalls = {};
 };
 
 }  // namespace romano::bench
