@@ -33,8 +33,8 @@ bool rise_above_all(int core) {
 
 void LateWakeUps::on_wake_up(Duration late) {
     if (late < counted_from) return;
-    ++count_;
     longest_ = std::max(longest_.load(), late);
+    ++count_;
 }
 
 MachineStalls::MachineStalls() {
