@@ -162,9 +162,10 @@ void ClusterCore::compare_addresses(Effects& effects) {
 
 void ClusterCore::seek_addresses(Effects& effects) {
     const auto is_held = [&](const Endpoint& address) {
-        return std::ranges::any_of(membership_.peers(), [&](const auto& entry) {
-            return entry.second.alive && entry.second.is_serving(address);
-        });
+        return take_over_.is_left_to_another(address) ||
+               std::ranges::any_of(membership_.peers(), [&](const auto& entry) {
+                   return entry.second.alive && entry.second.is_serving(address);
+               });
     };
     addresses_.seek(effects, is_held);
     // Whom we have not met may serve it.

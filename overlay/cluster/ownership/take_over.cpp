@@ -52,12 +52,19 @@ void TakeOver::on_view(Instant now, const ViewAnnouncement& announcement,
             return std::ranges::count(announcement.view.members, heir, &LogId::broker) == 0;
         });
     }
+    std::erase_if(left_to_, [&announcement](const auto& entry) {
+        return std::ranges::count(announcement.view.members, entry.second.heir, &LogId::broker) ==
+               0;
+    });
     std::set<Endpoint> named{Endpoint{}};  // what was left at no address is each heir's
     std::set<Endpoint> taken;              // that nobody spoke from until now
     for (const Assignment& assignment : announcement.assignments) {
         const bool is_first = named.insert(assignment.address).second;
         if (assignment.heir != self_) {
-            if (is_first) others_.insert(assignment.address);
+            if (is_first) {
+                others_.insert(assignment.address);
+                left_to_.insert_or_assign(assignment.address, FirstHeir{assignment.heir, now});
+            }
             if (taken.contains(assignment.address)) {
                 AwaitedHeirs& awaited = awaited_heirs_[assignment.address];
                 awaited.heirs.insert(assignment.heir);
@@ -65,6 +72,7 @@ void TakeOver::on_view(Instant now, const ViewAnnouncement& announcement,
             }
             continue;
         }
+        if (is_first) left_to_.erase(assignment.address);
         if (is_first && !addresses.is_claimed(assignment.address)) {
             taken.insert(assignment.address);
         }
@@ -82,6 +90,9 @@ void TakeOver::carry_on(Effects& effects, const Logs& logs, const Membership& me
         const AwaitedHeirs& awaited = entry.second;
         return awaited.heirs.empty() ||
                effects.now > awaited.since + effects.times.other_heirs_waited_for();
+    });
+    std::erase_if(left_to_, [&effects](const auto& entry) {
+        return effects.now > entry.second.since + effects.times.other_heirs_waited_for();
     });
     const bool may_go_on = std::exchange(may_go_on_, false);
     std::vector<broker::ClientId> awaited;

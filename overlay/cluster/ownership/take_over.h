@@ -9,7 +9,9 @@
 // their sessions on to it in the same way; until then it is silent there, for its copy of a session
 // may be the older one. When the first heir does not serve the address in time, they adopt the
 // sessions without it. A session that its home had moved to a member of the view stays with that
-// member. While the removed broker is heard to serve the address, it keeps it.
+// member. While the removed broker is heard to serve the address, it keeps it. Until the first heir
+// serves it nobody else takes it, its own broker neither: both would before they hear of each
+// other.
 //
 // From an outdated log the heir takes what nobody else has; to know that, it first reads all that
 // the members say.
@@ -65,6 +67,10 @@ public:
         return awaited_heirs_.contains(address);
     }
     void on_handed_over(BrokerId from, const Endpoint& address);
+    /// A view named another member as its first heir, which may serve it before we hear so.
+    [[nodiscard]] bool is_left_to_another(const Endpoint& address) const {
+        return left_to_.contains(address);
+    }
     /// Somebody waits for the sessions that want such messages, or for that client's.
     void on_publish(std::string_view topic);
     void on_client(const broker::ClientId& client) { awaited_.on_client(client); }
@@ -74,6 +80,7 @@ public:
         pending_.clear();
         others_.clear();
         awaited_heirs_.clear();
+        left_to_.clear();
         awaited_.clear();
     }
 
@@ -115,6 +122,11 @@ private:
         Instant since = {};
     };
     std::map<Endpoint, AwaitedHeirs> awaited_heirs_;
+    struct FirstHeir {
+        BrokerId heir = {};
+        Instant since = {};
+    };
+    std::map<Endpoint, FirstHeir> left_to_;
     std::uint64_t inherited_ = 0;
 };
 

@@ -84,8 +84,9 @@ TEST(OnceBrokenSeeds, HaveOneSpeakerNow) {
         keep(Invariant::one_speaker, seed, {.faults = {Fault::relapse}});
     }
     keep(Invariant::one_speaker, 814, {.faults = {Fault::late}});
-    keep(Invariant::one_speaker, 297, {.faults = {Fault::starve}});
-    keep(Invariant::one_speaker, 1767, {.faults = {Fault::starve}});
+    for (const std::uint64_t seed : {297, 1429, 1767}) {
+        keep(Invariant::one_speaker, seed, {.faults = {Fault::starve}});
+    }
 }
 
 TEST(OnceBrokenSeeds, HaveOneOwnerAViewNow) {
