@@ -62,13 +62,6 @@ TEST(SoughtAddress, I1_IsLeftToTheHeirThatAViewNames) {
     EXPECT_FALSE(owner.takes_its_address_within(30ms));
 }
 
-TEST(SoughtAddress, P1_IsTakenWhenTheHeirNeverServesIt) {
-    Owner owner;
-    owner.install({self, peer}, {{{dead, 1}, ours, peer.broker}});
-    EXPECT_TRUE(
-        owner.takes_its_address_within(test::times.other_heirs_waited_for() + sought_within));
-}
-
 TEST(SoughtAddress, P1_IsTakenWhenTheHeirIsGone) {
     Owner owner;
     owner.install({self, peer}, {{{dead, 1}, ours, peer.broker}});

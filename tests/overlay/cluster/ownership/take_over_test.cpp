@@ -141,6 +141,23 @@ TEST_F(TakeOverTest, P3_TheFirstHeirIsSilentUntilTheOthersHavePassedOnTheirs) {
 
 // Two dead lives of one broker left it, and no member held both logs: each had an heir, and both
 // took the address (simulator, faults `relapse`, seed 366).
+// Its machine may not be able to serve it.
+TEST_F(TakeOverTest, P1_AnAddressIsLeftToItsHeirUntilThatMustHaveBegun) {
+    TakeOver take_over{self.broker, 256};
+    const View both{.members = {self, other}};
+    take_over.on_view(now, {.view = both, .assignments = {{{dead, 1}, theirs, other.broker}}},
+                      addresses);
+    const auto is_left = [&] {
+        Effects effects{now, broker, clients, outbox, local, test::times};
+        take_over.carry_on(effects, {peers, own}, membership, both, addresses, departures, true);
+        return take_over.is_left_to_another(theirs);
+    };
+    now += test::times.other_heirs_waited_for();
+    EXPECT_TRUE(is_left());
+    now += 1ms;
+    EXPECT_FALSE(is_left());
+}
+
 TEST_F(TakeOverTest, I1_AnAddressThatSeveralInheritIsTheFirstHeirs) {
     view.members.push_back(other);
     const Assignment to_other{{test::log_of("third"), 1}, theirs, other.broker};
