@@ -47,15 +47,11 @@ void TakeOver::on_view(Instant now, const ViewAnnouncement& announcement,
                });
     });
     others_.clear();
-    for (auto& [address, awaited] : awaited_heirs_) {
-        std::erase_if(awaited.heirs, [&announcement](BrokerId heir) {
-            return std::ranges::count(announcement.view.members, heir, &LogId::broker) == 0;
-        });
-    }
-    std::erase_if(left_to_, [&announcement](const auto& entry) {
-        return std::ranges::count(announcement.view.members, entry.second.heir, &LogId::broker) ==
-               0;
-    });
+    const auto is_gone = [&announcement](BrokerId heir) {
+        return std::ranges::count(announcement.view.members, heir, &LogId::broker) == 0;
+    };
+    for (auto& [address, awaited] : awaited_heirs_) std::erase_if(awaited.heirs, is_gone);
+    std::erase_if(left_to_, [&](const auto& entry) { return is_gone(entry.second.heir); });
     std::set<Endpoint> named{Endpoint{}};  // what was left at no address is each heir's
     std::set<Endpoint> taken;              // that nobody spoke from until now
     for (const Assignment& assignment : announcement.assignments) {

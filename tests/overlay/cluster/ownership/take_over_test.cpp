@@ -139,8 +139,6 @@ TEST_F(TakeOverTest, P3_TheFirstHeirIsSilentUntilTheOthersHavePassedOnTheirs) {
     EXPECT_FALSE(bereft.awaits_heirs(theirs)) << "that one died, too";
 }
 
-// Two dead lives of one broker left it, and no member held both logs: each had an heir, and both
-// took the address (simulator, faults `relapse`, seed 366).
 // Its machine may not be able to serve it.
 TEST_F(TakeOverTest, P1_AnAddressIsLeftToItsHeirUntilThatMustHaveBegun) {
     TakeOver take_over{self.broker, 256};
@@ -158,6 +156,8 @@ TEST_F(TakeOverTest, P1_AnAddressIsLeftToItsHeirUntilThatMustHaveBegun) {
     EXPECT_FALSE(is_left());
 }
 
+// Two dead lives of one broker left it, and no member held both logs: each had an heir, and both
+// took the address (simulator, faults `relapse`, seed 366).
 TEST_F(TakeOverTest, I1_AnAddressThatSeveralInheritIsTheFirstHeirs) {
     view.members.push_back(other);
     const Assignment to_other{{test::log_of("third"), 1}, theirs, other.broker};
