@@ -11,6 +11,11 @@ bool stands_before(const MessagePtr& message, Seq seq) {
     return message->position.seq < seq;
 }
 
+/// Of so many events of which some, or all, are due.
+std::size_t piece_of(std::size_t events) {
+    return std::clamp(events / 8, LogHistory::least_at_once, LogHistory::most_at_once);
+}
+
 }  // namespace
 
 void LogHistory::append(LogEventPtr event) {
@@ -53,11 +58,12 @@ MessagePtr LogHistory::publish_at(Seq seq) const {
 }
 
 bool LogHistory::forget_events(Seq through) {
-    for (std::size_t gone = 0; gone < most_at_once; ++gone) {
-        if (events_.empty() || last_ - events_.size() + 1 > through) return true;
-        events_.pop_front();
-    }
-    return false;
+    const Seq first = last_ - events_.size() + 1;
+    if (events_.empty() || first > through) return true;
+    const std::size_t due = std::min(through, last_) - first + 1;
+    const std::size_t piece = std::min(due, piece_of(due));
+    events_.erase(events_.begin(), events_.begin() + static_cast<std::ptrdiff_t>(piece));
+    return piece == due;
 }
 
 bool LogHistory::forget_publishes(Instant now, Duration kept_on, Seq through) {
@@ -74,11 +80,13 @@ bool LogHistory::forget_all() {
 }
 
 bool LogHistory::forget_oldest_publishes(Seq through) {
-    for (std::size_t gone = 0; gone < most_at_once; ++gone) {
-        if (publishes_.empty() || publishes_.front()->position.seq > through) return true;
-        publishes_.pop_front();
-    }
-    return false;
+    const auto is_due = [&] {
+        return !publishes_.empty() && publishes_.front()->position.seq <= through;
+    };
+    if (!is_due()) return true;
+    std::size_t rest = piece_of(through - publishes_.front()->position.seq + 1);
+    for (; rest > 0 && is_due(); --rest) publishes_.pop_front();
+    return !is_due();
 }
 
 }  // namespace romano::cluster

@@ -6,8 +6,10 @@
 // go, and a broker that lags by more needs a snapshot; beyond `most` publishes the oldest go, and
 // an adopted session whose home lagged by more does not get them.
 //
-// What may go goes in pieces: while a dead broker's log is kept nobody passes anything, and to free
-// all of it at once takes longer than peers wait for a beacon.
+// What may go goes in pieces, an eighth at a time: while a dead broker's log is kept nobody passes
+// anything, and to free all of it at once takes longer than peers wait for a beacon. Under full
+// load what came to all logs in a tenth of a second already takes a beacon's time, and who is late
+// with beacons loses leases.
 #pragma once
 
 #include <cstddef>
@@ -48,7 +50,7 @@ public:
     /// Null when it is not kept.
     [[nodiscard]] MessagePtr publish_at(Seq seq) const;
 
-    /// False when more than `most_at_once` had to go: call again soon.
+    /// False when more has to go than one piece: call again soon.
     bool forget_events(Seq through);
     /// Every member's logged cursor has passed `through`. Publishes stay for `kept_on` more: a
     /// session on its way between homes still asks for them at its new one, and a newcomer does not
@@ -59,6 +61,7 @@ public:
 
     [[nodiscard]] std::size_t events_kept() const { return events_.size(); }
 
+    static constexpr std::size_t least_at_once = 250;
     static constexpr std::size_t most_at_once = 2'000;  // less than a millisecond
 
 private:

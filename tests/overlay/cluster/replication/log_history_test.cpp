@@ -70,20 +70,43 @@ TEST(LogHistory, P2_WhatWasPassedBeforeItWasPublishedStaysAsLong) {
 
 // While a dead broker's log is kept nobody passes anything; then all of it may go.
 TEST(LogHistory, ManyAreForgottenInPieces) {
-    constexpr Seq piece = LogHistory::most_at_once;
-    LogHistory history = history_of(2 * piece + 10, 3 * piece);
-    EXPECT_FALSE(history.forget_events(2 * piece));
-    EXPECT_EQ(history.events_kept(), piece + 10);
-    EXPECT_FALSE(history.forget_events(2 * piece));
-    EXPECT_TRUE(history.forget_events(2 * piece));
-    EXPECT_EQ(history.events_kept(), 10U);
+    constexpr Seq most = LogHistory::most_at_once;
+    constexpr Seq due = 16 * most;
+    LogHistory history = history_of(due + 10, 2 * due);
+    EXPECT_FALSE(history.forget_events(due));
+    EXPECT_EQ(history.events_kept(), due + 10 - most);
+    EXPECT_TRUE(history.forget_publishes(Instant{}, kept_on, due)) << "none goes yet";
+    EXPECT_FALSE(history.forget_publishes(Instant{kept_on}, kept_on, due));
+    EXPECT_EQ(history.publishes_after(0).size(), due + 10 - most);
 
-    EXPECT_TRUE(history.forget_publishes(Instant{}, kept_on, 2 * piece)) << "none goes yet";
-    EXPECT_FALSE(history.forget_publishes(Instant{kept_on}, kept_on, 2 * piece));
-    EXPECT_EQ(history.publishes_after(0).size(), piece + 10);
-    EXPECT_FALSE(history.forget_all());
-    EXPECT_TRUE(history.forget_all());
+    while (!history.forget_events(due)) {
+    }
+    EXPECT_EQ(history.events_kept(), 10U);
+    while (!history.forget_all()) {
+    }
     EXPECT_EQ(history.publishes_after(0).size(), 0U);
+}
+
+// A tenth of a second under full load: freed in one turn it keeps a beacon waiting.
+TEST(LogHistory, I8_AFewThousandAreForgottenInManyTurns) {
+    constexpr Seq due = 3'200;
+    LogHistory history = history_of(due + 10, due + 10);
+    (void)history.forget_publishes(Instant{}, kept_on, due);
+    std::size_t turns = 0;
+    bool is_all = false;
+    while (!is_all) {
+        const std::size_t events = history.events_kept();
+        const std::size_t publishes = history.publishes_after(0).size();
+        is_all = history.forget_events(due);
+        is_all &= history.forget_publishes(Instant{kept_on}, kept_on, due);
+        EXPECT_LE(events - history.events_kept(), 400U);
+        EXPECT_LE(publishes - history.publishes_after(0).size(), 400U);
+        ++turns;
+    }
+    EXPECT_GE(turns, 8U);
+    EXPECT_LE(turns, 16U) << "and not in many more";
+    EXPECT_EQ(history.events_kept(), 10U);
+    EXPECT_EQ(history.publishes_after(0).size(), 10U);
 }
 
 TEST(LogHistory, OnlyPublishesAreKeptAsPublishes) {
